@@ -1,0 +1,3 @@
+//! The `geobench` command.
+
+fn main() {}

@@ -1,0 +1,104 @@
+//! Typed 4-byte numbers of mesh elements.
+
+use std::fmt;
+
+macro_rules! id {
+    ($(#[$doc:meta])* $name:ident, $noun:literal) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+        #[repr(transparent)]
+        pub struct $name(u32);
+
+        impl $name {
+            #[doc = concat!("The id of ", $noun, " number `index`, counted from 0.")]
+            #[inline]
+            pub const fn new(index: u32) -> Self {
+                Self(index)
+            }
+
+            /// The number behind the id.
+            #[inline]
+            pub const fn raw(self) -> u32 {
+                self.0
+            }
+
+            /// The number behind the id, ready to index an array.
+            #[inline]
+            pub const fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                fmt::Display::fmt(&self.0, f)
+            }
+        }
+
+        impl fmt::Debug for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, concat!($noun, " {}"), self.0)
+            }
+        }
+    };
+}
+
+id!(
+    /// A vertex, by its 0-based place in the file.
+    VertexId,
+    "vertex"
+);
+id!(
+    /// A face, by its 0-based place among the triangles of the mesh.
+    FaceId,
+    "face"
+);
+id!(
+    /// A half-edge: number `3 * face + corner`, running from that corner to the next one.
+    HalfEdgeId,
+    "half-edge"
+);
+
+impl FaceId {
+    /// The half-edge that leaves corner `corner` (0, 1 or 2) of this face.
+    #[inline]
+    pub const fn half_edge(self, corner: u32) -> HalfEdgeId {
+        HalfEdgeId(3 * self.0 + corner)
+    }
+}
+
+impl HalfEdgeId {
+    /// The face that lies to the left of this half-edge.
+    #[inline]
+    pub const fn face(self) -> FaceId {
+        FaceId(self.0 / 3)
+    }
+
+    /// The corner of its face at which this half-edge starts.
+    #[inline]
+    pub const fn corner(self) -> u32 {
+        self.0 % 3
+    }
+
+    /// The half-edge that follows around the face.
+    #[inline]
+    #[must_use]
+    pub const fn next(self) -> Self {
+        Self(if self.0 % 3 == 2 {
+            self.0 - 2
+        } else {
+            self.0 + 1
+        })
+    }
+
+    /// The half-edge that precedes around the face.
+    #[inline]
+    #[must_use]
+    pub const fn prev(self) -> Self {
+        Self(if self.0 % 3 == 0 {
+            self.0 + 2
+        } else {
+            self.0 - 1
+        })
+    }
+}

@@ -1,0 +1,13 @@
+//! Half-edge triangle meshes for geodesic distances: files, validation, generators.
+
+mod build;
+mod edges;
+mod ids;
+mod mesh;
+mod soup;
+mod validate;
+
+pub use ids::{FaceId, HalfEdgeId, VertexId};
+pub use mesh::Mesh;
+pub use soup::TriangleSoup;
+pub use validate::{Defect, InvalidMesh, Report};

@@ -1,0 +1,173 @@
+//! The half-edge mesh that every solver reads.
+
+use crate::ids::{FaceId, HalfEdgeId, VertexId};
+
+/// A triangulated 2-manifold, with or without boundary, immutable after construction.
+///
+/// Half-edge `3 * face + corner` starts at that corner; [`HalfEdgeId::next`] and
+/// [`HalfEdgeId::prev`] are arithmetic and only the twin is stored. In the *frame* of a half-edge
+/// its tail is the origin, its head lies on the positive x-axis, and its face lies above
+/// (y > 0): [`apex`](Mesh::apex) is the position of the third vertex there. Everything a geodesic
+/// needs is in these lengths and frames; a mesh built from lengths alone has no positions.
+///
+/// Vertex numbers are the file's.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    pub(crate) positions: Vec<[f64; 3]>,
+    pub(crate) tails: Vec<VertexId>,
+    pub(crate) twins: Vec<u32>,
+    pub(crate) lengths: Vec<f64>,
+    pub(crate) apexes: Vec<[f64; 2]>,
+    pub(crate) outgoing_starts: Vec<u32>,
+    pub(crate) outgoing: Vec<HalfEdgeId>,
+    pub(crate) total_angles: Vec<f64>,
+    pub(crate) flags: Vec<VertexFlags>,
+}
+
+/// What is special about a vertex; see the accessors of [`Mesh`] for the meanings.
+#[derive(Clone, Copy, Debug, Default)]
+#[allow(clippy::struct_excessive_bools)] // Four independent facts, one byte each.
+pub(crate) struct VertexFlags {
+    pub(crate) boundary: bool,
+    pub(crate) saddle: bool,
+    pub(crate) pinched: bool,
+}
+
+/// Stands in `twins` at a boundary half-edge.
+pub(crate) const NO_TWIN: u32 = u32::MAX;
+
+impl Mesh {
+    /// Number of vertices, isolated ones included.
+    pub fn vertex_count(&self) -> usize {
+        self.flags.len()
+    }
+
+    /// Number of triangles.
+    pub fn face_count(&self) -> usize {
+        self.tails.len() / 3
+    }
+
+    /// Number of half-edges: three for each face.
+    pub fn half_edge_count(&self) -> usize {
+        self.tails.len()
+    }
+
+    /// All vertices in the file's order.
+    pub fn vertices(&self) -> impl ExactSizeIterator<Item = VertexId> + Clone + use<> {
+        (0..self.vertex_count() as u32).map(VertexId::new)
+    }
+
+    /// All faces.
+    pub fn faces(&self) -> impl ExactSizeIterator<Item = FaceId> + Clone + use<> {
+        (0..self.face_count() as u32).map(FaceId::new)
+    }
+
+    /// All half-edges.
+    pub fn half_edges(&self) -> impl ExactSizeIterator<Item = HalfEdgeId> + Clone + use<> {
+        (0..self.half_edge_count() as u32).map(HalfEdgeId::new)
+    }
+
+    /// Coordinates of every vertex; empty for a mesh that was built from edge lengths alone.
+    pub fn positions(&self) -> &[[f64; 3]] {
+        &self.positions
+    }
+
+    /// The vertex from which `h` starts.
+    #[inline]
+    pub fn tail(&self, h: HalfEdgeId) -> VertexId {
+        self.tails[h.index()]
+    }
+
+    /// The vertex at which `h` ends.
+    #[inline]
+    pub fn head(&self, h: HalfEdgeId) -> VertexId {
+        self.tails[h.next().index()]
+    }
+
+    /// The vertex of the face of `h` that is not on `h`.
+    #[inline]
+    pub fn apex_vertex(&self, h: HalfEdgeId) -> VertexId {
+        self.tails[h.prev().index()]
+    }
+
+    /// The three vertices of `face`, in its orientation.
+    #[inline]
+    pub fn face_vertices(&self, face: FaceId) -> [VertexId; 3] {
+        let i = face.half_edge(0).index();
+        [self.tails[i], self.tails[i + 1], self.tails[i + 2]]
+    }
+
+    /// The half-edge of the neighbouring face along the same edge, or `None` at the boundary.
+    #[inline]
+    pub fn twin(&self, h: HalfEdgeId) -> Option<HalfEdgeId> {
+        let twin = self.twins[h.index()];
+        (twin != NO_TWIN).then(|| HalfEdgeId::new(twin))
+    }
+
+    /// Length of `h`, the same bits as that of its twin; positive and finite.
+    #[inline]
+    pub fn length(&self, h: HalfEdgeId) -> f64 {
+        self.lengths[h.index()]
+    }
+
+    /// Position of the apex vertex in the frame of `h`; its y is positive.
+    #[inline]
+    pub fn apex(&self, h: HalfEdgeId) -> [f64; 2] {
+        self.apexes[h.index()]
+    }
+
+    /// The half-edges that start at `v`, counter-clockwise within each fan, fan after fan.
+    ///
+    /// Empty for an isolated vertex. A fan that ends at the boundary starts with the half-edge
+    /// that has no twin, and ends with the one whose `prev` has none.
+    #[inline]
+    pub fn outgoing(&self, v: VertexId) -> &[HalfEdgeId] {
+        let i = v.index();
+        &self.outgoing[self.outgoing_starts[i] as usize..self.outgoing_starts[i + 1] as usize]
+    }
+
+    /// The vertices joined to `v` by an edge, each once, with the lengths of those edges.
+    pub fn neighbours(&self, v: VertexId) -> impl Iterator<Item = (VertexId, f64)> {
+        self.outgoing(v).iter().flat_map(move |&h| {
+            let back = h.prev();
+            let last = self
+                .twin(back)
+                .is_none()
+                .then(|| (self.tail(back), self.length(back)));
+            std::iter::once((self.head(h), self.length(h))).chain(last)
+        })
+    }
+
+    /// Sum of the corner angles at `v` in radians, over all its fans; 0 for an isolated vertex.
+    #[inline]
+    pub fn total_angle(&self, v: VertexId) -> f64 {
+        self.total_angles[v.index()]
+    }
+
+    /// Whether `v` lies on a boundary edge.
+    #[inline]
+    pub fn is_boundary(&self, v: VertexId) -> bool {
+        self.flags[v.index()].boundary
+    }
+
+    /// Whether a shortest path can bend at `v` inside one fan: that fan spans more than 2π, or
+    /// more than π if it is open (with a slack of 1e-8, which costs less than 1e-16 of a path).
+    #[inline]
+    pub fn is_saddle(&self, v: VertexId) -> bool {
+        self.flags[v.index()].saddle
+    }
+
+    /// Whether several fans meet in `v` and in nothing else.
+    #[inline]
+    pub fn is_pinched(&self, v: VertexId) -> bool {
+        self.flags[v.index()].pinched
+    }
+
+    /// Whether a shortest path may turn at `v`, so that windows must start from it anew: at a
+    /// saddle, and at a pinched vertex, where it may pass from one fan into another.
+    #[inline]
+    pub fn is_pseudo_source(&self, v: VertexId) -> bool {
+        let flags = self.flags[v.index()];
+        flags.saddle || flags.pinched
+    }
+}

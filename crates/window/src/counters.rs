@@ -1,0 +1,121 @@
+//! What an algorithm counts, each thing defined once, here.
+
+macro_rules! counters {
+    ($($(#[doc = $doc:literal])+ $name:ident = $key:literal,)+) => {
+        /// A quantity that a run counts. The documentation of each is its definition, for every
+        /// algorithm alike.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[repr(u8)]
+        pub enum Counter {
+            $($(#[doc = $doc])+ $name,)+
+        }
+
+        impl Counter {
+            /// Every counter, in the order of the result file.
+            pub const ALL: &[Counter] = &[$(Counter::$name),+];
+
+            /// The name of the counter in result files.
+            pub const fn key(self) -> &'static str {
+                match self {
+                    $(Counter::$name => $key,)+
+                }
+            }
+
+            /// The definition of the counter in words.
+            pub const fn definition(self) -> &'static str {
+                match self {
+                    $(Counter::$name => concat!($($doc),+),)+
+                }
+            }
+        }
+    };
+}
+
+counters! {
+    /// Child windows that were computed or tried, empty results included: the "number of window
+    /// propagations" of the papers' tables.
+    Propagated = "propagated",
+    /// Windows that were taken from a queue or list and crossed a triangle.
+    Parents = "parents",
+    /// Non-empty windows that crossing a triangle, or starting from a (pseudo-)source, produced.
+    Children = "children",
+    /// Children that survived the checks made when they arrived at their edge.
+    Kept = "kept",
+    /// Windows queued again because trimming changed their smallest distance.
+    Reinserted = "reinserted",
+    /// Windows that lost a part of their interval to another window.
+    Trimmed = "trimmed",
+    /// Windows dropped whole by a vertex filter, by another window or as stale.
+    Filtered = "filtered",
+    /// Most windows alive at one time: those stored on edges for MMP, those waiting to be
+    /// propagated for the others.
+    PeakWindows = "peak_windows",
+    /// Windows stored when the run ends (the "window limit" of MMP).
+    StoredWindows = "stored_windows",
+    /// Bytes that one window takes in the structure in which it waits.
+    WindowBytes = "window_bytes",
+    /// Insertions into the queue that orders the run.
+    QueuePushes = "queue_pushes",
+    /// Most entries in that queue at one time, outdated ones included.
+    QueuePeak = "queue_peak",
+    /// Rounds of a queue that works in batches.
+    Iterations = "iterations",
+    /// Depth of the sequence tree: the most triangles that one window's line of ancestors crossed.
+    Levels = "levels",
+    /// Times that a vertex sent out windows as a pseudo-source.
+    PseudoSources = "pseudo_sources",
+    /// Child windows tried while crossing a face that had just joined the traversed area.
+    Prime = "prime",
+    /// Child windows tried while crossing a face that was in the traversed area already.
+    Secondary = "secondary",
+}
+
+/// The counts of one run; a counter that the algorithm does not have is `None`, never 0.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    values: [Option<u64>; Counter::ALL.len()],
+}
+
+impl Counters {
+    /// The count of `counter`, if the algorithm has it.
+    pub const fn get(&self, counter: Counter) -> Option<u64> {
+        self.values[counter as usize]
+    }
+
+    /// Sets `counter` to `value`.
+    pub const fn set(&mut self, counter: Counter, value: u64) {
+        self.values[counter as usize] = Some(value);
+    }
+
+    /// Every counter with its count, in the order of the result file.
+    pub fn iter(&self) -> impl Iterator<Item = (Counter, Option<u64>)> {
+        Counter::ALL
+            .iter()
+            .map(|&counter| (counter, self.get(counter)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_counter_that_was_not_set_is_absent() {
+        let mut counters = Counters::default();
+        counters.set(Counter::Kept, 7);
+        assert_eq!(counters.get(Counter::Kept), Some(7));
+        assert_eq!(counters.get(Counter::Levels), None);
+        assert_eq!(
+            counters.iter().filter(|(_, count)| count.is_some()).count(),
+            1
+        );
+    }
+
+    #[test]
+    fn keys_are_distinct() {
+        let mut keys: Vec<_> = Counter::ALL.iter().map(|c| c.key()).collect();
+        keys.sort_unstable();
+        keys.dedup();
+        assert_eq!(keys.len(), Counter::ALL.len());
+    }
+}

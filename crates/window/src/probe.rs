@@ -1,0 +1,145 @@
+//! How a run is observed: not at all, counted, or clocked.
+//!
+//! Solvers are generic over a [`Probe`] and call it at every event. Timings are taken with `()`,
+//! whose methods are empty and compile to nothing; counts and phases come from separate runs, so
+//! that observing never disturbs a time.
+
+use std::time::{Duration, Instant};
+
+use crate::counters::{Counter, Counters};
+
+/// What a solver does at a moment, for [`Phases`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Computing child windows and apex distances.
+    Propagation,
+    /// Filters, trims and checks between windows.
+    Pruning,
+    /// Queues, lists, storage and everything else.
+    Management,
+}
+
+/// Listens to a run.
+pub trait Probe {
+    /// Adds `n` to a counter.
+    #[inline]
+    fn add(&mut self, counter: Counter, n: u64) {
+        let _ = (counter, n);
+    }
+
+    /// Raises a counter to `value` if it is less.
+    #[inline]
+    fn raise(&mut self, counter: Counter, value: u64) {
+        let _ = (counter, value);
+    }
+
+    /// Time from now on belongs to `phase`.
+    #[inline]
+    fn enter(&mut self, phase: Phase) {
+        let _ = phase;
+    }
+}
+
+/// Observes nothing, at no cost.
+impl Probe for () {}
+
+/// Counts.
+#[derive(Clone, Debug, Default)]
+pub struct Count {
+    values: [u64; Counter::ALL.len()],
+}
+
+impl Count {
+    /// The counts of those counters that the algorithm has.
+    pub fn counters(&self, has: &[Counter]) -> Counters {
+        let mut counters = Counters::default();
+        for &counter in has {
+            counters.set(counter, self.values[counter as usize]);
+        }
+        counters
+    }
+}
+
+impl Probe for Count {
+    #[inline]
+    fn add(&mut self, counter: Counter, n: u64) {
+        self.values[counter as usize] += n;
+    }
+
+    #[inline]
+    fn raise(&mut self, counter: Counter, value: u64) {
+        let count = &mut self.values[counter as usize];
+        *count = value.max(*count);
+    }
+}
+
+/// Time spent in each phase of one run. Clocking slows a run down: the shares mean something, the
+/// sum is more than an unobserved run takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Phases {
+    /// Time in [`Phase::Propagation`].
+    pub propagation: Duration,
+    /// Time in [`Phase::Pruning`].
+    pub pruning: Duration,
+    /// Time in [`Phase::Management`].
+    pub management: Duration,
+}
+
+/// Clocks the phases of a run, starting in [`Phase::Management`].
+#[derive(Clone, Debug)]
+pub struct Clock {
+    phases: Phases,
+    current: Phase,
+    since: Instant,
+}
+
+impl Default for Clock {
+    fn default() -> Self {
+        Self {
+            phases: Phases::default(),
+            current: Phase::Management,
+            since: Instant::now(),
+        }
+    }
+}
+
+impl Clock {
+    /// Stops the clock and returns what it measured.
+    pub fn stop(mut self) -> Phases {
+        self.enter(Phase::Management);
+        self.phases
+    }
+}
+
+impl Probe for Clock {
+    #[inline]
+    fn enter(&mut self, phase: Phase) {
+        let now = Instant::now();
+        let spent = now - self.since;
+        match self.current {
+            Phase::Propagation => self.phases.propagation += spent,
+            Phase::Pruning => self.phases.pruning += spent,
+            Phase::Management => self.phases.management += spent,
+        }
+        self.current = phase;
+        self.since = now;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn count_adds_and_raises() {
+        let mut count = Count::default();
+        count.add(Counter::Children, 2);
+        count.add(Counter::Children, 3);
+        count.raise(Counter::QueuePeak, 9);
+        count.raise(Counter::QueuePeak, 4);
+        let counters = count.counters(&[Counter::Children, Counter::QueuePeak]);
+        assert_eq!(counters.get(Counter::Children), Some(5));
+        assert_eq!(counters.get(Counter::QueuePeak), Some(9));
+        assert_eq!(counters.get(Counter::Kept), None);
+    }
+}

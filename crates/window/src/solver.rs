@@ -1,0 +1,109 @@
+//! The one interface through which a runner reaches an algorithm.
+
+use geobench_mesh::{Mesh, VertexId};
+
+use crate::counters::{Counter, Counters};
+use crate::probe::{Clock, Count, Phases, Probe};
+
+/// The distances that a run found.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Solution {
+    /// Geodesic distance of every vertex from the nearest source, in the units of the mesh and
+    /// the order of its vertices; infinite where no path leads. Never NaN.
+    pub distances: Vec<f64>,
+}
+
+impl Solution {
+    /// The solution with these distances.
+    pub const fn new(distances: Vec<f64>) -> Self {
+        Self { distances }
+    }
+}
+
+/// Why a solver cannot start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// The list of sources is empty.
+    #[error("no source is given; name at least one vertex")]
+    NoSource,
+    /// A source is not a vertex of the mesh.
+    #[error(
+        "source vertex {vertex} does not exist: the mesh has {vertices} vertices, numbered from 0"
+    )]
+    NoSuchVertex {
+        /// The vertex asked for.
+        vertex: VertexId,
+        /// Number of vertices of the mesh.
+        vertices: usize,
+    },
+}
+
+/// An algorithm set up for one mesh. Building it is the set-up and is not timed; it can then be
+/// asked for one set of sources after another.
+pub trait Solver: Send {
+    /// Distances from the nearest of `sources`, unobserved: the call that is timed.
+    ///
+    /// # Errors
+    ///
+    /// When `sources` is empty or names a vertex that does not exist.
+    fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError>;
+
+    /// The same with its events counted.
+    ///
+    /// # Errors
+    ///
+    /// As [`solve`](Solver::solve).
+    fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError>;
+
+    /// The same with its phases clocked.
+    ///
+    /// # Errors
+    ///
+    /// As [`solve`](Solver::solve).
+    fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError>;
+}
+
+/// What an algorithm implements: one run, generic over the probe. Every `Propagate` is a
+/// [`Solver`].
+pub trait Propagate: Send {
+    /// The counters that this algorithm reports.
+    const COUNTERS: &[Counter];
+
+    /// The mesh that it was set up for.
+    fn mesh(&self) -> &Mesh;
+
+    /// Distances from the nearest of `sources`, which is not empty and names existing vertices.
+    fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution;
+}
+
+impl<T: Propagate> Solver for T {
+    fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
+        check_sources(self.mesh(), sources)?;
+        Ok(self.propagate(sources, &mut ()))
+    }
+
+    fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
+        check_sources(self.mesh(), sources)?;
+        let mut count = Count::default();
+        let solution = self.propagate(sources, &mut count);
+        Ok((solution, count.counters(T::COUNTERS)))
+    }
+
+    fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError> {
+        check_sources(self.mesh(), sources)?;
+        let mut clock = Clock::default();
+        let solution = self.propagate(sources, &mut clock);
+        Ok((solution, clock.stop()))
+    }
+}
+
+fn check_sources(mesh: &Mesh, sources: &[VertexId]) -> Result<(), SolveError> {
+    let vertices = mesh.vertex_count();
+    match sources.iter().find(|v| v.index() >= vertices) {
+        Some(&vertex) => Err(SolveError::NoSuchVertex { vertex, vertices }),
+        None if sources.is_empty() => Err(SolveError::NoSource),
+        None => Ok(()),
+    }
+}

@@ -1,1 +1,16 @@
-//! To be written.
+//! The MMP algorithm: continuous Dijkstra on windows that are kept on half-edges and trimmed
+//! against each other where they tie.
+//!
+//! Mitchell, Mount and Papadimitriou, "The discrete geodesic problem" (1987), in the form that
+//! Surazhsky et al., "Fast exact and approximate geodesics on meshes" (2005), section 3, made
+//! practical. The intervals of the windows on one half-edge never overlap: a new window is
+//! compared with those it meets, and each keeps the range on which it is shorter. Every window is
+//! stored until the end, so that afterwards the distance is known along every edge; memory is the
+//! number of windows, O(n²) in the worst case and about n^1.5 in practice.
+//!
+//! Time is O(n² log n) for n faces in the worst case.
+
+mod list;
+mod mmp;
+
+pub use mmp::Mmp;

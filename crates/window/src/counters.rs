@@ -32,20 +32,24 @@ macro_rules! counters {
 }
 
 counters! {
-    /// Child windows that were computed or tried, empty results included: the "number of window
-    /// propagations" of the papers' tables.
+    /// Child windows tried: pairs of a window that crosses a triangle and an exit of it that no
+    /// rule has excluded beforehand, whether or not rays of the window lead there. This is the
+    /// "number of window propagations" of the papers' tables.
     Propagated = "propagated",
     /// Windows that were taken from a queue or list and crossed a triangle.
     Parents = "parents",
-    /// Non-empty windows that crossing a triangle, or starting from a (pseudo-)source, produced.
+    /// Non-empty windows that came of these tries.
     Children = "children",
-    /// Children that survived the checks made when they arrived at their edge.
+    /// Children of which something was left after the checks made at their edge.
     Kept = "kept",
+    /// Windows with which sources and pseudo-sources started.
+    Spawned = "spawned",
     /// Windows queued again because trimming changed their smallest distance.
     Reinserted = "reinserted",
     /// Windows that lost a part of their interval to another window.
     Trimmed = "trimmed",
-    /// Windows dropped whole by a vertex filter, by another window or as stale.
+    /// Windows, spawned ones included, that were dropped whole: by a vertex filter, by another
+    /// window or as stale.
     Filtered = "filtered",
     /// Most windows alive at one time: those stored on edges for MMP, those waiting to be
     /// propagated for the others.

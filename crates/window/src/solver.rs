@@ -69,7 +69,7 @@ pub trait Solver: Send {
 /// [`Solver`].
 pub trait Propagate: Send {
     /// The counters that this algorithm reports.
-    const COUNTERS: &[Counter];
+    const COUNTERS: &'static [Counter];
 
     /// The mesh that it was set up for.
     fn mesh(&self) -> &Mesh;

@@ -1,0 +1,93 @@
+//! One angle, one split: which window may have two children at a corner.
+
+use geobench_mesh::HalfEdgeId;
+
+use crate::tree::{Guard, Side};
+
+/// Relative difference below which two windows tie at an angle, for the position of their rays
+/// and for their distances.
+const TIE: f64 = 1e-9;
+
+/// The best window so far to see an apex through one half-edge, its *occupant*.
+#[derive(Clone, Copy, Debug)]
+struct Angle {
+    best: f64,
+    entry: f64,
+    stamp: u32,
+}
+
+/// Which children a window that covers the apex may have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Split {
+    /// It is the new occupant: both, guarded by the angle in its present state.
+    Occupies { stamp: u32 },
+    /// It ties with the occupant: both.
+    Ties,
+    /// It loses: only the child that does not cross the occupant's ray.
+    Only(Side),
+}
+
+/// The occupants of all angles of a mesh. The angle at an apex is numbered by the half-edge
+/// opposite it, through which windows come.
+#[derive(Clone, Debug)]
+pub(crate) struct Angles {
+    angles: Vec<Angle>,
+}
+
+impl Angles {
+    pub(crate) fn new(half_edges: usize) -> Self {
+        Self {
+            angles: vec![
+                Angle {
+                    best: f64::INFINITY,
+                    entry: 0.0,
+                    stamp: 0
+                };
+                half_edges
+            ],
+        }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.angles.fill(Angle {
+            best: f64::INFINITY,
+            entry: 0.0,
+            stamp: 0,
+        });
+    }
+
+    /// A window reaches the apex at distance `d`, its ray meeting `h` (of length `l`) at `entry`.
+    ///
+    /// The shortest of two straight paths to one apex kills every ray of the other window that
+    /// crosses it, which are those on its far side. At a tie rounding must not choose the side,
+    /// and both windows keep both children.
+    pub(crate) fn split(&mut self, h: HalfEdgeId, d: f64, entry: f64, l: f64) -> Split {
+        let angle = &mut self.angles[h.index()];
+        if d < angle.best {
+            angle.best = d;
+            angle.entry = entry;
+            angle.stamp += 1;
+            Split::Occupies { stamp: angle.stamp }
+        } else if (entry - angle.entry).abs() <= TIE * l && d - angle.best <= TIE * d {
+            Split::Ties
+        } else if entry < angle.entry {
+            Split::Only(Side::Left)
+        } else {
+            Split::Only(Side::Right)
+        }
+    }
+
+    /// Whether the angle of `guard` has a new occupant whose ray cuts the guarded subtree off.
+    pub(crate) fn cuts_off(&self, guard: &Guard, l: f64) -> bool {
+        let angle = &self.angles[guard.angle.index()];
+        if angle.stamp == guard.stamp || (guard.entry - angle.entry).abs() <= TIE * l {
+            return false;
+        }
+        let kept = if guard.entry < angle.entry {
+            Side::Left
+        } else {
+            Side::Right
+        };
+        guard.side != kept
+    }
+}

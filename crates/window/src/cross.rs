@@ -1,0 +1,78 @@
+//! Crossing a triangle: where a window's cone splits, what it leaves on the two exits, and what
+//! distance it offers to the apex.
+
+use crate::frame::Frame;
+use crate::window::{Window, norm};
+
+/// Where the ray from the window's source to the apex C meets the edge, not clamped to the window.
+///
+/// With e = cy - py: sp = (cy·px - py·cx) / e. Rays left of it leave through AC, rays right of it
+/// through CB.
+#[inline]
+pub fn separating_abscissa(frame: &Frame, w: &Window) -> f64 {
+    (frame.cy * w.px - w.py * frame.cx) / (frame.cy - w.py)
+}
+
+/// The part of `w` left of `hi` (at most `min(w.b1, sp)`) as it arrives at AC, in the frame of the
+/// neighbour's half-edge A → C; `None` if nothing arrives.
+///
+/// The ray through abscissa s meets AC at u(s) = la·(-py·s) / (cy·(px - s) - cx·py) from A, and
+/// the source turns to (û·p, û×p), û being the unit vector from A to C.
+#[inline]
+pub fn left_child(frame: &Frame, w: &Window, sp: f64, hi: f64) -> Option<Window> {
+    let scale = -frame.la * w.py;
+    let offset = frame.cy * w.px - frame.cx * w.py;
+    let at = |s: f64| scale * s / (offset - frame.cy * s);
+    let [ux, uy] = frame.left;
+    let child = Window {
+        b0: at(w.b0).max(0.0),
+        b1: if hi >= sp {
+            frame.la
+        } else {
+            at(hi).min(frame.la)
+        },
+        px: ux * w.px + uy * w.py,
+        py: (ux * w.py - uy * w.px).min(0.0),
+        sigma: w.sigma,
+    };
+    (w.b0 < hi && child.b0 < child.b1).then_some(child)
+}
+
+/// The part of `w` right of `lo` (at least `max(w.b0, sp)`) as it arrives at CB, in the frame of
+/// the neighbour's half-edge C → B; `None` if nothing arrives.
+///
+/// The ray through abscissa s meets CB at v(s) = lb·(s - sp)·e / (cy·(s - px) - (l - cx)·py) from
+/// C, a form that is accurate near C; the source turns to (v̂·(p - C), v̂×(p - C)), v̂ being the
+/// unit vector from C to B.
+#[inline]
+pub fn right_child(frame: &Frame, w: &Window, sp: f64, lo: f64) -> Option<Window> {
+    let scale = frame.lb * (frame.cy - w.py);
+    let offset = -frame.cy * w.px - (frame.l - frame.cx) * w.py;
+    let at = |s: f64| scale * (s - sp) / (offset + frame.cy * s);
+    let [vx, vy] = frame.right;
+    let (x, y) = (w.px - frame.cx, w.py - frame.cy);
+    let child = Window {
+        b0: if lo <= sp { 0.0 } else { at(lo).max(0.0) },
+        b1: at(w.b1).min(frame.lb),
+        px: vx * x + vy * y,
+        py: (vx * y - vy * x).min(0.0),
+        sigma: w.sigma,
+    };
+    (lo < w.b1 && child.b0 < child.b1).then_some(child)
+}
+
+/// The length of the shortest path of `w` to the apex C inside the triangle: straight if the
+/// window sees C, else bent at the end of its interval that is nearest to the straight ray.
+///
+/// Both are lengths of real paths, so the offer is never too small. The bent one must be made as
+/// well: it is what carries a distance past a vertex that is hit exactly, so that only saddle
+/// vertices need windows of their own.
+#[inline]
+pub fn apex_distance(frame: &Frame, w: &Window, sp: f64) -> f64 {
+    if w.b0 <= sp && sp <= w.b1 {
+        w.sigma + norm(frame.cx - w.px, frame.cy - w.py)
+    } else {
+        let bend = if sp < w.b0 { w.b0 } else { w.b1 };
+        w.distance(bend) + norm(frame.cx - bend, frame.cy)
+    }
+}

@@ -1,0 +1,29 @@
+//! The windows with which a source or pseudo-source starts.
+
+use geobench_mesh::HalfEdgeId;
+
+use crate::frame::Faces;
+use crate::window::Window;
+
+/// The window that the tail of `h` sends across the face of `h`, on the half-edge by which it
+/// leaves that face; `None` where the opposite edge is a boundary.
+///
+/// `sigma` is the distance at the tail. In the frame of that half-edge the window spans the whole
+/// edge and its source is the vertex itself. A (pseudo-)source sends one window for each of its
+/// outgoing half-edges.
+#[inline]
+pub fn spawn_window(faces: &Faces, h: HalfEdgeId, sigma: f64) -> Option<(HalfEdgeId, Window)> {
+    let opposite = h.next();
+    let target = faces.twin(opposite)?;
+    let [px, py] = faces.apex_below(opposite);
+    Some((
+        target,
+        Window {
+            b0: 0.0,
+            b1: faces.length(target),
+            px,
+            py,
+            sigma,
+        },
+    ))
+}

@@ -1,0 +1,59 @@
+//! The window: a cone of straight paths through one half-edge.
+
+/// The straight paths from one (pseudo-)source through an interval of a half-edge, in the frame of
+/// that half-edge, about to enter its face.
+///
+/// All faces that the paths have crossed are unfolded into the plane of the frame; the source's
+/// image lies below the edge. Its position is stored rather than two distances, which would
+/// lose about ε·d²/w of it at a window of width w: crossing a triangle is then a rotation and two
+/// divisions, without a square root.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// Left end of the interval; 0 ≤ `b0` < `b1`.
+    pub b0: f64,
+    /// Right end of the interval, at most the length of the half-edge.
+    pub b1: f64,
+    /// Abscissa of the image of the source.
+    pub px: f64,
+    /// Ordinate of the image of the source; at most 0.
+    pub py: f64,
+    /// σ, the distance from the source of the run to the (pseudo-)source of the window.
+    pub sigma: f64,
+}
+
+impl Window {
+    /// The distance that the window offers at abscissa `x` of its edge: σ + |p x|. Meaningful
+    /// inside the interval.
+    #[inline]
+    pub fn distance(&self, x: f64) -> f64 {
+        self.sigma + norm(x - self.px, self.py)
+    }
+
+    /// The least distance that the window offers on its interval: the one at the point nearest to
+    /// the foot of the source. It is the key by which queues order windows.
+    #[inline]
+    pub fn min_distance(&self) -> f64 {
+        self.distance(self.px.max(self.b0).min(self.b1))
+    }
+
+    /// The same paths seen in the frame of the twin half-edge of an edge of length `l`, in which
+    /// the source lies above.
+    #[inline]
+    #[must_use]
+    pub fn reversed(&self, l: f64) -> Self {
+        Self {
+            b0: l - self.b1,
+            b1: l - self.b0,
+            px: l - self.px,
+            py: -self.py,
+            sigma: self.sigma,
+        }
+    }
+}
+
+/// Length of the vector `(x, y)`. Overflow is no concern for the lengths of a valid mesh, and
+/// `f64::hypot` is several times slower.
+#[inline]
+pub(crate) fn norm(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
+}

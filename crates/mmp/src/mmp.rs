@@ -3,8 +3,8 @@
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::queue::{Discipline, Event, EventKind, Heap};
 use geobench_window::{
-    Counter, Faces, Phase, Probe, Propagate, Solution, Window, apex_distance, is_beaten_from_ends,
-    left_child, right_child, separating_abscissa, spawn_window,
+    Counter, Faces, Phase, Probe, Propagate, Solution, Window, apex_distance, left_child,
+    right_child, separating_abscissa, spawn_window,
 };
 
 use crate::list::{Inserter, WindowList};

@@ -22,6 +22,12 @@ pub struct Window {
 }
 
 impl Window {
+    /// The image of the (pseudo-)source.
+    #[inline]
+    pub const fn source(&self) -> [f64; 2] {
+        [self.px, self.py]
+    }
+
     /// The distance that the window offers at abscissa `x` of its edge: σ + |p x|. Meaningful
     /// inside the interval.
     #[inline]

@@ -3,6 +3,7 @@
 mod build;
 mod edges;
 mod ids;
+pub mod io;
 mod mesh;
 mod soup;
 mod validate;

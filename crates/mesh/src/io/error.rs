@@ -1,0 +1,140 @@
+//! What goes wrong with mesh files, said so that a user can mend it.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+/// Why a mesh file could not be read. The message names the file, the place in it and a remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// There is no such file.
+    #[error("{path}: no such file; check the path")]
+    NotFound {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// The path leads to a directory.
+    #[error("{path}: is a directory; name a mesh file in it")]
+    Directory {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// The operating system would not deliver the bytes.
+    #[error("{path}: cannot be read: {source}")]
+    Io {
+        /// The path asked for.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The ending of the name belongs to no format that is read here.
+    #[error(
+        "{path}: the ending does not tell a mesh format; use .obj, .ply, .off or .stl, each also with .gz"
+    )]
+    UnknownFormat {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// There is not one byte in the file, or in what it decompresses to.
+    #[error("{path}: the file is empty; write it anew")]
+    Empty {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// The gzip data is damaged or ends early.
+    #[error("{path}: the gzip data is damaged or cut off ({source}); fetch or compress it again")]
+    Gzip {
+        /// The path asked for.
+        path: PathBuf,
+        /// What the decompressor said.
+        source: io::Error,
+    },
+    /// The content breaks the rules of its format.
+    #[error("{path}: {place}{problem}")]
+    Malformed {
+        /// The path asked for.
+        path: PathBuf,
+        /// Where in the file.
+        place: Place,
+        /// What is wrong there, and what to do about it.
+        problem: String,
+    },
+}
+
+/// A place in a file, as precise as the format allows. Displayed with a colon and a space behind
+/// it, and as nothing for the whole file, to stand before a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Place {
+    /// No place in particular.
+    File,
+    /// A line of a text file, counted from 1; the first one of a statement that spans several.
+    Line(u64),
+    /// An element of a binary file.
+    Element {
+        /// What the format calls it: `vertex`, `face`, `triangle`.
+        kind: &'static str,
+        /// Its number, counted from 0.
+        number: u64,
+        /// Offset in bytes at which it starts, after decompression.
+        byte: u64,
+    },
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => Ok(()),
+            Self::Line(line) => write!(f, "line {line}: "),
+            Self::Element { kind, number, byte } => write!(f, "{kind} {number} (byte {byte}): "),
+        }
+    }
+}
+
+/// Why a mesh could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The operating system would not take the bytes.
+    #[error("{path}: cannot be written: {source}")]
+    Io {
+        /// The path asked for.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The ending of the name belongs to no format that is written here.
+    #[error(
+        "{path}: the ending does not tell a format that can be written; use .obj or .ply, each also with .gz"
+    )]
+    UnknownFormat {
+        /// The path asked for.
+        path: PathBuf,
+    },
+}
+
+/// A [`ReadError::Malformed`] whose path is yet to be added.
+#[derive(Debug)]
+pub(super) struct Flaw {
+    pub(super) place: Place,
+    pub(super) problem: String,
+}
+
+impl Flaw {
+    /// Something wrong with the file as a whole.
+    pub(super) fn file(problem: impl Into<String>) -> Self {
+        Self {
+            place: Place::File,
+            problem: problem.into(),
+        }
+    }
+
+    /// Something wrong in line `line`, counted from 1.
+    pub(super) fn line(line: u64, problem: impl Into<String>) -> Self {
+        Self {
+            place: Place::Line(line),
+            problem: problem.into(),
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The faces of a file, on their way to triangles.
+
+use super::error::Flaw;
+use super::triangulate::triangulate;
+use crate::soup::TriangleSoup;
+
+/// Faces with any number of corners, as the file lists them.
+#[derive(Debug, Default)]
+pub(super) struct FaceList {
+    /// The corners of all faces, one after the other.
+    corners: Vec<u32>,
+    /// Number of corners of each face; empty as long as all are triangles.
+    arities: Vec<u32>,
+    count: usize,
+}
+
+impl FaceList {
+    /// A list with room for `faces` triangles; the caller has checked that against the file's size.
+    pub(super) fn with_capacity(faces: usize) -> Self {
+        Self {
+            corners: Vec::with_capacity(3 * faces),
+            ..Self::default()
+        }
+    }
+
+    /// Appends a face.
+    pub(super) fn push(&mut self, corners: &[u32]) {
+        if corners.len() != 3 && self.arities.is_empty() {
+            self.arities = vec![3; self.count];
+        }
+        if corners.len() != 3 || !self.arities.is_empty() {
+            self.arities.push(corners.len() as u32);
+        }
+        self.corners.extend_from_slice(corners);
+        self.count += 1;
+    }
+
+    /// Appends triangles, given by their corners one after the other.
+    pub(super) fn push_triangles(&mut self, corners: Vec<u32>) {
+        if self.count == 0 {
+            self.count = corners.len() / 3;
+            self.corners = corners;
+        } else {
+            corners.as_chunks::<3>().0.iter().for_each(|c| self.push(c));
+        }
+    }
+
+    /// Cuts every face into triangles. Faces with fewer than three corners bound no area and are
+    /// left out; `file_faces` still counts them.
+    pub(super) fn into_soup(self, positions: Vec<[f64; 3]>) -> Result<TriangleSoup, Flaw> {
+        let mut soup = TriangleSoup::new(positions, Vec::new());
+        if self.arities.is_empty() {
+            soup.triangles = self.corners.as_chunks().0.to_vec();
+        } else {
+            let mut rest = &self.corners[..];
+            for (face, &arity) in self.arities.iter().enumerate() {
+                let (corners, next) = rest.split_at(arity as usize);
+                rest = next;
+                triangulate(&soup.positions, corners, &mut soup.triangles);
+                soup.file_faces.resize(soup.triangles.len(), face as u32);
+            }
+        }
+        match (soup.positions.len(), soup.triangles.len()) {
+            (0, 0) => Err(Flaw::file(
+                "there is neither a vertex nor a face in it; is it a file of this format?",
+            )),
+            (vertices, 0) => Err(Flaw::file(format!(
+                "there is no face in it, only {vertices} vertices; a surface is needed"
+            ))),
+            _ => Ok(soup),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_stay_as_they_are() {
+        let mut faces = FaceList::default();
+        faces.push(&[7, 8, 9]);
+        faces.push(&[1, 1, 4]);
+        let soup = faces.into_soup(vec![[0.0; 3]]).unwrap();
+        assert_eq!(soup.triangles, [[7, 8, 9], [1, 1, 4]]);
+        assert!(soup.file_faces.is_empty());
+    }
+
+    #[test]
+    fn file_faces_count_every_face() {
+        let square = vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [0.0, 1.0, 0.0],
+        ];
+        let mut faces = FaceList::default();
+        faces.push(&[0, 1, 2]);
+        faces.push(&[0, 1]);
+        faces.push(&[0, 1, 2, 3]);
+        faces.push(&[3, 2, 1]);
+        let soup = faces.into_soup(square).unwrap();
+        assert_eq!(soup.triangles, [[0, 1, 2], [0, 1, 2], [0, 2, 3], [3, 2, 1]]);
+        assert_eq!(soup.file_faces, [0, 2, 2, 3]);
+    }
+
+    #[test]
+    fn points_alone_are_no_surface() {
+        let mut faces = FaceList::default();
+        faces.push(&[0, 1]);
+        assert!(faces.into_soup(vec![[0.0; 3]; 2]).is_err());
+    }
+}

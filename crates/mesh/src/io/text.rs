@@ -1,0 +1,150 @@
+//! Lines, words and numbers of the text formats.
+//!
+//! All work on bytes: comments and names may be in any encoding, and only what is used has to be
+//! text. Numbers are parsed by the standard library, which rounds correctly to `f64`.
+
+use super::error::Flaw;
+
+/// The lines of a file with their numbers, counted from 1; a line ends with LF or CR LF.
+#[derive(Clone, Debug)]
+pub(super) struct Lines<'a> {
+    rest: &'a [u8],
+    /// Number of the line returned last.
+    number: u64,
+}
+
+impl<'a> Lines<'a> {
+    /// The lines of `bytes`, less a UTF-8 byte order mark at the start.
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        Self {
+            rest: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes),
+            number: 0,
+        }
+    }
+
+    /// What has not been returned yet.
+    pub(super) fn rest(&self) -> &'a [u8] {
+        self.rest
+    }
+
+    /// Number of the line returned last, 0 before the first.
+    pub(super) fn number(&self) -> u64 {
+        self.number
+    }
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = (u64, &'a [u8]);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let (line, rest) = match self.rest.iter().position(|&b| b == b'\n') {
+            Some(end) => (&self.rest[..end], &self.rest[end + 1..]),
+            None => (self.rest, &[][..]),
+        };
+        self.rest = rest;
+        self.number += 1;
+        Some((self.number, line.strip_suffix(b"\r").unwrap_or(line)))
+    }
+}
+
+/// What stands before a `#`.
+pub(super) fn without_comment(line: &[u8]) -> &[u8] {
+    line.split(|&b| b == b'#').next().unwrap_or(line)
+}
+
+/// The words of a line, which blanks and tabs part.
+pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
+    line.split(u8::is_ascii_whitespace)
+        .filter(|word| !word.is_empty())
+}
+
+/// A word or line as it can be shown in a message: quoted, cut short, nothing unprintable.
+pub(super) fn shown(word: &[u8]) -> String {
+    const LONGEST: usize = 40;
+    let text = String::from_utf8_lossy(word);
+    let mut short: String = text.chars().take(LONGEST).collect();
+    if short.len() < text.len() {
+        short.push('…');
+    }
+    format!("{short:?}")
+}
+
+/// The number that `word` spells; `nan` and `inf` are numbers, for validation to object to.
+pub(super) fn number(line: u64, word: &[u8]) -> Result<f64, Flaw> {
+    std::str::from_utf8(word)
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .ok_or_else(|| Flaw::line(line, format!("{} is not a number", shown(word))))
+}
+
+/// The vertex number, counted from 0, that `word` spells.
+pub(super) fn index(line: u64, word: &[u8]) -> Result<u32, Flaw> {
+    let problem = |what: &str| Flaw::line(line, format!("{} {what}", shown(word)));
+    match integer(word) {
+        Some(value) => u32::try_from(value)
+            .map_err(|_| problem("is no vertex number: they run from 0 to 4294967295")),
+        None => Err(problem("is not a whole number, as a vertex number must be")),
+    }
+}
+
+/// The three coordinates with which `line` starts; `words` is left at what follows them.
+pub(super) fn coordinates<'a>(
+    line: u64,
+    words: &mut impl Iterator<Item = &'a [u8]>,
+) -> Result<[f64; 3], Flaw> {
+    let mut position = [0.0; 3];
+    for (found, coordinate) in position.iter_mut().enumerate() {
+        let word = words.next().ok_or_else(|| {
+            Flaw::line(
+                line,
+                format!("a vertex has three coordinates, here are {found}"),
+            )
+        })?;
+        *coordinate = number(line, word)?;
+    }
+    Ok(position)
+}
+
+/// The whole number that `word` spells, if it does and is not huge beyond every use.
+pub(super) fn integer(word: &[u8]) -> Option<i128> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_counted_whatever_ends_them() {
+        let lines: Vec<_> = Lines::new(b"\xef\xbb\xbfa\r\n\nb\rc\nd").collect();
+        let expected: [(u64, &[u8]); 4] = [(1, b"a"), (2, b""), (3, b"b\rc"), (4, b"d")];
+        assert_eq!(lines, expected);
+    }
+
+    #[test]
+    fn numbers_keep_every_bit() {
+        assert_eq!(number(1, b"0.1").unwrap().to_bits(), 0.1f64.to_bits());
+        assert_eq!(number(1, b"-0").unwrap().to_bits(), (-0.0f64).to_bits());
+        assert_eq!(number(1, b"+.5e1").unwrap(), 5.0);
+        assert!(number(1, b"nan").unwrap().is_nan());
+        assert!(number(1, b"1,5").is_err());
+        assert!(number(1, b"\xff").is_err());
+    }
+
+    #[test]
+    fn indices_that_do_not_fit_are_told_apart() {
+        assert_eq!(index(1, b"4294967295").unwrap(), u32::MAX);
+        for word in ["4294967296", "-1", "1.0", "x", ""] {
+            assert!(index(1, word.as_bytes()).is_err(), "{word}");
+        }
+    }
+
+    #[test]
+    fn shown_words_are_short_and_printable() {
+        assert_eq!(shown(b"a\x07\xff"), "\"a\\u{7}\u{fffd}\"");
+        assert!(shown(&[b'x'; 1000]).len() < 60);
+    }
+}

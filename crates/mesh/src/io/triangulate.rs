@@ -1,0 +1,353 @@
+//! Cuts polygons into triangles.
+//!
+//! Distances on a flat polygon do not depend on how it is cut, but those on a warped one do, for
+//! the cuts are where it folds. So the rule is simple enough to be foretold, and agrees with what
+//! most programs do to convex faces:
+//!
+//! * a polygon is cut into the **fan from its first corner** (0 1 2, 0 2 3, 0 3 4, ...) wherever
+//!   none of these triangles is folded over or flat, seen along the polygon's normal;
+//! * else, so for many concave polygons and where corners lie in line with the first one, **ears
+//!   are clipped**: in turn around the polygon, corners whose triangle with their two neighbours
+//!   is convex and holds no other corner. A concave quad is thus cut at its reflex corner.
+//!
+//! The polygon's normal is its vector area (Newell), which is that of the best-fitting plane of a
+//! slightly warped polygon. Polygons whose corners do not exist, are not finite, or have no area
+//! together become fans, for validation to judge; self-intersecting ones are cut somehow. The
+//! triangles always number two less than the corners and have the orientation of the polygon.
+
+/// Twice the area, as a share of the polygon's squared extent, up to which a triangle counts as
+/// flat. It decides between cuts only; no triangle is dropped.
+const FLAT: f64 = 1e-12;
+
+/// Appends the triangles of the polygon `corners` to `triangles`; none if it has fewer than three.
+///
+/// Takes O(k) time for k corners if the fan will do, and O(k²) at worst.
+pub(super) fn triangulate(positions: &[[f64; 3]], corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
+    let fan = (1..corners.len().saturating_sub(1)).map(|i| [0, i, i + 1]);
+    let name = |t: [usize; 3]| t.map(|i| corners[i]);
+    if corners.len() > 3
+        && let Some(polygon) = Polygon::new(positions, corners)
+        && fan.clone().any(|t| polygon.turn(t) <= FLAT)
+    {
+        triangles.extend(clip_ears(&polygon).into_iter().map(name));
+    } else {
+        triangles.extend(fan.map(name));
+    }
+}
+
+/// A polygon scaled to extent 1, with its unit normal.
+struct Polygon {
+    points: Vec<[f64; 3]>,
+    normal: [f64; 3],
+}
+
+impl Polygon {
+    /// `None` if a corner is missing or not finite, or if the polygon has no area.
+    fn new(positions: &[[f64; 3]], corners: &[u32]) -> Option<Self> {
+        let mut points = Vec::with_capacity(corners.len());
+        for &corner in corners {
+            points.push(*positions.get(corner as usize)?);
+        }
+        let origin = points[0];
+        for p in &mut points {
+            *p = minus(*p, origin);
+        }
+        let extent = points
+            .as_flattened()
+            .iter()
+            .fold(0.0, |extent: f64, x| extent.max(x.abs()));
+        // Multiplying by 1 / extent would overflow for the tiniest ones.
+        for x in points.as_flattened_mut() {
+            *x /= extent;
+        }
+        let mut area = [0.0; 3];
+        for pair in points.windows(2) {
+            let c = cross(pair[0], pair[1]);
+            area = [area[0] + c[0], area[1] + c[1], area[2] + c[2]];
+        }
+        let length = dot(area, area).sqrt();
+        (length > FLAT && length.is_finite()).then(|| Self {
+            points,
+            normal: area.map(|x| x / length),
+        })
+    }
+
+    /// Twice the signed area of a triangle of corners, seen along the normal.
+    fn turn(&self, [a, b, c]: [usize; 3]) -> f64 {
+        let p = &self.points;
+        dot(cross(minus(p[b], p[a]), minus(p[c], p[a])), self.normal)
+    }
+
+    /// Whether corner `q` lies in triangle `t` or on its border, but not in one of its corners.
+    fn holds(&self, t: [usize; 3], q: usize) -> bool {
+        let [a, b, c] = t;
+        t.iter().all(|&i| self.points[i] != self.points[q])
+            && [[a, b, q], [b, c, q], [c, a, q]]
+                .into_iter()
+                .all(|side| self.turn(side) >= -FLAT)
+    }
+}
+
+/// Cuts off one ear after the other.
+///
+/// Clipping an ear changes only whether its two neighbours are ears: what keeps another corner
+/// from being one is a reflex corner inside its triangle, and ears are convex.
+fn clip_ears(polygon: &Polygon) -> Vec<[usize; 3]> {
+    let n = polygon.points.len();
+    let mut ring = Ring {
+        next: (0..n).map(|i| (i + 1) % n).collect(),
+        prev: (0..n).map(|i| (i + n - 1) % n).collect(),
+        turns: vec![0.0; n],
+        blockers: Vec::new(),
+    };
+    for i in 0..n {
+        ring.turns[i] = polygon.turn(ring.ear(i));
+    }
+    // A corner never turns from convex to reflex, so those that are now are all that can block.
+    ring.blockers = (0..n).filter(|&i| ring.turns[i] <= FLAT).collect();
+    let mut is_ear: Vec<bool> = (0..n).map(|i| ring.is_ear(polygon, i)).collect();
+
+    let mut triangles = Vec::with_capacity(n - 2);
+    let mut at = 1;
+    for left in (4..=n).rev() {
+        let mut steps = 0;
+        while !is_ear[at] && steps < left {
+            at = ring.next[at];
+            steps += 1;
+        }
+        if !is_ear[at] {
+            // Not a simple polygon: go on with the corner that turns most.
+            at = ring.sharpest(at);
+        }
+        let ear = ring.ear(at);
+        triangles.push(ear);
+        let [before, clipped, after] = ear;
+        ring.next[before] = after;
+        ring.prev[after] = before;
+        is_ear[clipped] = false;
+        ring.turns[clipped] = f64::INFINITY;
+        for i in [before, after] {
+            ring.turns[i] = polygon.turn(ring.ear(i));
+        }
+        for i in [before, after] {
+            is_ear[i] = ring.is_ear(polygon, i);
+        }
+        // Going on behind the neighbour spreads the cuts instead of gathering them in one corner.
+        at = ring.next[after];
+    }
+    triangles.push(ring.ear(at));
+    triangles
+}
+
+/// The corners that are left, in a circle.
+struct Ring {
+    next: Vec<usize>,
+    prev: Vec<usize>,
+    /// Twice the signed area of each corner's triangle; infinite for corners that are gone.
+    turns: Vec<f64>,
+    /// Corners that were not convex in the beginning.
+    blockers: Vec<usize>,
+}
+
+impl Ring {
+    /// The triangle of corner `i` and its neighbours.
+    fn ear(&self, i: usize) -> [usize; 3] {
+        [self.prev[i], i, self.next[i]]
+    }
+
+    /// Whether the triangle at `i` can be cut off.
+    fn is_ear(&self, polygon: &Polygon, i: usize) -> bool {
+        let ear = self.ear(i);
+        self.turns[i] > FLAT
+            && !self
+                .blockers
+                .iter()
+                .any(|&q| self.turns[q] <= FLAT && !ear.contains(&q) && polygon.holds(ear, q))
+    }
+
+    /// The corner of the circle through `start` with the largest triangle.
+    fn sharpest(&self, start: usize) -> usize {
+        let (mut best, mut at) = (start, self.next[start]);
+        while at != start {
+            if self.turns[at] > self.turns[best] {
+                best = at;
+            }
+            at = self.next[at];
+        }
+        best
+    }
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// The triangles of a plane polygon, after checking that they tile it.
+    fn cut(polygon: &[[f64; 2]]) -> Vec<[u32; 3]> {
+        // On a slanted plane, so that no coordinate direction is special.
+        let lift = |p: &[f64; 2]| [p[0] - p[1], p[0] + p[1], 3.0 + p[0] - 2.0 * p[1]];
+        let positions: Vec<_> = polygon.iter().map(lift).collect();
+        let corners: Vec<u32> = (0..polygon.len() as u32).collect();
+        let mut triangles = Vec::new();
+        triangulate(&positions, &corners, &mut triangles);
+        assert_eq!(triangles.len(), polygon.len() - 2);
+
+        let area = |ring: &[[f64; 2]]| {
+            let pairs = ring.iter().zip(ring.iter().cycle().skip(1));
+            pairs.map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
+        };
+        let areas = triangles
+            .iter()
+            .map(|t| area(&t.map(|i| polygon[i as usize])));
+        let signs: Vec<bool> = areas.clone().map(|a| a > 0.0).collect();
+        assert!(signs.iter().all(|&s| s), "folded: {triangles:?}");
+        let (sum, whole) = (areas.sum::<f64>(), area(polygon));
+        assert!((sum - whole).abs() < 1e-9 * whole, "{sum} of {whole}");
+        triangles
+    }
+
+    #[test]
+    fn convex_faces_become_fans() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        assert_eq!(cut(&square), [[0, 1, 2], [0, 2, 3]]);
+        let pentagon: Vec<_> = (0..5)
+            .map(|i| f64::from(i) * 1.2566)
+            .map(|a| [a.cos(), a.sin()])
+            .collect();
+        assert_eq!(cut(&pentagon), [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
+    }
+
+    #[test]
+    fn concave_quads_are_cut_at_the_reflex_corner() {
+        let dart = [[0.0, 0.0], [4.0, 1.0], [0.0, 2.0], [1.0, 1.0]];
+        for reflex in 0..4 {
+            let mut corners = dart;
+            corners.rotate_left((3 + 4 - reflex) % 4);
+            assert_eq!(corners[reflex], [1.0, 1.0]);
+            let shared = |t: &[u32; 3]| t.contains(&(reflex as u32));
+            assert!(cut(&corners).iter().all(shared), "reflex corner {reflex}");
+        }
+    }
+
+    #[test]
+    fn concave_polygons_are_tiled() {
+        let comb = [
+            [0.0, 0.0],
+            [7.0, 0.0],
+            [7.0, 5.0],
+            [6.0, 5.0],
+            [6.0, 1.0],
+            [4.0, 1.0],
+            [4.0, 5.0],
+            [3.0, 5.0],
+            [3.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 5.0],
+            [0.0, 5.0],
+        ];
+        let star: Vec<_> = (0..24)
+            .map(|i| (f64::from(i) * 0.2618, if i % 2 == 0 { 1.0 } else { 0.3 }))
+            .map(|(a, r)| [r * a.cos(), r * a.sin()])
+            .collect();
+        for polygon in [&comb[..], &star[..]] {
+            for start in 0..polygon.len() {
+                let mut turned = polygon.to_vec();
+                turned.rotate_left(start);
+                cut(&turned);
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn star_shaped_polygons_are_tiled(
+            radii in prop::collection::vec(0.05..1.0, 4..40),
+            turn in 0.0..6.0,
+        ) {
+            let step = std::f64::consts::TAU / radii.len() as f64;
+            let angles = (0..radii.len()).map(|i| turn + step * i as f64);
+            let polygon: Vec<_> = angles
+                .zip(&radii)
+                .map(|(a, r): (f64, &f64)| [r * a.cos(), r * a.sin()])
+                .collect();
+            cut(&polygon);
+        }
+    }
+
+    #[test]
+    fn corners_in_line_make_no_flat_triangle() {
+        // A square with a corner amid each side, as where finer faces adjoin.
+        let square = [
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [2.0, 2.0],
+            [1.0, 2.0],
+            [0.0, 2.0],
+            [0.0, 1.0],
+        ];
+        for start in 0..8 {
+            let mut turned = square;
+            turned.rotate_left(start);
+            cut(&turned);
+        }
+    }
+
+    #[test]
+    fn the_cut_does_not_depend_on_the_scale() {
+        let dart = [[0.0, 0.0], [1.0, 1.0], [0.0, 2.0], [4.0, 1.0]];
+        let cut = |scale: f64| {
+            let positions = dart.map(|p| [p[0] * scale, p[1] * scale, 0.0]);
+            let mut triangles = Vec::new();
+            triangulate(&positions, &[0, 1, 2, 3], &mut triangles);
+            triangles
+        };
+        for scale in [1e-300, 1e-9, 1e9, 1e300] {
+            assert_eq!(cut(scale), cut(1.0), "{scale}");
+        }
+    }
+
+    #[test]
+    fn hopeless_polygons_are_still_cut() {
+        let bowtie = [[0.0; 3], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.5, 0.0]];
+        let nan = [[f64::NAN; 3]; 5];
+        let huge = [
+            [0.0; 3],
+            [1e308; 3],
+            [-1e308, 1e308, 0.0],
+            [1e308, 0.0, 0.0],
+        ];
+        let point = [[1.0; 3]; 6];
+        for positions in [&bowtie[..], &nan[..], &huge[..], &point[..], &[]] {
+            for corners in [
+                &[0, 1, 2, 3][..],
+                &[3, 2, 1, 0, 4, 5],
+                &[0, 0, 0, 0, 0],
+                &[9],
+            ] {
+                let mut triangles = Vec::new();
+                triangulate(positions, corners, &mut triangles);
+                assert_eq!(triangles.len(), corners.len().saturating_sub(2));
+            }
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! Writes OBJ and PLY.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+
+use super::error::WriteError;
+use super::{Format, is_gz};
+use crate::soup::TriangleSoup;
+
+/// Writes `soup` in the format that the ending of `path` tells: `.obj`, or `.ply` (binary, little
+/// endian), each also with `.gz`.
+///
+/// Every bit of the coordinates is kept. Which triangles were cut from one polygon is not.
+///
+/// # Errors
+///
+/// When the ending tells no such format, or the file cannot be written.
+pub fn write(path: &Path, soup: &TriangleSoup) -> Result<(), WriteError> {
+    let (positions, triangles) = (&soup.positions, &soup.triangles);
+    match Format::from_path(path) {
+        Some(Format::Obj) => to_file(path, |out| write_obj(out, positions, triangles)),
+        Some(Format::Ply) => PlyWriter::new(positions, triangles).write_file(path),
+        _ => Err(WriteError::UnknownFormat {
+            path: path.to_owned(),
+        }),
+    }
+}
+
+/// Writes an OBJ file with the shortest decimals that read back as the same `f64`.
+///
+/// # Errors
+///
+/// Those of `out`.
+pub fn write_obj(
+    out: &mut (impl Write + ?Sized),
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+) -> io::Result<()> {
+    for [x, y, z] in positions {
+        // The debug form has an exponent where the plain one would be hundreds of digits long.
+        writeln!(out, "v {x:?} {y:?} {z:?}")?;
+    }
+    for corners in triangles {
+        let [a, b, c] = corners.map(|v| u64::from(v) + 1);
+        writeln!(out, "f {a} {b} {c}")?;
+    }
+    Ok(())
+}
+
+/// How the payload of a PLY file is stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PlyEncoding {
+    /// Binary, low byte first.
+    #[default]
+    LittleEndian,
+    /// Binary, high byte first.
+    BigEndian,
+    /// Text, one line for each element.
+    Ascii,
+}
+
+/// Writes PLY files, with further properties of the vertices beside their coordinates.
+///
+/// ```
+/// use geobench_mesh::io::{PlyEncoding, PlyWriter};
+///
+/// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mut file = Vec::new();
+/// PlyWriter::new(&positions, &[[0, 1, 2]])
+///     .encoding(PlyEncoding::Ascii)
+///     .scalars("quality", &[0.0, 1.0, 1.0])
+///     .colors(&[[0, 0, 255], [255, 0, 0], [255, 0, 0]])
+///     .write(&mut file)?;
+/// assert!(file.ends_with(b"0.0 1.0 0.0 1.0 255 0 0\n3 0 1 2\n"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct PlyWriter<'a> {
+    positions: &'a [[f64; 3]],
+    triangles: &'a [[u32; 3]],
+    encoding: PlyEncoding,
+    comments: Vec<&'a str>,
+    columns: Vec<Column<'a>>,
+}
+
+/// A further property, or group of properties, of every vertex.
+#[derive(Clone, Copy, Debug)]
+enum Column<'a> {
+    Scalars(&'a str, &'a [f64]),
+    Colors(&'a [[u8; 3]]),
+}
+
+impl Column<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Self::Scalars(_, values) => values.len(),
+            Self::Colors(values) => values.len(),
+        }
+    }
+}
+
+impl<'a> PlyWriter<'a> {
+    /// A writer of a mesh, binary and without further properties.
+    pub fn new(positions: &'a [[f64; 3]], triangles: &'a [[u32; 3]]) -> Self {
+        Self {
+            positions,
+            triangles,
+            encoding: PlyEncoding::default(),
+            comments: Vec::new(),
+            columns: Vec::new(),
+        }
+    }
+
+    /// Chooses how the payload is stored.
+    #[must_use]
+    pub fn encoding(mut self, encoding: PlyEncoding) -> Self {
+        self.encoding = encoding;
+        self
+    }
+
+    /// Adds a remark to the header; line breaks in it become blanks.
+    #[must_use]
+    pub fn comment(mut self, comment: &'a str) -> Self {
+        self.comments.push(comment);
+        self
+    }
+
+    /// Adds the property `name` of type `double`, with a value for each vertex. `quality` is the
+    /// name under which viewers look for a scalar to colour by.
+    ///
+    /// `name` is to be one word; in text, values that are not finite are written `inf` and `NaN`.
+    #[must_use]
+    pub fn scalars(mut self, name: &'a str, values: &'a [f64]) -> Self {
+        self.columns.push(Column::Scalars(name, values));
+        self
+    }
+
+    /// Adds the properties `red`, `green` and `blue` of type `uchar`, for each vertex.
+    #[must_use]
+    pub fn colors(mut self, colors: &'a [[u8; 3]]) -> Self {
+        self.columns.push(Column::Colors(colors));
+        self
+    }
+
+    /// Writes the file `path`, compressed if its name ends in `.gz`.
+    ///
+    /// # Errors
+    ///
+    /// When the file cannot be written, or as [`write`](Self::write).
+    pub fn write_file(&self, path: &Path) -> Result<(), WriteError> {
+        to_file(path, |out| self.write(out))
+    }
+
+    /// Writes the mesh to `out`, in many small pieces: let `out` be buffered.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`, and [`InvalidInput`](io::ErrorKind::InvalidInput) if a further property
+    /// has not exactly one value for each vertex.
+    pub fn write(&self, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
+        let vertex_count = self.positions.len();
+        if let Some(column) = self.columns.iter().find(|c| c.len() != vertex_count) {
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidInput,
+                format!(
+                    "a vertex property has {} values for {vertex_count} vertices",
+                    column.len()
+                ),
+            ));
+        }
+        self.write_header(out)?;
+        let mut row = Row {
+            encoding: self.encoding,
+            bytes: Vec::new(),
+        };
+        for (v, position) in self.positions.iter().enumerate() {
+            for &x in position {
+                row.double(x);
+            }
+            for column in &self.columns {
+                match column {
+                    Column::Scalars(_, values) => row.double(values[v]),
+                    Column::Colors(values) => values[v].iter().for_each(|&c| row.uchar(c)),
+                }
+            }
+            row.write(out)?;
+        }
+        for corners in self.triangles {
+            row.uchar(3);
+            for &v in corners {
+                row.uint(v);
+            }
+            row.write(out)?;
+        }
+        Ok(())
+    }
+
+    fn write_header(&self, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
+        let encoding = match self.encoding {
+            PlyEncoding::LittleEndian => "binary_little_endian",
+            PlyEncoding::BigEndian => "binary_big_endian",
+            PlyEncoding::Ascii => "ascii",
+        };
+        writeln!(out, "ply\nformat {encoding} 1.0")?;
+        for comment in &self.comments {
+            writeln!(out, "comment {}", comment.replace(['\n', '\r'], " "))?;
+        }
+        writeln!(out, "element vertex {}", self.positions.len())?;
+        for axis in ["x", "y", "z"] {
+            writeln!(out, "property double {axis}")?;
+        }
+        for column in &self.columns {
+            match column {
+                Column::Scalars(name, _) => writeln!(out, "property double {name}")?,
+                Column::Colors(_) => {
+                    for channel in ["red", "green", "blue"] {
+                        writeln!(out, "property uchar {channel}")?;
+                    }
+                }
+            }
+        }
+        writeln!(out, "element face {}", self.triangles.len())?;
+        writeln!(
+            out,
+            "property list uchar {} vertex_indices",
+            self.index_type()
+        )?;
+        writeln!(out, "end_header")
+    }
+
+    /// `int`, which every program reads, unless a vertex number needs more.
+    fn index_type(&self) -> &'static str {
+        let largest = self.triangles.as_flattened().iter().max();
+        if largest.is_some_and(|&v| i32::try_from(v).is_err()) {
+            "uint"
+        } else {
+            "int"
+        }
+    }
+}
+
+/// The properties of one element, gathered before they are written.
+struct Row {
+    encoding: PlyEncoding,
+    bytes: Vec<u8>,
+}
+
+/// Defines how a number is appended: in bytes, or as a word in its debug form, which is the
+/// shortest that reads back the same.
+macro_rules! append {
+    ($name:ident, $type:ty) => {
+        fn $name(&mut self, value: $type) {
+            match self.encoding {
+                PlyEncoding::LittleEndian => self.bytes.extend_from_slice(&value.to_le_bytes()),
+                PlyEncoding::BigEndian => self.bytes.extend_from_slice(&value.to_be_bytes()),
+                PlyEncoding::Ascii => {
+                    let blank = if self.bytes.is_empty() { "" } else { " " };
+                    self.bytes
+                        .extend_from_slice(format!("{blank}{value:?}").as_bytes());
+                }
+            }
+        }
+    };
+}
+
+impl Row {
+    append!(uchar, u8);
+    append!(uint, u32);
+    append!(double, f64);
+
+    /// Writes the element and starts the next one.
+    fn write(&mut self, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
+        if self.encoding == PlyEncoding::Ascii {
+            self.bytes.push(b'\n');
+        }
+        out.write_all(&self.bytes)?;
+        self.bytes.clear();
+        Ok(())
+    }
+}
+
+/// Creates the file `path` and lets `content` fill it, through gzip if its name ends in `.gz`.
+fn to_file(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), WriteError> {
+    let write = || {
+        let mut file = BufWriter::new(File::create(path)?);
+        if is_gz(path) {
+            let mut gz = BufWriter::new(GzEncoder::new(file, Compression::default()));
+            content(&mut gz)?;
+            file = gz.into_inner().map_err(io::Error::from)?.finish()?;
+        } else {
+            content(&mut file)?;
+        }
+        file.flush()
+    };
+    write().map_err(|source| WriteError::Io {
+        path: path.to_owned(),
+        source,
+    })
+}

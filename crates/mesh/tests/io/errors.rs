@@ -1,0 +1,442 @@
+//! Broken files: one clear message each, with the place.
+
+use std::path::Path;
+
+use geobench_mesh::io::{Format, ReadError, read, write};
+
+use crate::samples;
+use crate::{gzip, parse};
+
+/// Asserts that reading fails with exactly this message, less the path.
+#[track_caller]
+fn fails(format: Format, bytes: impl AsRef<[u8]>, message: &str) {
+    let error = parse(format, bytes).unwrap_err().to_string();
+    assert_eq!(error, format!("test: {message}"));
+}
+
+#[test]
+fn what_cannot_be_opened() {
+    let dir = tempfile::tempdir().unwrap();
+    let check = |name: &str, content: Option<&[u8]>, message: &str| {
+        let path = dir.path().join(name);
+        if let Some(content) = content {
+            std::fs::write(&path, content).unwrap();
+        }
+        let error = read(&path).unwrap_err().to_string();
+        assert_eq!(error, format!("{}: {message}", path.display()));
+    };
+    check("no.obj", None, "no such file; check the path");
+    check("", None, "is a directory; name a mesh file in it");
+    let unknown =
+        "the ending does not tell a mesh format; use .obj, .ply, .off or .stl, each also with .gz";
+    check("cow.txt", Some(b"OFF"), unknown);
+    check("cow", Some(b"OFF"), unknown);
+    for name in ["a.obj", "a.ply", "a.off", "a.stl"] {
+        check(name, Some(b""), "the file is empty; write it anew");
+    }
+    check(
+        "a.ply.gz",
+        Some(&gzip(b"")),
+        "the file is empty; write it anew",
+    );
+    std::fs::create_dir(dir.path().join("d.obj")).unwrap();
+    check("d.obj", None, "is a directory; name a mesh file in it");
+}
+
+#[test]
+fn damaged_compression() {
+    for (name, format, bytes) in samples::all() {
+        let packed = gzip(&bytes);
+        for cut in [2, 12, packed.len() / 2, packed.len() - 1] {
+            let error = parse(format, &packed[..cut]).unwrap_err();
+            assert!(matches!(error, ReadError::Gzip { .. }), "{name} {error}");
+        }
+    }
+}
+
+#[test]
+fn the_wrong_ending_is_recognised() {
+    let all = samples::all();
+    for (format, sample, name) in [
+        (Format::Obj, 1, "PLY"),
+        (Format::Off, 2, "PLY"),
+        (Format::Ply, 5, "STL"),
+        (Format::Obj, 5, "STL"),
+    ] {
+        let error = parse(format, &all[sample].2).unwrap_err().to_string();
+        let hint = format!("(it starts like a file in {name} format: correct its ending)");
+        assert!(error.ends_with(&hint), "{error}");
+    }
+}
+
+#[test]
+fn broken_obj() {
+    let fails = |text: &[u8], message: &str| fails(Format::Obj, text, message);
+    fails(
+        b"\x00\x01\xff\n",
+        "there is neither a vertex nor a face in it; is it a file of this format?",
+    );
+    fails(
+        b"# x\nv 0 0\n",
+        "line 2: a vertex has three coordinates, here are 2",
+    );
+    fails(b"v 0 0 0\nv 0 x 0\n", "line 2: \"x\" is not a number");
+    fails(
+        b"v 0 0 \\\n0\nv 1 \xff\xfe 2\n",
+        "line 3: \"\u{fffd}\u{fffd}\" is not a number",
+    );
+    fails(
+        b"v 0 0 0 0\n",
+        "line 1: the vertex has weight 0 and lies at infinity; remove the fourth number",
+    );
+    fails(
+        b"v 0 0 0\nf 1 0 1\n",
+        "line 2: \"0\" names vertex 0, but the vertices of an OBJ file count from 1",
+    );
+    fails(
+        b"v 0 0 0\n\nf 1 1 -2\nv 1 1 1\n",
+        "line 3: \"-2\" reaches back before the first vertex; there are 1 up to here",
+    );
+    fails(
+        b"v 0 0 0\nf 1 1 4294967297\n",
+        "line 2: \"4294967297\" is beyond the 4294967296 vertices a mesh can have",
+    );
+    for word in [
+        "a",
+        "1.5",
+        "/1",
+        "1/a",
+        "1;2",
+        "99999999999999999999999999999999999999999",
+    ] {
+        let error = parse(Format::Obj, format!("v 0 0 0\ng\nf 1 1 {word}\n")).unwrap_err();
+        assert!(error.to_string().starts_with("test: line 3: \""), "{error}");
+    }
+    fails(
+        b"v 0 0 0\nv 1 1 1\nl 1 2\n",
+        "there is no face in it, only 2 vertices; a surface is needed",
+    );
+}
+
+#[test]
+fn broken_off() {
+    let fails = |text: &[u8], message: &str| fails(Format::Off, text, message);
+    fails(
+        b"OFF BINARY\n\0\0",
+        "line 1: binary OFF is not read; convert the file to text OFF or binary PLY",
+    );
+    fails(
+        b"4OFF\n",
+        "line 1: \"4OFF\" has points in other than three dimensions, which are not read",
+    );
+    fails(
+        b"#\nmesh\n",
+        "line 2: \"mesh\" is not how an OFF file starts; expected OFF",
+    );
+    fails(b"# \n\n", "there are only blank lines and comments in it");
+    fails(b"OFF\n\n", "line 1: the file ends before its counts");
+    fails(
+        b"OFF\n3\n",
+        "line 2: \"3\" does not say how many vertices, faces and edges there are",
+    );
+    fails(
+        b"OFF\n-3 1 0\n",
+        "line 2: \"-3 1 0\" does not say how many vertices, faces and edges there are",
+    );
+    fails(
+        b"OFF 2 1 0\n0 0 0\n",
+        "line 2: the file ends after 1 of the 2 vertices it declares",
+    );
+    fails(
+        b"OFF 1 2 0\n0 0 0\n3 0 0 0\n",
+        "line 3: the file ends after 1 of the 2 faces it declares",
+    );
+    fails(
+        b"OFF 1 1 0\n0 \xe4 0\n3 0 0 0\n",
+        "line 2: \"\u{fffd}\" is not a number",
+    );
+    fails(
+        b"OFF 1 1 0\n0 0 0\n3 0 0\n",
+        "line 3: the face is to have 3 corners, but only 2 are there",
+    );
+    fails(
+        b"OFF 1 1 0\n0 0 0\n3 0 -1 0\n",
+        "line 3: \"-1\" is no vertex number: they run from 0 to 4294967295",
+    );
+    fails(
+        b"OFF 1 1 0\n0 0 0\n-3 0 1 0\n",
+        "line 3: \"-3\" is no number of corners",
+    );
+    fails(
+        b"OFF 1 1 0\n0 0 0\n3 0 1 0\n3 0 1 2\n",
+        "line 4: \"3 0 1 2\" comes after the 1 faces that the header declares; correct the counts",
+    );
+    fails(
+        b"OFF 1 0 0\n0 0 0\n",
+        "there is no face in it, only 1 vertices; a surface is needed",
+    );
+}
+
+/// A header with these counts; vertices have `x y z`, faces an `int` list.
+fn ply_header(format: &str, vertices: &str, faces: &str) -> Vec<u8> {
+    format!(
+        "ply\nformat {format} 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\n\
+         property float z\nelement face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    .into_bytes()
+}
+
+#[test]
+fn broken_ply_headers() {
+    let fails = |text: &str, message: &str| fails(Format::Ply, text, message);
+    fails("plx\n", "line 1: a PLY file starts with a line \"ply\"");
+    fails(
+        "ply\nformat ascii 1.0\n",
+        "line 2: the file ends before end_header; fetch it again",
+    );
+    fails(
+        "ply\ncomment\nformat utf8 1.0\nend_header\n",
+        "line 3: \"format utf8 1.0\" is no valid line of a PLY header",
+    );
+    fails(
+        "ply\nformat ascii 1.0\nproperty float x\nend_header\n",
+        "line 3: \"property float x\" is no valid line of a PLY header",
+    );
+    fails(
+        "ply\nformat ascii 1.0\nelement vertex -1\nend_header\n",
+        "line 3: \"element vertex -1\" is no valid line of a PLY header",
+    );
+    fails(
+        "ply\nelement vertex 1\nend_header\n",
+        "the header needs a line like \"format ascii 1.0\"",
+    );
+    fails(
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty int x\nend_header\n",
+        "line 5: \"property int x\" declares a name a second time; remove one",
+    );
+    let vertex = "element vertex 0\nproperty float x\nproperty float y\nproperty float z\n";
+    for (elements, message) in [
+        (
+            String::new(),
+            "the header declares no element vertex, so there is no mesh",
+        ),
+        (
+            vertex.replace("float z", "list int int z"),
+            "the header declares no coordinate z for the element vertex",
+        ),
+        (
+            vertex.to_owned(),
+            "the header declares no element face; a surface is needed, not a point cloud",
+        ),
+        (
+            format!("{vertex}element tristrips 1\n"),
+            "its faces are triangle strips, which are not read; convert them to faces",
+        ),
+        (
+            format!("{vertex}element face 1\nproperty int vertex_index\n"),
+            "the header declares no list vertex_indices for the element face",
+        ),
+        (
+            format!("{vertex}element face 1\nproperty list float int vertex_index\n"),
+            "the header counts the list vertex_index with a type that is not an integer",
+        ),
+    ] {
+        let file = format!("ply\nformat ascii 1.0\n{elements}end_header\n");
+        fails(&file, message);
+    }
+}
+
+#[test]
+fn broken_text_ply() {
+    let fails = |counts: (&str, &str), payload: &[u8], message: &str| {
+        let mut file = ply_header("ascii", counts.0, counts.1);
+        file.extend_from_slice(payload);
+        fails(Format::Ply, &file, message);
+    };
+    fails(
+        ("2", "1"),
+        b"0 0 0\n\n1 1\n",
+        "line 12: the line ends before the property z",
+    );
+    fails(
+        ("1", "1"),
+        b"0 0 0 0\n",
+        "line 10: \"0\" follows the properties that the header declares for vertex",
+    );
+    fails(
+        ("1", "1"),
+        b"0 0 \xff\n",
+        "line 10: \"\u{fffd}\" is not a number",
+    );
+    fails(
+        ("1", "2"),
+        b"0 0 0\n3 0 0 0\n",
+        "line 11: the file ends after 1 of the 2 elements face its header declares",
+    );
+    fails(
+        ("1", "1"),
+        b"0 0 0\n3 0 0\n",
+        "line 11: the line ends before the property vertex_indices",
+    );
+    fails(
+        ("1", "1"),
+        b"0 0 0\n-3 0 0\n",
+        "line 11: \"-3\" is no length of a list",
+    );
+    fails(
+        ("1", "1"),
+        b"0 0 0\n3 0 1 -1\n",
+        "line 11: \"-1\" is no vertex number: they run from 0 to 4294967295",
+    );
+    fails(
+        ("1", "1"),
+        b"0 0 0\n3 0 0 0\n3 0 0 0\n",
+        "line 12: \"3 0 0 0\" comes after all the elements that the header declares; correct its \
+         counts",
+    );
+}
+
+#[test]
+fn broken_binary_ply() {
+    let mut file = ply_header("binary_little_endian", "1", "2");
+    let start = file.len();
+    file.extend_from_slice(&[0; 12]);
+    for vertex in [0i32, 0, 0, 0, -1, 0] {
+        if (file.len() - start - 12).is_multiple_of(13) {
+            file.push(3);
+        }
+        file.extend_from_slice(&vertex.to_le_bytes());
+    }
+    fails(
+        Format::Ply,
+        &file,
+        &format!(
+            "face 1 (byte {}): -1 is no vertex number: they run from 0 to 4294967295",
+            start + 25
+        ),
+    );
+    fails(
+        Format::Ply,
+        &file[..start + 30],
+        &format!(
+            "face 1 (byte {}): the file ends within it; the file is cut off or its header wrong",
+            start + 25
+        ),
+    );
+    fails(
+        Format::Ply,
+        &file[..start + 9],
+        "the header declares 1 elements vertex, which need 12 bytes or more, but only 9 are left; \
+         the file is cut off or its header wrong",
+    );
+}
+
+#[test]
+fn lying_headers_reserve_nothing() {
+    // With any of these counts taken at its word the test would need gigabytes or hours.
+    for count in ["4000000000", "18446744073709551615"] {
+        for format in ["ascii", "binary_little_endian", "binary_big_endian"] {
+            for (vertices, faces) in [(count, "1"), ("1", count), (count, count)] {
+                let mut file = ply_header(format, vertices, faces);
+                file.extend_from_slice(&[b'0'; 40]);
+                assert!(parse(Format::Ply, &file).is_err());
+            }
+        }
+        for counts in [format!("{count} 1 0"), format!("1 {count} 0")] {
+            let file = format!("OFF {counts}\n0 0 0\n3 0 0 0\n");
+            assert!(parse(Format::Off, file).is_err());
+        }
+        let off = format!("OFF 1 1 0\n0 0 0\n{count} 0 0 0\n");
+        assert!(parse(Format::Off, off).is_err());
+    }
+    // A list of 4294967295 corners, and ten billion elements that take no byte.
+    let lists = "ply\nformat binary_little_endian 1.0\nelement void 10000000000\nelement vertex 1\n\
+                 property uchar x\nproperty uchar y\nproperty uchar z\nelement face 1\n\
+                 property list uint double vertex_indices\nend_header\n\0\0\0\u{7f}\u{7f}\u{7f}\u{7f}";
+    fails(
+        Format::Ply,
+        lists,
+        &format!(
+            "face 0 (byte {}): the file ends within it; the file is cut off or its header wrong",
+            lists.len() - 4
+        ),
+    );
+    let mut stl = vec![0; 200];
+    stl[80..84].fill(0xff);
+    assert!(parse(Format::Stl, stl).is_err());
+}
+
+#[test]
+fn broken_stl() {
+    let fails = |bytes: &[u8], message: &str| fails(Format::Stl, bytes, message);
+    fails(
+        b"hello",
+        "this is no STL: it neither starts with solid nor holds a binary header",
+    );
+    fails(b"solid\nendsolid\n", "there is no triangle in it");
+    fails(
+        b"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0\n",
+        "line 4: a vertex has three coordinates, here are 2",
+    );
+    fails(
+        b"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n",
+        "line 6: expected vertex, found \"endloop\"",
+    );
+    fails(
+        b"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n",
+        "line 4: the file ends where vertex should follow; fetch it again",
+    );
+    fails(
+        b"solid\n\n",
+        "line 2: the file ends where facet or endsolid should follow; fetch it again",
+    );
+    fails(
+        b"solid\nface\n",
+        "line 2: expected facet or endsolid, found \"face\"",
+    );
+    fails(
+        b"solid\nendsolid\nfacet\n",
+        "line 3: expected solid, found \"facet\"",
+    );
+    fails(
+        b"solid\nfacet\nouter loop\nvertex 0 \xff 0\n",
+        "line 4: \"\u{fffd}\" is not a number",
+    );
+    let binary = &samples::all()[6].2;
+    fails(
+        &[&[0; 80][..], &binary[80..180]].concat(),
+        "triangle 1 (byte 134): the file ends within it, though the header declares 2 triangles; \
+         fetch it again",
+    );
+}
+
+#[test]
+fn truncated_files_are_refused() {
+    for (name, format, bytes) in samples::all() {
+        let whole = parse(format, &bytes).unwrap();
+        for cut in 0..bytes.len() {
+            let Ok(soup) = parse(format, &bytes[..cut]) else {
+                continue;
+            };
+            // An OBJ file does not say what is to come; else only what is skipped may be missing.
+            if format != Format::Obj {
+                assert_eq!(soup, whole, "{name} cut at {cut} of {}", bytes.len());
+            }
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_written() {
+    let soup = parse(Format::Obj, "v 0 0 0\nf 1 1 1\n").unwrap();
+    let error = write(Path::new("a.stl"), &soup).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "a.stl: the ending does not tell a format that can be written; use .obj or .ply, each also \
+         with .gz"
+    );
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("none/a.obj");
+    let error = write(&path, &soup).unwrap_err().to_string();
+    assert!(error.contains("none/a.obj: cannot be written: "), "{error}");
+}

@@ -1,0 +1,28 @@
+//! Mesh files: what is read from them, what is refused and how, and that nothing is lost.
+
+mod errors;
+mod fuzz;
+mod good;
+mod models;
+mod round_trip;
+mod samples;
+
+use std::io::Write;
+use std::path::Path;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use geobench_mesh::TriangleSoup;
+use geobench_mesh::io::{Format, ReadError, read_bytes};
+
+/// Reads a file that exists only in memory, under the name `test`.
+fn parse(format: Format, bytes: impl AsRef<[u8]>) -> Result<TriangleSoup, ReadError> {
+    read_bytes(bytes.as_ref(), format, Path::new("test"))
+}
+
+/// Compresses `bytes`.
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}

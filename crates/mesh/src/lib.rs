@@ -2,6 +2,7 @@
 
 mod build;
 mod edges;
+pub mod generate;
 mod ids;
 pub mod io;
 mod mesh;

@@ -1,0 +1,196 @@
+//! A torus whose triangles are stretched to a wanted mean anisotropy, while its shape stays.
+
+use std::f64::consts::TAU;
+
+use super::GenerateError;
+use super::keys::{Key, Params};
+use super::lattice::wrapped;
+use super::torus::rounded;
+use super::turn::{angle, turn};
+use crate::soup::TriangleSoup;
+
+pub(super) const KEYS: &[Key] = &[
+    Key::real(
+        "g",
+        4.0,
+        [1.05, 1e5],
+        "wanted mean anisotropy; large ones need many faces",
+    ),
+    Key::whole(
+        "faces",
+        5_000,
+        [1_000, super::MAX_FACES],
+        "wanted number of faces",
+    ),
+];
+
+/// Radius of the tube, that of its centre line being 1.
+const TUBE: f64 = 0.4;
+
+/// With fewer rings the torus would no longer look like one.
+const MIN_RINGS: u64 = 12;
+
+/// How far vertices may crowd towards the outer equator: their density there, relative to the
+/// mean, is at most `1 / (1 - MAX_CROWDING)`.
+const MAX_CROWDING: f64 = 0.75;
+
+pub(super) fn faces(params: &Params<'_>) -> Result<u64, GenerateError> {
+    let stretched = Stretched::new(params)?;
+    Ok(2 * stretched.rings * stretched.per_ring)
+}
+
+/// Triangles are long along the torus and short around its tube: isosceles needles between rings.
+/// Vertices come ring after ring.
+pub(super) fn build(params: &Params<'_>) -> Result<TriangleSoup, GenerateError> {
+    let stretched = Stretched::new(params)?;
+    let [rings, per_ring] = [stretched.rings, stretched.per_ring];
+    let mut positions = Vec::with_capacity((rings * per_ring) as usize);
+    for i in 0..rings {
+        positions.extend((0..per_ring).map(|j| stretched.position(i, j)));
+    }
+    let shift = per_ring - stretched.offset() % per_ring;
+    let triangles = wrapped(rings as usize, per_ring as usize, shift as usize);
+    Ok(TriangleSoup::new(positions, triangles))
+}
+
+/// A torus of `rings` rings, each turned half a vertex against the one before it.
+struct Stretched {
+    rings: u64,
+    per_ring: u64,
+    crowding: f64,
+}
+
+impl Stretched {
+    /// Finds the torus of the wanted anisotropy.
+    ///
+    /// Fewer rings of more vertices stretch the triangles, in steps; what is missing to the
+    /// wanted mean is made up by crowding the vertices of each ring towards the outer equator.
+    fn new(params: &Params<'_>) -> Result<Self, GenerateError> {
+        let (wanted, cells) = (params.real("g"), params.whole("faces") / 2);
+        let even = |rings| Self {
+            rings,
+            per_ring: rounded(cells as f64 / rings as f64),
+            crowding: 0.0,
+        };
+        // The fewest rings that do not exceed the wanted mean. With this many, triangles are
+        // nearly equilateral.
+        let (mut few, mut many) = (MIN_RINGS, rounded((cells as f64 / (0.87 * TUBE)).sqrt()));
+        while few < many {
+            let middle = few.midpoint(many);
+            if even(middle).anisotropy() > wanted {
+                few = middle + 1;
+            } else {
+                many = middle;
+            }
+        }
+        let crowded = |crowding| Self {
+            crowding,
+            ..even(few)
+        };
+        let even_mean = crowded(0.0).anisotropy();
+        let [mut low, mut high] = if wanted < even_mean {
+            // Rings are closer to each other inside than outside, which keeps the mean of evenly
+            // spread vertices from 1: crowding inwards, too, makes all triangles alike.
+            [-TUBE, 0.0]
+        } else {
+            [0.0, MAX_CROWDING]
+        };
+        let reach = [low, high].map(|crowding| crowded(crowding).anisotropy());
+        if wanted < reach[0] || wanted > reach[1] {
+            let family = "anisotropic";
+            let faces = params.whole("faces");
+            let why = if wanted < reach[0] {
+                format!("with faces={faces} g cannot go below {:.3}", reach[0])
+            } else {
+                // The reach grows with the number of faces; a little more makes up for rounding.
+                let enough = rounded(faces as f64 * wanted / reach[1] * 1.02) + 1;
+                format!(
+                    "g={wanted} would leave too few rings to form a torus: with faces={faces} g goes \
+                     up to {:.3}, and for this g there must be at least faces={enough}",
+                    reach[1]
+                )
+            };
+            return Err(GenerateError::Unfit { family, why });
+        }
+        for _ in 0..40 {
+            let middle = f64::midpoint(low, high);
+            if crowded(middle).anisotropy() < wanted {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Ok(crowded(low))
+    }
+
+    /// Vertices by which the last ring is turned against the first.
+    const fn offset(&self) -> u64 {
+        self.rings / 2
+    }
+
+    fn position(&self, ring: u64, vertex: u64) -> [f64; 3] {
+        let [x, y] = turn(ring % self.rings, self.rings);
+        let turned = self.offset() as f64 * ring as f64 / self.rings as f64;
+        let w = TAU * (vertex as f64 - turned) / self.per_ring as f64;
+        let [out, up] = angle(w - self.crowding * libm::sin(w));
+        let distance = 1.0 + TUBE * out;
+        [distance * x, distance * y, TUBE * up]
+    }
+
+    /// Mean g of the triangles between the first two rings, or of an even sample of them: the
+    /// rings differ only in where along the tube their vertices start.
+    fn anisotropy(&self) -> f64 {
+        let samples = self.per_ring.min(2_000);
+        let sum: f64 = (0..samples)
+            .map(|sample| {
+                let j = sample * self.per_ring / samples;
+                let a = self.position(0, j);
+                let b = self.position(1, j);
+                let c = self.position(1, j + 1);
+                let d = self.position(0, j + 1);
+                anisotropy([a, b, c]) + anisotropy([a, c, d])
+            })
+            .sum();
+        sum / (2 * samples) as f64
+    }
+}
+
+/// Mean of g = P·H / (2√3·S) over the triangles: P half the perimeter, H the longest side, S the area.
+///
+/// 1 for equilateral triangles, growing with their stretch, infinite where one has no area; NaN
+/// for a model without triangles. This is the papers' measure (Xu et al. 2015, section 5).
+///
+/// # Panics
+///
+/// If a triangle names a vertex that does not exist.
+pub fn mean_anisotropy(soup: &TriangleSoup) -> f64 {
+    let sum: f64 = soup
+        .triangles
+        .iter()
+        .map(|t| anisotropy(t.map(|v| soup.positions[v as usize])))
+        .sum();
+    sum / soup.triangles.len() as f64
+}
+
+fn anisotropy([a, b, c]: [[f64; 3]; 3]) -> f64 {
+    let sides = [minus(b, a), minus(c, b), minus(a, c)];
+    let lengths = sides.map(norm);
+    let longest = lengths.into_iter().fold(0.0, f64::max);
+    // Relative to the longest side, so that areas of tiny triangles do not vanish.
+    let half_perimeter = (lengths[0] + lengths[1] + lengths[2]) / longest / 2.0;
+    let [u, v, _] = sides.map(|side| side.map(|x| x / longest));
+    let area = norm([
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    ]) / 2.0;
+    half_perimeter / (12f64.sqrt() * area)
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn norm([x, y, z]: [f64; 3]) -> f64 {
+    (x * x + y * y + z * z).sqrt()
+}

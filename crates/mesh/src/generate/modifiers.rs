@@ -1,0 +1,146 @@
+//! What can be done to any model, generated or loaded.
+
+use super::keys::{Key, Value};
+use super::noise::add_noise;
+use super::subdivide::{midpoint_subdivide, split};
+use super::{GenerateError, MAX_FACES};
+use crate::soup::TriangleSoup;
+
+/// The keys that every family takes beside its own.
+pub const MODIFIER_KEYS: &[Key] = &[
+    Key::whole(
+        "subdivide",
+        0,
+        [0, 12],
+        "times each face is split in four at its midpoints, the surface unchanged",
+    ),
+    Key::real(
+        "noise",
+        0.0,
+        [0.0, 10.0],
+        "random displacement along the normals, in mean edge lengths",
+    ),
+    Key::real("scale", 1.0, [1e-100, 1e100], "factor of all coordinates"),
+    Key::whole(
+        "seed",
+        1,
+        [0, u64::MAX],
+        "number that picks the random choices",
+    ),
+];
+
+/// Subdivision, noise and scale, applied in this order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modifiers {
+    /// How many times each triangle is split in four.
+    pub subdivide: u32,
+    /// Largest displacement of a vertex along its normal, in mean edge lengths.
+    pub noise: f64,
+    /// Factor of all coordinates.
+    pub scale: f64,
+    /// Picks the displacements.
+    pub seed: u64,
+}
+
+impl Default for Modifiers {
+    fn default() -> Self {
+        Self {
+            subdivide: 0,
+            noise: 0.0,
+            scale: 1.0,
+            seed: 1,
+        }
+    }
+}
+
+impl Modifiers {
+    /// The soup with all modifiers applied; unchanged, bit for bit, by the default ones.
+    ///
+    /// Vertices keep their numbers, and what is wrong with a soup stays there for validation to
+    /// find: `file_faces` leads from split triangles back to the faces of the file.
+    ///
+    /// # Errors
+    ///
+    /// If subdivision would make more than [`MAX_FACES`] triangles.
+    pub fn apply(&self, soup: TriangleSoup) -> Result<TriangleSoup, GenerateError> {
+        self.apply_with(soup, midpoint_subdivide)
+    }
+
+    /// The same for a generated soup, of which nobody asks which face of a file it came from.
+    pub(super) fn apply_to_generated(
+        &self,
+        soup: TriangleSoup,
+    ) -> Result<TriangleSoup, GenerateError> {
+        self.apply_with(soup, split)
+    }
+
+    fn apply_with(
+        &self,
+        mut soup: TriangleSoup,
+        split: impl Fn(&TriangleSoup) -> TriangleSoup,
+    ) -> Result<TriangleSoup, GenerateError> {
+        if self.subdivide > 0 {
+            self.face_count(soup.triangles.len() as u64)?;
+        }
+        for _ in 0..self.subdivide {
+            soup = split(&soup);
+        }
+        if self.noise != 0.0 {
+            add_noise(&mut soup, self.noise, self.seed);
+        }
+        if self.scale != 1.0 {
+            for x in soup.positions.as_flattened_mut() {
+                *x *= self.scale;
+            }
+        }
+        Ok(soup)
+    }
+
+    /// The number of triangles that a model of `faces` will have, if that is not too many.
+    pub(super) fn face_count(&self, faces: u64) -> Result<u64, GenerateError> {
+        let factor = 4u64.checked_pow(self.subdivide).unwrap_or(u64::MAX);
+        let faces = faces.saturating_mul(factor);
+        if faces > MAX_FACES {
+            return Err(GenerateError::TooManyFaces { faces });
+        }
+        Ok(faces)
+    }
+
+    /// Takes the value of one of [`MODIFIER_KEYS`].
+    pub(super) fn set(&mut self, key: &Key, value: &Value) {
+        match (key.name, value) {
+            ("subdivide", Value::Whole(times)) => self.subdivide = *times as u32,
+            ("noise", Value::Real(noise)) => self.noise = *noise,
+            ("scale", Value::Real(scale)) => self.scale = *scale,
+            ("seed", Value::Whole(seed)) => self.seed = *seed,
+            (name, value) => unreachable!("{name}={value} is not a modifier"),
+        }
+    }
+
+    /// The keys that make a difference, with their values. The seed does where `seeded` says that
+    /// the shape depends on it, and where there is noise.
+    pub(super) fn settings(&self, seeded: bool) -> impl Iterator<Item = (&'static str, Value)> {
+        let default = Self::default();
+        [
+            (
+                self.subdivide != default.subdivide,
+                ("subdivide", Value::Whole(u64::from(self.subdivide))),
+            ),
+            (
+                self.noise != default.noise,
+                ("noise", Value::Real(self.noise)),
+            ),
+            (
+                self.scale != default.scale,
+                ("scale", Value::Real(self.scale)),
+            ),
+            (
+                seeded || self.noise != 0.0,
+                ("seed", Value::Whole(self.seed)),
+            ),
+        ]
+        .into_iter()
+        .filter(|(matters, _)| *matters)
+        .map(|(_, setting)| setting)
+    }
+}

@@ -95,7 +95,7 @@ impl HalfEdgeId {
     #[inline]
     #[must_use]
     pub const fn prev(self) -> Self {
-        Self(if self.0 % 3 == 0 {
+        Self(if self.0.is_multiple_of(3) {
             self.0 + 2
         } else {
             self.0 - 1

@@ -36,3 +36,60 @@ pub fn is_beaten_across(w: &Window, end: f64, opposite: [f64; 2], d: f64) -> boo
 fn is_shorter(r: f64, x: f64, y: f64) -> bool {
     r < 0.0 || r * r < x * x + y * y
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::window::tests::windows;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn a_window_beaten_from_an_end_loses_everywhere(
+            w in windows(), d0 in 0.0..6.0f64, d1 in 0.0..6.0f64, t in 0.0..=1.0f64,
+        ) {
+            let x = w.b0 + t * (w.b1 - w.b0);
+            let through_ends = (d0 + x).min(d1 + 1.0 - x);
+            if is_beaten_from_ends(&w, 1.0, d0, d1) {
+                prop_assert!(through_ends < w.distance(x) * (1.0 + 1e-14));
+            }
+        }
+
+        #[test]
+        fn a_window_beaten_across_loses_at_the_far_end(
+            w in windows(), d in 0.0..6.0f64, x in -1.0..2.0f64, y in -2.0..-0.1f64,
+        ) {
+            let beaten = is_beaten_across(&w, w.b0, [x, y], d);
+            let path = d + norm(w.b0 - x, y);
+            prop_assert_eq!(beaten, path * (1.0 + 1e-14) < w.distance(w.b0));
+        }
+    }
+
+    #[test]
+    fn unknown_distances_beat_nothing() {
+        let w = Window {
+            b0: 0.0,
+            b1: 1.0,
+            px: 0.5,
+            py: -1.0,
+            sigma: 1e6,
+        };
+        assert!(!is_beaten_from_ends(&w, 1.0, f64::INFINITY, f64::INFINITY));
+        assert!(!is_beaten_across(&w, 0.0, [0.5, -1.0], f64::INFINITY));
+    }
+
+    #[test]
+    fn a_tie_beats_nothing() {
+        // The window of vertex A itself, along whose edge the path is exactly as long.
+        let w = Window {
+            b0: 0.0,
+            b1: 1.0,
+            px: 0.0,
+            py: 0.0,
+            sigma: 0.7,
+        };
+        assert!(!is_beaten_from_ends(&w, 1.0, 0.7, f64::INFINITY));
+    }
+}

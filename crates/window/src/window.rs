@@ -63,3 +63,38 @@ impl Window {
 pub(crate) fn norm(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    prop_compose! {
+        /// A window on an edge of length 1 with its source below it.
+        pub(crate) fn windows()(
+            ends in (0.0..1.0f64, 0.0..1.0f64),
+            px in -3.0..4.0f64,
+            py in -5.0..0.0f64,
+            sigma in prop_oneof![Just(0.0), 0.0..3.0f64],
+        ) -> Window {
+            let (b0, b1) = if ends.0 < ends.1 { ends } else { (ends.1, ends.0) };
+            Window { b0, b1: b1.max(b0 + 1e-6), px, py, sigma }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn min_distance_is_the_least_on_the_interval(w in windows(), t in 0.0..=1.0f64) {
+            let x = w.b0 + t * (w.b1 - w.b0);
+            prop_assert!(w.min_distance() <= w.distance(x) * (1.0 + 1e-15));
+            let ends = [w.b0, w.b1, w.px].map(|x| w.distance(x.clamp(w.b0, w.b1)));
+            prop_assert!(ends.contains(&w.min_distance()));
+        }
+
+        #[test]
+        fn reversing_keeps_every_distance(w in windows(), x in 0.0..=1.0f64) {
+            let there = w.reversed(1.0).distance(1.0 - x);
+            prop_assert!((there - w.distance(x)).abs() <= 1e-14 * there);
+        }
+    }
+}

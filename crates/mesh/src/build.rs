@@ -2,48 +2,42 @@
 
 use std::f64::consts::PI;
 
-use crate::edges::EdgeGroups;
+use crate::frames::{apexes_from_lengths, apexes_from_positions};
 use crate::ids::{HalfEdgeId, VertexId};
-use crate::mesh::{Mesh, NO_TWIN, VertexFlags};
+use crate::mesh::{Mesh, VertexFlags};
 
 /// Excess angle in radians that a vertex may have before it counts as a saddle. Ignoring an
 /// excess of δ lengthens a path by at most about δ²/2 of itself.
 const SADDLE_SLACK: f64 = 1e-8;
 
-/// Height given to a face of no area, as a fraction of its longest edge: far below rounding, so
-/// no distance changes, but enough for rays to have a side on which to pass its vertices.
-const FLAT_HEIGHT: f64 = 1.0 / (1u128 << 100) as f64;
-
 /// Builds the mesh of manifold, consistently oriented `triangles`.
 ///
 /// `lengths[t][k]` is the length of the edge from corner `k` of triangle `t` to the next corner,
-/// equal in both triangles of an edge.
+/// equal in both triangles of an edge; `twins` pairs their half-edges. `positions` may be empty.
 pub(crate) fn build(
     vertex_count: usize,
     positions: Vec<[f64; 3]>,
-    triangles: &[[u32; 3]],
-    lengths: &[[f64; 3]],
+    triangles: Vec<[u32; 3]>,
+    lengths: Vec<[f64; 3]>,
+    twins: Vec<u32>,
 ) -> Mesh {
-    let mut twins = vec![NO_TWIN; 3 * triangles.len()];
-    for (_, _, mut half_edges) in EdgeGroups::new(vertex_count, triangles).iter() {
-        if let (Some(a), Some(b)) = (half_edges.next(), half_edges.next()) {
-            twins[a as usize] = b;
-            twins[b as usize] = a;
-        }
-    }
     let mut apexes = Vec::with_capacity(3 * triangles.len());
-    for l in lengths {
-        apexes.extend_from_slice(&face_apexes(*l));
+    for (t, &l) in triangles.iter().zip(&lengths) {
+        apexes.extend_from_slice(&if positions.is_empty() {
+            apexes_from_lengths(l)
+        } else {
+            apexes_from_positions(t.map(|v| positions[v as usize]), l)
+        });
     }
     let mut mesh = Mesh {
         positions,
         tails: triangles
-            .as_flattened()
-            .iter()
-            .map(|&v| VertexId::new(v))
+            .into_flattened()
+            .into_iter()
+            .map(VertexId::new)
             .collect(),
         twins,
-        lengths: lengths.as_flattened().to_vec(),
+        lengths: lengths.into_flattened(),
         apexes,
         outgoing_starts: Vec::new(),
         outgoing: Vec::new(),
@@ -52,33 +46,6 @@ pub(crate) fn build(
     };
     link_fans(&mut mesh);
     mesh
-}
-
-/// Position of the third vertex in the frame of each of a triangle's three half-edges.
-///
-/// With l the half-edge, a the side from its tail and b the side from its head,
-/// x = (l² + (a-b)(a+b)) / 2l and y = 2S / l, the area S by Kahan's arrangement of Heron's
-/// formula, which stays accurate on needles.
-fn face_apexes(lengths: [f64; 3]) -> [[f64; 2]; 3] {
-    let twice_area = twice_area(lengths);
-    [0, 1, 2].map(|k| {
-        let l = lengths[k];
-        let (from_head, from_tail) = (lengths[(k + 1) % 3], lengths[(k + 2) % 3]);
-        let x = (l * l + (from_tail - from_head) * (from_tail + from_head)) / (2.0 * l);
-        [x, twice_area / l]
-    })
-}
-
-/// Twice the area of a triangle with these sides, never below a sliver that keeps it upright.
-fn twice_area(lengths: [f64; 3]) -> f64 {
-    let mut sides = lengths;
-    sides.sort_unstable_by(f64::total_cmp);
-    let [c, b, a] = sides;
-    // Factors of 16 S², scaled by the longest side so that their product cannot under- or overflow.
-    let (p, q, r, s) = (a + (b + c), c - (a - b), c + (a - b), a + (b - c));
-    let sixteen_s2 = (p / a) * (q / a) * (r / a) * (s / a);
-    let relative = sixteen_s2.max(0.0).sqrt() / 2.0;
-    relative.max(FLAT_HEIGHT) * a * a
 }
 
 /// Orders the half-edges around every vertex, and derives its angle and flags.

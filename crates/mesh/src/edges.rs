@@ -11,6 +11,15 @@ pub(crate) struct EdgeGroups {
     starts: Vec<u32>,
 }
 
+/// An undirected edge and everything that lies along it.
+pub(crate) struct Edge<'a> {
+    /// The end with the smaller number.
+    pub(crate) low: u32,
+    /// The end with the larger number.
+    pub(crate) high: u32,
+    entries: &'a [(u32, u32)],
+}
+
 impl EdgeGroups {
     /// Sorts the half-edges of `triangles`; every vertex must be less than `vertex_count`.
     ///
@@ -45,12 +54,65 @@ impl EdgeGroups {
         Self { entries, starts }
     }
 
-    /// Each edge once: its smaller vertex, its larger vertex, and its half-edges in rising order.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (u32, u32, impl Iterator<Item = u32>)> {
+    /// Each edge once, by rising smaller and then larger vertex.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = Edge<'_>> {
         self.starts.windows(2).enumerate().flat_map(|(low, range)| {
             self.entries[range[0] as usize..range[1] as usize]
                 .chunk_by(|x, y| x.0 == y.0)
-                .map(move |group| (low as u32, group[0].0, group.iter().map(|e| e.1)))
+                .map(move |entries| Edge {
+                    low: low as u32,
+                    high: entries[0].0,
+                    entries,
+                })
         })
+    }
+}
+
+impl Edge<'_> {
+    /// Number of triangle sides along the edge, at least 1.
+    pub(crate) fn side_count(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// The half-edges along the edge, in either direction, by rising number.
+    pub(crate) fn half_edges(&self) -> impl Iterator<Item = u32> + Clone {
+        self.entries.iter().map(|entry| entry.1)
+    }
+
+    /// The two half-edges of an edge inside the surface; `None` at a boundary and where more than
+    /// two triangles meet.
+    pub(crate) fn pair(&self) -> Option<[u32; 2]> {
+        match *self.entries {
+            [a, b] => Some([a.1, b.1]),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::EdgeGroups;
+
+    #[test]
+    fn groups_name_every_half_edge_once_under_its_ends() {
+        // A strip of two triangles with a third one on their common edge.
+        let triangles = [[0, 1, 2], [2, 1, 3], [1, 2, 4]];
+        let groups = EdgeGroups::new(5, &triangles);
+        let found: Vec<(u32, u32, Vec<u32>)> = groups
+            .iter()
+            .map(|edge| (edge.low, edge.high, edge.half_edges().collect()))
+            .collect();
+        assert_eq!(
+            found,
+            [
+                (0, 1, vec![0]),
+                (0, 2, vec![2]),
+                (1, 2, vec![1, 3, 6]),
+                (1, 3, vec![4]),
+                (1, 4, vec![8]),
+                (2, 3, vec![5]),
+                (2, 4, vec![7]),
+            ]
+        );
     }
 }

@@ -51,11 +51,11 @@ pub(super) fn split(soup: &TriangleSoup) -> TriangleSoup {
     );
     let mut positions = soup.positions.clone();
     let mut midpoints = vec![[0; 3]; corners.len()];
-    for (low, high, half_edges) in EdgeGroups::new(old, &corners).iter() {
+    for edge in EdgeGroups::new(old, &corners).iter() {
         let midpoint = positions.len() as u32;
-        let (p, q) = (positions[low as usize], positions[high as usize]);
+        let (p, q) = (positions[edge.low as usize], positions[edge.high as usize]);
         positions.push([0, 1, 2].map(|k| f64::midpoint(p[k], q[k])));
-        for h in half_edges {
+        for h in edge.half_edges() {
             midpoints[h as usize / 3][h as usize % 3] = midpoint;
         }
     }

@@ -1,0 +1,383 @@
+//! What can be wrong with, or worth knowing about, a model.
+
+use std::fmt;
+
+/// Longest edge, in the model's units, that a mesh may have. The products of up to four lengths
+/// that windows are computed with must stay finite.
+pub const LONGEST_EDGE: f64 = 1e60;
+
+/// Shortest edge, in the model's units, that a mesh may have. The products of up to four lengths
+/// that windows are computed with must stay above the smallest numbers.
+pub const SHORTEST_EDGE: f64 = 1e-60;
+
+/// How much a [`Defect`] matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// No mesh can be built.
+    Fatal,
+    /// The mesh differs from the model: the defect has been put right.
+    Repaired,
+    /// The model is used as it is, and every distance is right; but it may not be what was meant.
+    Noted,
+}
+
+/// Something about a model that a user should know, with the elements it is about.
+///
+/// Vertices and faces carry the file's own numbers, counted from 0; where the file's polygons
+/// were cut into triangles, a face is the polygon. A triangle that names a vertex which does
+/// not exist, or one vertex twice, is left out while the rest is checked.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Defect {
+    /// Fatal: there is not a single vertex.
+    NoVertices,
+    /// Fatal: there is not a single face, as in a point cloud.
+    NoFaces,
+    /// Fatal: more elements than 4-byte numbers can tell apart.
+    TooLarge {
+        /// Number of vertices, at most 2³² - 1.
+        vertices: usize,
+        /// Number of triangles, at most (2³² - 1) / 3.
+        triangles: usize,
+    },
+    /// Fatal: a mesh given by its lengths has not one triple of them for each triangle.
+    LengthCount {
+        /// Number of triangles.
+        triangles: usize,
+        /// Number of triples of lengths.
+        lengths: usize,
+    },
+    /// Fatal: a face names a vertex that does not exist.
+    IndexOutOfRange {
+        /// The face.
+        face: u32,
+        /// The vertex it names.
+        vertex: u32,
+        /// How many vertices there are.
+        vertex_count: u32,
+    },
+    /// Fatal: a coordinate of a vertex is infinite or not a number.
+    NonFiniteCoordinate {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// Fatal: a face names one vertex several times.
+    RepeatedVertex {
+        /// The face.
+        face: u32,
+        /// The vertex it repeats.
+        vertex: u32,
+    },
+    /// Fatal: both ends of an edge lie at the same place.
+    ZeroLengthEdge {
+        /// The ends.
+        vertices: [u32; 2],
+        /// The faces along the edge.
+        faces: Vec<u32>,
+    },
+    /// Fatal: an edge longer than [`LONGEST_EDGE`] or shorter than [`SHORTEST_EDGE`]; or, in a
+    /// mesh given by its lengths, a length that is negative or not a number.
+    LengthOutOfRange {
+        /// The ends.
+        vertices: [u32; 2],
+        /// The length.
+        length: f64,
+    },
+    /// Fatal: in a mesh given by its lengths, two triangles give one edge different lengths.
+    UnequalLengths {
+        /// The ends.
+        vertices: [u32; 2],
+        /// The two lengths, each by the triangle at the same place of `faces`.
+        lengths: [f64; 2],
+        /// The triangles.
+        faces: [u32; 2],
+    },
+    /// Fatal: in a mesh given by its lengths, one side of a triangle is longer than the two
+    /// others together, by more than rounding errors can explain (1e-12 of it).
+    TriangleInequality {
+        /// The triangle.
+        face: u32,
+        /// Its lengths.
+        lengths: [f64; 3],
+    },
+    /// Fatal: more than two faces share an edge.
+    NonManifoldEdge {
+        /// The ends.
+        vertices: [u32; 2],
+        /// All faces along the edge.
+        faces: Vec<u32>,
+    },
+    /// Fatal: a surface with one side only, such as a Möbius strip. Reported once for each part
+    /// that hangs together by its edges, at one of the edges where its faces cannot agree.
+    NotOrientable {
+        /// The ends of such an edge.
+        vertices: [u32; 2],
+        /// The two faces along it.
+        faces: [u32; 2],
+    },
+    /// Noted: a face has the same vertices as an earlier one. Two such faces alone make a closed
+    /// two-sided surface, which is used as it is; in a larger surface they also make
+    /// [non-manifold edges](Defect::NonManifoldEdge).
+    DuplicateFace {
+        /// The later face.
+        face: u32,
+        /// The first one with these vertices.
+        first: u32,
+    },
+    /// Repaired: a face was wound the other way round than most of its surface, and is used
+    /// turned over. Where both windings are equally frequent, the first face of the part stays.
+    FlippedFace {
+        /// The face.
+        face: u32,
+    },
+    /// Noted: the corners of a face lie on a line, within rounding errors. Its edges keep their
+    /// lengths, and paths may run along them.
+    FlatFace {
+        /// The face.
+        face: u32,
+    },
+    /// Noted: several fans of faces meet in a vertex and in nothing else there. A path may pass
+    /// from any of them into any other. (Not looked for at the ends of non-manifold edges.)
+    PinchedVertex {
+        /// The vertex.
+        vertex: u32,
+        /// How many fans meet there.
+        fans: u32,
+    },
+    /// Noted: the surface has parts that have no vertex in common. From a source in one of
+    /// them the others cannot be reached.
+    SeveralComponents {
+        /// How many triangles each part has, in the order of their first vertices.
+        triangles: Vec<u32>,
+    },
+    /// Noted: a vertex is in no face. It is kept, and can be reached from nowhere but itself.
+    IsolatedVertex {
+        /// The vertex.
+        vertex: u32,
+    },
+}
+
+/// The kind of a [`Defect`], without its elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[allow(missing_docs)] // Each is documented at the variant of `Defect` with the same name.
+#[non_exhaustive]
+pub enum DefectKind {
+    NoVertices,
+    NoFaces,
+    TooLarge,
+    LengthCount,
+    IndexOutOfRange,
+    NonFiniteCoordinate,
+    RepeatedVertex,
+    ZeroLengthEdge,
+    LengthOutOfRange,
+    UnequalLengths,
+    TriangleInequality,
+    NonManifoldEdge,
+    NotOrientable,
+    DuplicateFace,
+    FlippedFace,
+    FlatFace,
+    PinchedVertex,
+    SeveralComponents,
+    IsolatedVertex,
+}
+
+impl Defect {
+    /// What kind of defect this is.
+    pub fn kind(&self) -> DefectKind {
+        match self {
+            Self::NoVertices => DefectKind::NoVertices,
+            Self::NoFaces => DefectKind::NoFaces,
+            Self::TooLarge { .. } => DefectKind::TooLarge,
+            Self::LengthCount { .. } => DefectKind::LengthCount,
+            Self::IndexOutOfRange { .. } => DefectKind::IndexOutOfRange,
+            Self::NonFiniteCoordinate { .. } => DefectKind::NonFiniteCoordinate,
+            Self::RepeatedVertex { .. } => DefectKind::RepeatedVertex,
+            Self::ZeroLengthEdge { .. } => DefectKind::ZeroLengthEdge,
+            Self::LengthOutOfRange { .. } => DefectKind::LengthOutOfRange,
+            Self::UnequalLengths { .. } => DefectKind::UnequalLengths,
+            Self::TriangleInequality { .. } => DefectKind::TriangleInequality,
+            Self::NonManifoldEdge { .. } => DefectKind::NonManifoldEdge,
+            Self::NotOrientable { .. } => DefectKind::NotOrientable,
+            Self::DuplicateFace { .. } => DefectKind::DuplicateFace,
+            Self::FlippedFace { .. } => DefectKind::FlippedFace,
+            Self::FlatFace { .. } => DefectKind::FlatFace,
+            Self::PinchedVertex { .. } => DefectKind::PinchedVertex,
+            Self::SeveralComponents { .. } => DefectKind::SeveralComponents,
+            Self::IsolatedVertex { .. } => DefectKind::IsolatedVertex,
+        }
+    }
+
+    /// How much this defect matters.
+    pub fn severity(&self) -> Severity {
+        self.kind().severity()
+    }
+
+    /// Places defects of one kind in the order of their elements.
+    pub(crate) fn sort_key(&self) -> (DefectKind, [u32; 2]) {
+        let elements = match *self {
+            Self::NoVertices
+            | Self::NoFaces
+            | Self::TooLarge { .. }
+            | Self::LengthCount { .. }
+            | Self::SeveralComponents { .. } => [0, 0],
+            Self::IndexOutOfRange { face, vertex, .. } | Self::RepeatedVertex { face, vertex } => {
+                [face, vertex]
+            }
+            Self::ZeroLengthEdge { vertices, .. }
+            | Self::LengthOutOfRange { vertices, .. }
+            | Self::UnequalLengths { vertices, .. }
+            | Self::NonManifoldEdge { vertices, .. }
+            | Self::NotOrientable { vertices, .. } => vertices,
+            Self::DuplicateFace { face, first } => [face, first],
+            Self::TriangleInequality { face, .. }
+            | Self::FlippedFace { face }
+            | Self::FlatFace { face } => [face, 0],
+            Self::NonFiniteCoordinate { vertex }
+            | Self::PinchedVertex { vertex, .. }
+            | Self::IsolatedVertex { vertex } => [vertex, 0],
+        };
+        (self.kind(), elements)
+    }
+}
+
+impl DefectKind {
+    /// How much defects of this kind matter.
+    pub fn severity(self) -> Severity {
+        match self {
+            Self::NoVertices
+            | Self::NoFaces
+            | Self::TooLarge
+            | Self::LengthCount
+            | Self::IndexOutOfRange
+            | Self::NonFiniteCoordinate
+            | Self::RepeatedVertex
+            | Self::ZeroLengthEdge
+            | Self::LengthOutOfRange
+            | Self::UnequalLengths
+            | Self::TriangleInequality
+            | Self::NonManifoldEdge
+            | Self::NotOrientable => Severity::Fatal,
+            Self::FlippedFace => Severity::Repaired,
+            Self::DuplicateFace
+            | Self::FlatFace
+            | Self::PinchedVertex
+            | Self::SeveralComponents
+            | Self::IsolatedVertex => Severity::Noted,
+        }
+    }
+
+    /// A name for programs, such as `non-manifold-edge`.
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::NoVertices => "no-vertices",
+            Self::NoFaces => "no-faces",
+            Self::TooLarge => "too-large",
+            Self::LengthCount => "length-count",
+            Self::IndexOutOfRange => "index-out-of-range",
+            Self::NonFiniteCoordinate => "non-finite-coordinate",
+            Self::RepeatedVertex => "repeated-vertex",
+            Self::ZeroLengthEdge => "zero-length-edge",
+            Self::LengthOutOfRange => "length-out-of-range",
+            Self::UnequalLengths => "unequal-lengths",
+            Self::TriangleInequality => "triangle-inequality",
+            Self::NonManifoldEdge => "non-manifold-edge",
+            Self::NotOrientable => "not-orientable",
+            Self::DuplicateFace => "duplicate-face",
+            Self::FlippedFace => "flipped-face",
+            Self::FlatFace => "flat-face",
+            Self::PinchedVertex => "pinched-vertex",
+            Self::SeveralComponents => "several-components",
+            Self::IsolatedVertex => "isolated-vertex",
+        }
+    }
+}
+
+/// The elements of the defect, to stand behind a headline that says what is wrong with them.
+impl fmt::Display for Defect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoVertices | Self::NoFaces => Ok(()),
+            Self::TooLarge {
+                vertices,
+                triangles,
+            } => write!(f, "{vertices} vertices, {triangles} triangles"),
+            Self::LengthCount { triangles, lengths } => {
+                write!(f, "{triangles} triangles, {lengths} triples of lengths")
+            }
+            Self::IndexOutOfRange {
+                face,
+                vertex,
+                vertex_count,
+            } => write!(f, "face {face} names vertex {vertex} of {vertex_count}"),
+            Self::NonFiniteCoordinate { vertex } | Self::IsolatedVertex { vertex } => {
+                write!(f, "vertex {vertex}")
+            }
+            Self::RepeatedVertex { face, vertex } => write!(f, "face {face}: vertex {vertex}"),
+            Self::ZeroLengthEdge { vertices, faces }
+            | Self::NonManifoldEdge { vertices, faces } => {
+                write!(f, "{} in {}", Ends(vertices), Faces(faces))
+            }
+            Self::LengthOutOfRange { vertices, length } => {
+                write!(f, "{}: {length:e}", Ends(vertices))
+            }
+            Self::UnequalLengths {
+                vertices,
+                lengths,
+                faces,
+            } => write!(
+                f,
+                "{}: {:?} in face {}, {:?} in face {}",
+                Ends(vertices),
+                lengths[0],
+                faces[0],
+                lengths[1],
+                faces[1]
+            ),
+            Self::TriangleInequality { face, lengths } => write!(f, "face {face}: {lengths:?}"),
+            Self::NotOrientable { vertices, faces } => {
+                write!(f, "at {} in {}", Ends(vertices), Faces(faces))
+            }
+            Self::DuplicateFace { face, first } => write!(f, "face {face} repeats face {first}"),
+            Self::FlippedFace { face } | Self::FlatFace { face } => write!(f, "face {face}"),
+            Self::PinchedVertex { vertex, fans } => write!(f, "vertex {vertex}: {fans} fans"),
+            Self::SeveralComponents { triangles } => {
+                f.write_str("of ")?;
+                write_list(f, triangles)?;
+                f.write_str(" triangles")
+            }
+        }
+    }
+}
+
+/// The ends of an edge.
+struct Ends<'a>(&'a [u32; 2]);
+
+impl fmt::Display for Ends<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "vertices {} and {}", self.0[0], self.0[1])
+    }
+}
+
+/// Some faces, in full if they are few.
+struct Faces<'a>(&'a [u32]);
+
+impl fmt::Display for Faces<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.0.len() == 1 { "face " } else { "faces " })?;
+        write_list(f, self.0)
+    }
+}
+
+/// Writes the first few of `numbers`, and how many more there are.
+fn write_list(f: &mut fmt::Formatter<'_>, numbers: &[u32]) -> fmt::Result {
+    const SHOWN: usize = 6;
+    for (i, number) in numbers.iter().take(SHOWN).enumerate() {
+        write!(f, "{}{number}", if i == 0 { "" } else { ", " })?;
+    }
+    match numbers.len().saturating_sub(SHOWN) {
+        0 => Ok(()),
+        more => write!(f, " and {more} more"),
+    }
+}

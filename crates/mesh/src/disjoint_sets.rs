@@ -1,0 +1,61 @@
+//! Which elements hang together.
+
+/// A partition of `0..n` that only ever grows coarser (union-find).
+pub(crate) struct DisjointSets {
+    parents: Vec<u32>,
+}
+
+impl DisjointSets {
+    /// Every element alone. `n` must be at most 2³².
+    pub(crate) fn new(n: usize) -> Self {
+        Self {
+            parents: (0..n as u32).collect(),
+        }
+    }
+
+    /// The smallest element of the set of `x`: the same for all that belong together.
+    pub(crate) fn find(&mut self, mut x: u32) -> u32 {
+        loop {
+            let parent = self.parents[x as usize];
+            if parent == x {
+                return x;
+            }
+            // Halve the way for the next one who asks.
+            let grandparent = self.parents[parent as usize];
+            self.parents[x as usize] = grandparent;
+            x = grandparent;
+        }
+    }
+
+    /// Joins the sets of `x` and `y`.
+    pub(crate) fn union(&mut self, x: u32, y: u32) {
+        let (x, y) = (self.find(x), self.find(y));
+        self.parents[x.max(y) as usize] = x.min(y);
+    }
+
+    /// Number of sets.
+    pub(crate) fn count(&self) -> usize {
+        let is_root = |(x, &parent): (usize, &u32)| x == parent as usize;
+        self.parents
+            .iter()
+            .enumerate()
+            .filter(|&p| is_root(p))
+            .count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::DisjointSets;
+
+    #[test]
+    fn joined_elements_share_their_smallest_member() {
+        let mut sets = DisjointSets::new(6);
+        for (x, y) in [(5, 3), (3, 1), (4, 2), (1, 5)] {
+            sets.union(x, y);
+        }
+        let roots: Vec<u32> = (0..6).map(|x| sets.find(x)).collect();
+        assert_eq!(roots, [0, 1, 2, 1, 2, 1]);
+        assert_eq!(sets.count(), 3);
+    }
+}

@@ -1,0 +1,194 @@
+//! The shape of one triangle, laid out in the frames of its half-edges.
+//!
+//! Where coordinates are known the frames are taken from them and not from the edge lengths: a
+//! length carries a rounding error of its own, which in a triangle with an angle near π moves
+//! the apex by the square root of that error (1e-8 of an edge instead of 1e-16).
+
+/// Least height of a face as a fraction of its longest edge: far below rounding, so no distance
+/// changes, but enough for rays to have a side on which to pass its vertices.
+const LEAST_HEIGHT: f64 = 1.0 / (1u128 << 100) as f64;
+
+/// A face whose height is at most this fraction of its longest edge has no area that can be told
+/// from rounding errors.
+const FLAT_HEIGHT: f64 = 16.0 * f64::EPSILON;
+
+/// Distance of two points.
+pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    norm(sub(b, a))
+}
+
+/// Position of the third vertex in the frame of each half-edge of the triangle `corners` with
+/// the edge lengths `lengths`.
+///
+/// x is a dot product over the length; y twice the area over the length, the area from the cross
+/// product of the two shorter edges, whose error is the smallest.
+pub(crate) fn apexes_from_positions(corners: [[f64; 3]; 3], lengths: [f64; 3]) -> [[f64; 2]; 3] {
+    let [a, b, c] = corners;
+    let edges = [sub(b, a), sub(c, b), sub(a, c)];
+    let longest = longest_side(lengths);
+    let normal = cross(edges[(longest + 1) % 3], edges[(longest + 2) % 3]);
+    let twice_area = at_least_a_sliver(norm(normal), lengths[longest]);
+    [0, 1, 2].map(|k| {
+        let x = -dot(edges[k], edges[(k + 2) % 3]) / lengths[k];
+        [x, twice_area / lengths[k]]
+    })
+}
+
+/// As [`apexes_from_positions`], for a triangle known by its edge lengths alone.
+///
+/// With l the half-edge, a the side from its tail and b the side from its head,
+/// x = (l² + (a-b)(a+b)) / 2l and y = 2S / l, the area S by Kahan's arrangement of Heron's
+/// formula, which stays accurate on needles.
+pub(crate) fn apexes_from_lengths(lengths: [f64; 3]) -> [[f64; 2]; 3] {
+    let twice_area = twice_area_from_lengths(lengths);
+    [0, 1, 2].map(|k| {
+        let l = lengths[k];
+        let (from_head, from_tail) = (lengths[(k + 1) % 3], lengths[(k + 2) % 3]);
+        let x = (l * l + (from_tail - from_head) * (from_tail + from_head)) / (2.0 * l);
+        [x, twice_area / l]
+    })
+}
+
+/// Whether a triangle with these edge lengths and `apex` in the frame of the first has no area
+/// beyond rounding errors.
+pub(crate) fn is_flat(lengths: [f64; 3], apex: [f64; 2]) -> bool {
+    let longest = lengths[longest_side(lengths)];
+    lengths[0] * apex[1] <= FLAT_HEIGHT * longest * longest
+}
+
+fn twice_area_from_lengths(lengths: [f64; 3]) -> f64 {
+    let mut sides = lengths;
+    sides.sort_unstable_by(f64::total_cmp);
+    let [c, b, a] = sides;
+    // Factors of 16 S², scaled by the longest side so that their product cannot under- or overflow.
+    let (p, q, r, s) = (a + (b + c), c - (a - b), c + (a - b), a + (b - c));
+    let sixteen_s2 = (p / a) * (q / a) * (r / a) * (s / a);
+    at_least_a_sliver(sixteen_s2.max(0.0).sqrt() / 2.0 * a * a, a)
+}
+
+/// `twice_area`, but enough to keep a triangle with longest side `longest` upright.
+fn at_least_a_sliver(twice_area: f64, longest: f64) -> f64 {
+    twice_area.max(LEAST_HEIGHT * longest * longest)
+}
+
+/// Index of the longest of three lengths, the first of equal ones.
+fn longest_side(lengths: [f64; 3]) -> usize {
+    let [a, b, c] = lengths;
+    if a >= b && a >= c {
+        0
+    } else if b >= c {
+        1
+    } else {
+        2
+    }
+}
+
+fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn norm(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lengths_of([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
+        [distance(a, b), distance(b, c), distance(c, a)]
+    }
+
+    fn from_positions(corners: [[f64; 3]; 3]) -> [[f64; 2]; 3] {
+        apexes_from_positions(corners, lengths_of(corners))
+    }
+
+    #[test]
+    fn a_3_4_5_triangle_comes_out_exactly_both_ways() {
+        let corners = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 3.0, 0.0]];
+        let expected = [[0.0, 3.0], [3.2, 2.4], [3.0, 4.0]];
+        for apexes in [
+            from_positions(corners),
+            apexes_from_lengths(lengths_of(corners)),
+        ] {
+            for (apex, expected) in apexes.as_flattened().iter().zip(expected.as_flattened()) {
+                assert!((apex - expected).abs() <= 4.0 * f64::EPSILON, "{apexes:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_cap_keeps_its_height_where_the_lengths_have_lost_it() {
+        let height = 2f64.powi(-30);
+        let corners = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, height, 0.0]];
+        assert_eq!(from_positions(corners)[0], [1.0, height]);
+        // Both shorter edges round to 1: to lengths this cap is a straight line.
+        assert!(apexes_from_lengths(lengths_of(corners))[0][1] < height / 2.0);
+    }
+
+    #[test]
+    fn needles_keep_their_width() {
+        for width in [1e-3, 1e-8, 1e-14] {
+            let corners = [[0.0; 3], [width, 0.0, 0.0], [0.0, 1.0, 0.0]];
+            for apexes in [
+                from_positions(corners),
+                apexes_from_lengths([width, 1.0f64.hypot(width), 1.0]),
+            ] {
+                let [_, y] = apexes[2];
+                assert!((y / width - 1.0).abs() < 1e-12, "{width}: {apexes:?}");
+                assert!((apexes[0][1] - 1.0).abs() < 1e-12, "{width}: {apexes:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn collinear_corners_stand_upright_but_count_as_flat() {
+        let corners = [[0.0; 3], [0.1, 0.1, 0.1], [0.3, 0.3, 0.3]];
+        let lengths = lengths_of(corners);
+        for apexes in [from_positions(corners), apexes_from_lengths(lengths)] {
+            assert!(apexes.iter().all(|apex| apex[1] > 0.0), "{apexes:?}");
+            assert!(apexes.iter().all(|apex| apex[1] < 1e-7), "{apexes:?}");
+        }
+        assert!(is_flat(lengths, from_positions(corners)[0]));
+        let thin = [[0.0; 3], [1.0, 0.0, 0.0], [0.5, 1e-10, 0.0]];
+        assert!(!is_flat(lengths_of(thin), from_positions(thin)[0]));
+    }
+
+    #[test]
+    fn powers_of_two_scale_every_bit() {
+        let corners = [[0.1, 0.7, -3.0], [1.3, 0.2, 0.9], [-2.7, 0.4, 0.33]];
+        for exponent in [-150, -7, 1, 150] {
+            let scale = 2f64.powi(exponent);
+            let scaled = corners.map(|p| p.map(|x| x * scale));
+            let expected = from_positions(corners).map(|apex| apex.map(|x| x * scale));
+            assert_eq!(from_positions(scaled), expected);
+            let lengths = lengths_of(corners);
+            assert_eq!(lengths_of(scaled), lengths.map(|l| l * scale));
+            assert_eq!(
+                apexes_from_lengths(lengths.map(|l| l * scale)),
+                apexes_from_lengths(lengths).map(|apex| apex.map(|x| x * scale))
+            );
+        }
+    }
+
+    #[test]
+    fn turning_a_face_over_mirrors_its_frames_bit_for_bit() {
+        let [a, b, c] = [[0.1, 0.7, -3.0], [1.3, 0.2, 0.9], [-2.7, 0.4, 0.33]];
+        let (front, back) = (from_positions([a, b, c]), from_positions([a, c, b]));
+        for k in 0..3 {
+            assert_eq!(front[k][1], back[2 - k][1]);
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! What `info` and result files say about a mesh.
+
+use crate::disjoint_sets::DisjointSets;
+use crate::frames::is_flat;
+use crate::ids::HalfEdgeId;
+use crate::mesh::Mesh;
+
+/// Counts and sizes of a mesh. Lengths are in the model's units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshMeasures {
+    /// Vertices, isolated ones included.
+    pub vertices: usize,
+    /// Triangles.
+    pub faces: usize,
+    /// Undirected edges.
+    pub edges: usize,
+    /// Edges with a face on one side only.
+    pub boundary_edges: usize,
+    /// Closed lines that the boundary edges make; the outline of a disk is one. Lines that
+    /// meet in a pinched vertex count apart.
+    pub boundary_loops: usize,
+    /// Parts of the surface that have no vertex in common; isolated vertices do not count.
+    pub components: usize,
+    /// Vertices in no face.
+    pub isolated_vertices: usize,
+    /// Vertices where several fans meet.
+    pub pinched_vertices: usize,
+    /// Vertices in faces - edges + faces. A sphere has 2, a disk 1, a torus 0.
+    pub euler_characteristic: i64,
+    /// Number of handles, over all components; pinched vertices are pulled apart, and holes are
+    /// closed, before they are counted.
+    pub genus: usize,
+    /// Vertices at which a shortest path can bend ([`Mesh::is_saddle`]).
+    pub saddles: usize,
+    /// Faces whose area cannot be told from 0.
+    pub flat_faces: usize,
+    /// Shortest edge, infinite without any edge.
+    pub min_edge_length: f64,
+    /// Mean over the edges, each once; 0 without any edge.
+    pub mean_edge_length: f64,
+    /// Longest edge, 0 without any edge.
+    pub max_edge_length: f64,
+    /// Sum of the areas of the faces.
+    pub area: f64,
+    /// Least and greatest x, y and z over all vertices; `None` for a mesh built from lengths.
+    pub bounding_box: Option<[[f64; 3]; 2]>,
+    /// Mean over the faces of g = P·H / (2·√3·S), with P half the perimeter, H the longest edge
+    /// and S the area: 1 if all faces are equilateral, large if they are slender. Faces without
+    /// area are left out; 1 if there are no others.
+    pub anisotropy: f64,
+}
+
+impl MeshMeasures {
+    /// Measures `mesh`, in linear time.
+    pub fn of(mesh: &Mesh) -> Self {
+        let lengths = EdgeLengths::of(mesh);
+        let shapes = Shapes::of(mesh);
+        let count = |is: fn(&Mesh, crate::VertexId) -> bool| {
+            mesh.vertices().filter(|&v| is(mesh, v)).count()
+        };
+        let isolated_vertices = count(|mesh, v| mesh.outgoing(v).is_empty());
+        let boundary_loops = boundary_loops(mesh);
+        let (edges, faces) = (lengths.edges, mesh.face_count());
+        // Pulled apart, every fan has a vertex of its own, and each part, its b holes closed with
+        // disks, has vertices - edges + faces + b = 2 - 2 genus.
+        let genus = (2 * patch_count(mesh) + edges)
+            .saturating_sub(fan_count(mesh) + faces + boundary_loops)
+            / 2;
+        let vertices_in_faces = mesh.vertex_count() - isolated_vertices;
+        Self {
+            vertices: mesh.vertex_count(),
+            faces,
+            edges,
+            boundary_edges: lengths.boundary_edges,
+            boundary_loops,
+            components: component_count(mesh) - isolated_vertices,
+            isolated_vertices,
+            pinched_vertices: count(Mesh::is_pinched),
+            euler_characteristic: signed(vertices_in_faces) - signed(edges) + signed(faces),
+            genus,
+            saddles: count(Mesh::is_saddle),
+            flat_faces: shapes.flat_faces,
+            min_edge_length: lengths.min,
+            mean_edge_length: lengths.sum / edges.max(1) as f64,
+            max_edge_length: lengths.max,
+            area: shapes.area,
+            bounding_box: bounding_box(mesh),
+            anisotropy: shapes.anisotropy,
+        }
+    }
+}
+
+struct EdgeLengths {
+    edges: usize,
+    boundary_edges: usize,
+    min: f64,
+    max: f64,
+    sum: f64,
+}
+
+impl EdgeLengths {
+    fn of(mesh: &Mesh) -> Self {
+        let mut all = Self {
+            edges: 0,
+            boundary_edges: 0,
+            min: f64::INFINITY,
+            max: 0.0,
+            sum: 0.0,
+        };
+        for h in mesh.half_edges() {
+            let twin = mesh.twin(h);
+            if twin.is_none_or(|twin| h < twin) {
+                let length = mesh.length(h);
+                all.edges += 1;
+                all.boundary_edges += usize::from(twin.is_none());
+                all.min = all.min.min(length);
+                all.max = all.max.max(length);
+                all.sum += length;
+            }
+        }
+        all
+    }
+}
+
+struct Shapes {
+    area: f64,
+    flat_faces: usize,
+    anisotropy: f64,
+}
+
+impl Shapes {
+    fn of(mesh: &Mesh) -> Self {
+        let (mut area, mut flat_faces, mut sum) = (0.0, 0, 0.0);
+        for face in mesh.faces() {
+            let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+            let apex = mesh.apex(face.half_edge(0));
+            let own_area = lengths[0] * apex[1] / 2.0;
+            area += own_area;
+            if is_flat(lengths, apex) {
+                flat_faces += 1;
+                continue;
+            }
+            let [a, b, c] = lengths;
+            let half_perimeter = (a + b + c) / 2.0;
+            let longest = a.max(b).max(c);
+            sum += half_perimeter * longest / (2.0 * 3f64.sqrt() * own_area);
+        }
+        let others = mesh.face_count() - flat_faces;
+        Self {
+            area,
+            flat_faces,
+            anisotropy: if others == 0 {
+                1.0
+            } else {
+                sum / others as f64
+            },
+        }
+    }
+}
+
+/// Number of closed lines of boundary edges.
+fn boundary_loops(mesh: &Mesh) -> usize {
+    let mut seen = vec![false; mesh.half_edge_count()];
+    let mut loops = 0;
+    for start in mesh.half_edges() {
+        if seen[start.index()] || mesh.twin(start).is_some() {
+            continue;
+        }
+        loops += 1;
+        let mut h = start;
+        while !seen[h.index()] {
+            seen[h.index()] = true;
+            h = next_along_boundary(mesh, h);
+        }
+    }
+    loops
+}
+
+/// The boundary half-edge that starts where boundary half-edge `h` ends, in the same fan.
+fn next_along_boundary(mesh: &Mesh, h: HalfEdgeId) -> HalfEdgeId {
+    let mut g = h.next();
+    while let Some(twin) = mesh.twin(g) {
+        g = twin.next();
+    }
+    g
+}
+
+/// Number of fans over all vertices: as many as vertices, were it not for isolated and pinched ones.
+fn fan_count(mesh: &Mesh) -> usize {
+    let fans = |v| {
+        let outgoing = mesh.outgoing(v);
+        let breaks = outgoing
+            .windows(2)
+            .filter(|pair| mesh.twin(pair[0].prev()) != Some(pair[1]))
+            .count();
+        breaks + usize::from(!outgoing.is_empty())
+    };
+    mesh.vertices().map(fans).sum()
+}
+
+/// Number of parts that hang together by edges.
+fn patch_count(mesh: &Mesh) -> usize {
+    let mut patches = DisjointSets::new(mesh.face_count());
+    for h in mesh.half_edges() {
+        if let Some(twin) = mesh.twin(h) {
+            patches.union(h.face().raw(), twin.face().raw());
+        }
+    }
+    patches.count()
+}
+
+/// Number of parts that hang together by vertices, isolated vertices included.
+fn component_count(mesh: &Mesh) -> usize {
+    let mut parts = DisjointSets::new(mesh.vertex_count());
+    for h in mesh.half_edges() {
+        parts.union(mesh.tail(h).raw(), mesh.head(h).raw());
+    }
+    parts.count()
+}
+
+/// A count of elements as a signed number; there are fewer than 2³² of any kind.
+fn signed(count: usize) -> i64 {
+    i64::try_from(count).unwrap_or(i64::MAX)
+}
+
+fn bounding_box(mesh: &Mesh) -> Option<[[f64; 3]; 2]> {
+    let first = *mesh.positions().first()?;
+    let corners = mesh
+        .positions()
+        .iter()
+        .fold([first, first], |[low, high], p| {
+            [
+                [0, 1, 2].map(|i| low[i].min(p[i])),
+                [0, 1, 2].map(|i| high[i].max(p[i])),
+            ]
+        });
+    Some(corners)
+}

@@ -1,0 +1,91 @@
+//! Turns the faces of a surface all the same way.
+
+use crate::mesh::NO_TWIN;
+
+/// Which faces must be turned over so that all agree with their neighbours.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Orientation {
+    /// The faces to turn over, rising: in every patch the smaller part, so that most stay.
+    pub(crate) flipped: Vec<u32>,
+    /// For every patch that cannot be oriented, a half-edge across which its faces disagree
+    /// however they are turned.
+    pub(crate) contradictions: Vec<u32>,
+}
+
+/// Finds the faces to turn over, patch by patch; a patch is what hangs together by `mates`.
+///
+/// `mates[h]` is the other half-edge along the edge of `h`, or [`NO_TWIN`] where a patch ends.
+/// Where two parts of a patch are of the same size, the one with its first face stays.
+/// Takes linear time.
+pub(crate) fn orient(triangles: &[[u32; 3]], mates: &[u32]) -> Orientation {
+    let tails = triangles.as_flattened();
+    let mut sides: Vec<Option<bool>> = vec![None; triangles.len()];
+    let mut result = Orientation::default();
+    let mut patch = Vec::new();
+    for seed in 0..triangles.len() {
+        if sides[seed].is_some() {
+            continue;
+        }
+        sides[seed] = Some(false);
+        patch.clear();
+        patch.push(seed as u32);
+        let mut contradiction = None;
+        let mut done = 0;
+        while let Some(&face) = patch.get(done) {
+            done += 1;
+            let side = sides[face as usize] == Some(true);
+            for h in 3 * face..3 * face + 3 {
+                let mate = mates[h as usize];
+                if mate == NO_TWIN {
+                    continue;
+                }
+                // Neighbours that agree run along their common edge in opposite directions.
+                let wanted = side ^ (tails[h as usize] == tails[mate as usize]);
+                match &mut sides[mate as usize / 3] {
+                    Some(there) if *there == wanted => {}
+                    Some(_) => contradiction = contradiction.or(Some(h)),
+                    unseen @ None => {
+                        *unseen = Some(wanted);
+                        patch.push(mate / 3);
+                    }
+                }
+            }
+        }
+        if let Some(h) = contradiction {
+            result.contradictions.push(h);
+            continue;
+        }
+        let is_turned = |face: &u32| sides[*face as usize] == Some(true);
+        let turned = patch.iter().filter(|face| is_turned(face)).count();
+        let minority = 2 * turned <= patch.len();
+        result
+            .flipped
+            .extend(patch.iter().filter(|face| is_turned(face) == minority));
+    }
+    result.flipped.sort_unstable();
+    result
+}
+
+/// Turns `flipped` faces over, by swapping their last two corners, in the triangles, in the
+/// lengths along their half-edges and in the pairing of half-edges.
+pub(crate) fn turn_over(
+    flipped: &[u32],
+    triangles: &mut [[u32; 3]],
+    lengths: &mut [[f64; 3]],
+    mates: &mut [u32],
+) {
+    for &face in flipped {
+        let t = face as usize;
+        triangles[t].swap(1, 2);
+        lengths[t].swap(0, 2);
+        // Half-edges 0 and 2 of the face exchange their edges.
+        let (first, last) = (3 * t, 3 * t + 2);
+        for (h, renamed) in [(first, last), (last, first)] {
+            let mate = mates[h];
+            if mate != NO_TWIN {
+                mates[mate as usize] = renamed as u32;
+            }
+        }
+        mates.swap(first, last);
+    }
+}

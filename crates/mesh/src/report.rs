@@ -1,0 +1,211 @@
+//! What validation found, for people and for programs.
+
+use std::fmt;
+
+use crate::defect::{Defect, DefectKind, LONGEST_EDGE, SHORTEST_EDGE, Severity};
+
+/// What was found in a model: every defect, each with its elements.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Every defect found, in the order of their kinds and then of their elements.
+    pub defects: Vec<Defect>,
+}
+
+/// All defects of one kind in one sentence.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Summary {
+    /// The kind.
+    pub kind: DefectKind,
+    /// How many there are; of [`SeveralComponents`](DefectKind::SeveralComponents), how many
+    /// components.
+    pub count: usize,
+    /// What is the matter, with the number of elements and the first of them by name.
+    pub text: String,
+    /// What to do about it; empty where nothing has to be done.
+    pub advice: String,
+}
+
+/// A model that no exact algorithm can work on.
+///
+/// Its one-line message says how many defects of each fatal kind there are, names the first
+/// elements, and says what to do; `report` names all.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub struct InvalidMesh {
+    /// What was found, the fatal defects among them.
+    pub report: Report,
+}
+
+impl Report {
+    /// Sorts `defects`, and joins those that name the same elements, as the triangles of one
+    /// polygon may do.
+    pub(crate) fn new(mut defects: Vec<Defect>) -> Self {
+        defects.sort_by_key(Defect::sort_key);
+        defects.dedup();
+        Self { defects }
+    }
+
+    /// Whether some defect makes the model unusable.
+    pub fn is_fatal(&self) -> bool {
+        self.with_severity(Severity::Fatal).next().is_some()
+    }
+
+    /// The defects of one severity.
+    pub fn with_severity(&self, severity: Severity) -> impl Iterator<Item = &Defect> {
+        self.defects
+            .iter()
+            .filter(move |defect| defect.severity() == severity)
+    }
+
+    /// One sentence for each kind of defect found, in the order of [`DefectKind`]: the fatal
+    /// ones first.
+    pub fn summaries(&self) -> Vec<Summary> {
+        self.defects
+            .chunk_by(|x, y| x.kind() == y.kind())
+            .map(summarize)
+            .collect()
+    }
+}
+
+impl fmt::Display for InvalidMesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut separator = "the mesh cannot be used: ";
+        for summary in self.report.summaries() {
+            // Faces that occur twice are why edges have too many faces.
+            let explains = summary.kind == DefectKind::DuplicateFace;
+            if summary.kind.severity() == Severity::Fatal || explains {
+                write!(f, "{separator}{}", summary.text)?;
+                if !summary.advice.is_empty() {
+                    write!(f, "; {}", summary.advice)?;
+                }
+                separator = ". Also: ";
+            }
+        }
+        f.write_str(" (vertices and faces are counted from 0)")
+    }
+}
+
+/// Puts defects of one kind into one sentence. There must be at least one.
+fn summarize(defects: &[Defect]) -> Summary {
+    const SHOWN: usize = 3;
+    let kind = defects[0].kind();
+    let count = match &defects[0] {
+        Defect::SeveralComponents { triangles } => triangles.len(),
+        _ => defects.len(),
+    };
+    let mut text = headline(kind, count);
+    let mut names: Vec<String> = defects.iter().take(SHOWN).map(Defect::to_string).collect();
+    names.retain(|name| !name.is_empty());
+    if !names.is_empty() {
+        let more = match defects.len().saturating_sub(SHOWN) {
+            0 => String::new(),
+            more => format!("; and {more} more"),
+        };
+        text = format!("{text} ({}{more})", names.join("; "));
+    }
+    Summary {
+        kind,
+        count,
+        text,
+        advice: advice(kind),
+    }
+}
+
+/// What is wrong with `count` elements.
+fn headline(kind: DefectKind, count: usize) -> String {
+    let (one, many) = match kind {
+        DefectKind::NoVertices => return "it has no vertices".to_owned(),
+        DefectKind::NoFaces => return "it has no faces".to_owned(),
+        DefectKind::TooLarge => return "it has too many elements".to_owned(),
+        DefectKind::LengthCount => return "lengths and triangles do not match".to_owned(),
+        DefectKind::SeveralComponents => {
+            return format!("{count} components that are not connected");
+        }
+        DefectKind::IndexOutOfRange => (
+            "face corner names a vertex that does not exist",
+            "face corners name vertices that do not exist",
+        ),
+        DefectKind::NonFiniteCoordinate => (
+            "vertex has a coordinate that is not a finite number",
+            "vertices have coordinates that are not finite numbers",
+        ),
+        DefectKind::RepeatedVertex => (
+            "face names one vertex several times",
+            "faces name one vertex several times",
+        ),
+        DefectKind::ZeroLengthEdge => (
+            "edge has no length, as both its ends lie at the same place",
+            "edges have no length, as both their ends lie at the same place",
+        ),
+        DefectKind::LengthOutOfRange => (
+            "edge has a length that cannot be computed with",
+            "edges have lengths that cannot be computed with",
+        ),
+        DefectKind::UnequalLengths => (
+            "edge has different lengths in its two triangles",
+            "edges have different lengths in their two triangles",
+        ),
+        DefectKind::TriangleInequality => (
+            "triangle has a side longer than the two others together",
+            "triangles have a side longer than the two others together",
+        ),
+        DefectKind::NonManifoldEdge => (
+            "edge belongs to more than two faces",
+            "edges belong to more than two faces",
+        ),
+        DefectKind::NotOrientable => (
+            "surface cannot be oriented, it has only one side",
+            "surfaces cannot be oriented, they have only one side",
+        ),
+        DefectKind::DuplicateFace => (
+            "face has the same vertices as another",
+            "faces have the same vertices as others",
+        ),
+        DefectKind::FlippedFace => (
+            "face was wound against its neighbours and is used turned over",
+            "faces were wound against their neighbours and are used turned over",
+        ),
+        DefectKind::FlatFace => ("face has no area", "faces have no area"),
+        DefectKind::PinchedVertex => (
+            "vertex joins several fans of faces",
+            "vertices join several fans of faces",
+        ),
+        DefectKind::IsolatedVertex => (
+            "vertex is in no face and cannot be reached",
+            "vertices are in no face and cannot be reached",
+        ),
+    };
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
+/// What a user can do about defects of this kind.
+fn advice(kind: DefectKind) -> String {
+    match kind {
+        DefectKind::NoVertices => "check that the file is complete",
+        DefectKind::NoFaces => "distances need a surface: triangulate the points first",
+        DefectKind::TooLarge => "split or simplify the model",
+        DefectKind::LengthCount => "give three lengths for each triangle",
+        DefectKind::IndexOutOfRange => "correct the numbers or check that the file is complete",
+        DefectKind::NonFiniteCoordinate => "correct or remove them",
+        DefectKind::RepeatedVertex => "remove such faces",
+        DefectKind::ZeroLengthEdge => "merge vertices at the same place and remove such faces",
+        DefectKind::LengthOutOfRange => {
+            return format!(
+                "scale the model, so that all lengths lie between {SHORTEST_EDGE:e} and \
+                 {LONGEST_EDGE:e}"
+            );
+        }
+        DefectKind::UnequalLengths => "give both triangles of an edge the same number",
+        DefectKind::TriangleInequality => "correct the lengths",
+        DefectKind::NonManifoldEdge => {
+            "remove the surplus faces, or cut the model apart along such edges"
+        }
+        DefectKind::NotOrientable => "cut it open along a line from edge to edge",
+        DefectKind::DuplicateFace => "remove the second of each if that was not meant",
+        DefectKind::FlippedFace
+        | DefectKind::FlatFace
+        | DefectKind::PinchedVertex
+        | DefectKind::SeveralComponents
+        | DefectKind::IsolatedVertex => "",
+    }
+    .to_owned()
+}

@@ -320,7 +320,7 @@ impl fmt::Display for Defect {
                 write!(f, "{} in {}", Ends(vertices), Faces(faces))
             }
             Self::LengthOutOfRange { vertices, length } => {
-                write!(f, "{}: {length:e}", Ends(vertices))
+                write!(f, "{}: {length:.3e}", Ends(vertices))
             }
             Self::UnequalLengths {
                 vertices,

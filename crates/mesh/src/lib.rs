@@ -7,6 +7,7 @@ mod edges;
 mod frames;
 pub mod generate;
 mod ids;
+mod inspection;
 pub mod io;
 mod measure;
 mod mesh;

@@ -104,13 +104,15 @@ impl Mesh {
         (twin != NO_TWIN).then(|| HalfEdgeId::new(twin))
     }
 
-    /// Length of `h`, the same bits as that of its twin; positive and finite.
+    /// Length of `h`, the same bits as that of its twin; from [`SHORTEST_EDGE`](crate::SHORTEST_EDGE)
+    /// to [`LONGEST_EDGE`](crate::LONGEST_EDGE).
     #[inline]
     pub fn length(&self, h: HalfEdgeId) -> f64 {
         self.lengths[h.index()]
     }
 
-    /// Position of the apex vertex in the frame of `h`; its y is positive.
+    /// Position of the apex vertex in the frame of `h`; its y is positive, in a face without area
+    /// some 1e-30 of its longest edge.
     #[inline]
     pub fn apex(&self, h: HalfEdgeId) -> [f64; 2] {
         self.apexes[h.index()]

@@ -69,6 +69,7 @@ impl Report {
 impl fmt::Display for InvalidMesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut separator = "the mesh cannot be used: ";
+        let mut names_elements = false;
         for summary in self.report.summaries() {
             // Faces that occur twice are why edges have too many faces.
             let explains = summary.kind == DefectKind::DuplicateFace;
@@ -78,9 +79,16 @@ impl fmt::Display for InvalidMesh {
                     write!(f, "; {}", summary.advice)?;
                 }
                 separator = ". Also: ";
+                names_elements |= !matches!(
+                    summary.kind,
+                    DefectKind::NoVertices | DefectKind::NoFaces | DefectKind::TooLarge
+                );
             }
         }
-        f.write_str(" (vertices and faces are counted from 0)")
+        if names_elements {
+            f.write_str(" (vertices and faces are counted from 0)")?;
+        }
+        Ok(())
     }
 }
 
@@ -199,7 +207,7 @@ fn advice(kind: DefectKind) -> String {
         DefectKind::NonManifoldEdge => {
             "remove the surplus faces, or cut the model apart along such edges"
         }
-        DefectKind::NotOrientable => "cut it open along a line from edge to edge",
+        DefectKind::NotOrientable => "cut it open until it has two sides",
         DefectKind::DuplicateFace => "remove the second of each if that was not meant",
         DefectKind::FlippedFace
         | DefectKind::FlatFace

@@ -41,7 +41,11 @@ fn without_vertices_or_faces_there_is_no_surface() {
     );
     let points = refused(abstract_soup(3, &[]));
     assert_eq!(points.report.defects, [Defect::NoFaces]);
-    assert!(points.to_string().contains("it has no faces"), "{points}");
+    assert_eq!(
+        points.to_string(),
+        "the mesh cannot be used: it has no faces; distances need a surface: triangulate the \
+         points first"
+    );
     let vertex_count = 0;
     assert_eq!(
         refused(abstract_soup(0, &[[0, 1, 2]])).report.defects[0..2],
@@ -119,6 +123,16 @@ fn sizes_that_overflow_or_vanish_are_refused() {
         let report = refused(soup).report;
         assert_eq!(kinds(&report), [DefectKind::LengthOutOfRange; 3], "{scale}");
     }
+    // The report names the size even where its square overflows.
+    let far = TriangleSoup::new(
+        vec![[0.0; 3], [3e200, 4e200, 0.0], [1.0; 3]],
+        vec![[0, 1, 2]],
+    );
+    let error = refused(far);
+    assert!(
+        error.to_string().contains("vertices 0 and 1: 5.000e200"),
+        "{error}"
+    );
     for scale in [1e58, 1e-58] {
         let mut soup = grid(3, 3);
         for position in soup.positions.as_flattened_mut() {

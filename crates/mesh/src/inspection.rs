@@ -1,0 +1,378 @@
+//! The checks that validation is made of.
+
+use std::borrow::Cow;
+
+use crate::defect::{Defect, LONGEST_EDGE, SHORTEST_EDGE};
+use crate::disjoint_sets::DisjointSets;
+use crate::edges::{Edge, EdgeGroups};
+use crate::frames::{apexes_from_lengths, apexes_from_positions, distance, is_flat};
+use crate::mesh::NO_TWIN;
+use crate::orient::orient;
+
+/// By how much of itself a side may be longer than the two others together, as the numbers that
+/// a program computed for a triangle without area may be.
+const INEQUALITY_SLACK: f64 = 1e-12;
+
+/// Where the lengths of edges come from.
+#[derive(Clone, Copy)]
+pub(crate) enum Metric<'a> {
+    Positions(&'a [[f64; 3]]),
+    Lengths(&'a [[f64; 3]]),
+}
+
+/// The triangles that have three different vertices which exist.
+pub(crate) struct Usable<'a> {
+    pub(crate) triangles: Cow<'a, [[u32; 3]]>,
+    /// Where each of them stands in the soup, unless all of the soup's triangles are usable.
+    places: Option<Vec<u32>>,
+}
+
+/// Sorts out the triangles that name no proper vertices.
+fn usable_triangles<'a>(
+    vertex_count: usize,
+    triangles: &'a [[u32; 3]],
+    file_faces: &[u32],
+    defects: &mut Vec<Defect>,
+) -> Usable<'a> {
+    let mut left_out = Vec::new();
+    for (i, &[a, b, c]) in triangles.iter().enumerate() {
+        let exists = |v: u32| (v as usize) < vertex_count;
+        if exists(a) && exists(b) && exists(c) && a != b && b != c && c != a {
+            continue;
+        }
+        left_out.push(i as u32);
+        let face = file_faces.get(i).map_or(i as u32, |&face| face);
+        for vertex in [a, b, c] {
+            if !exists(vertex) {
+                defects.push(Defect::IndexOutOfRange {
+                    face,
+                    vertex,
+                    vertex_count: vertex_count as u32,
+                });
+            }
+        }
+        if a == b || b == c || c == a {
+            let vertex = if a == b || a == c { a } else { b };
+            defects.push(Defect::RepeatedVertex { face, vertex });
+        }
+    }
+    if left_out.is_empty() {
+        return Usable {
+            triangles: Cow::Borrowed(triangles),
+            places: None,
+        };
+    }
+    let mut left_out = left_out.into_iter().peekable();
+    let places: Vec<u32> = (0..triangles.len() as u32)
+        .filter(|&i| left_out.next_if_eq(&i).is_none())
+        .collect();
+    Usable {
+        triangles: places.iter().map(|&i| triangles[i as usize]).collect(),
+        places: Some(places),
+    }
+}
+
+/// The state that the checks share. Half-edges and corners are numbered over usable triangles.
+pub(crate) struct Inspection<'a> {
+    vertex_count: usize,
+    metric: Metric<'a>,
+    pub(crate) usable: Usable<'a>,
+    file_faces: &'a [u32],
+    pub(crate) defects: Vec<Defect>,
+    /// The other half-edge along the edge of each, where there is exactly one.
+    pub(crate) mates: Vec<u32>,
+    /// Length of each half-edge; not a number where a position is not finite.
+    pub(crate) lengths: Vec<[f64; 3]>,
+    /// Ends of non-manifold edges.
+    non_manifold_ends: Vec<u32>,
+}
+
+impl<'a> Inspection<'a> {
+    /// Sorts out the triangles that cannot be used; nothing else is checked yet.
+    pub(crate) fn new(
+        vertex_count: usize,
+        triangles: &'a [[u32; 3]],
+        metric: Metric<'a>,
+        file_faces: &'a [u32],
+    ) -> Self {
+        let mut defects = Vec::new();
+        let usable = usable_triangles(vertex_count, triangles, file_faces, &mut defects);
+        Self {
+            vertex_count,
+            metric,
+            usable,
+            file_faces,
+            defects,
+            mates: Vec::new(),
+            lengths: Vec::new(),
+            non_manifold_ends: Vec::new(),
+        }
+    }
+
+    /// Place in the soup of usable triangle `t`.
+    fn place(&self, t: u32) -> u32 {
+        self.usable
+            .places
+            .as_ref()
+            .map_or(t, |places| places[t as usize])
+    }
+
+    /// The number in the file of the face that usable triangle `t` belongs to.
+    fn face(&self, t: u32) -> u32 {
+        let place = self.place(t);
+        self.file_faces
+            .get(place as usize)
+            .map_or(place, |&face| face)
+    }
+
+    /// The file's faces along `edge`, each once.
+    fn faces_along(&self, edge: &Edge<'_>) -> Vec<u32> {
+        let mut faces: Vec<u32> = edge.half_edges().map(|h| self.face(h / 3)).collect();
+        faces.sort_unstable();
+        faces.dedup();
+        faces
+    }
+
+    /// Finds vertices without finite coordinates or without faces, and models without either.
+    pub(crate) fn check_vertices(&mut self, triangles: &[[u32; 3]]) {
+        if self.vertex_count == 0 {
+            self.defects.push(Defect::NoVertices);
+        }
+        if triangles.is_empty() {
+            self.defects.push(Defect::NoFaces);
+            return;
+        }
+        let mut in_some_face = vec![false; self.vertex_count];
+        for &v in triangles.as_flattened() {
+            if let Some(seen) = in_some_face.get_mut(v as usize) {
+                *seen = true;
+            }
+        }
+        for (vertex, seen) in in_some_face.into_iter().enumerate() {
+            let vertex = vertex as u32;
+            if !seen {
+                self.defects.push(Defect::IsolatedVertex { vertex });
+            }
+            if let Metric::Positions(positions) = self.metric
+                && !positions[vertex as usize].iter().all(|x| x.is_finite())
+            {
+                self.defects.push(Defect::NonFiniteCoordinate { vertex });
+            }
+        }
+    }
+
+    /// Pairs half-edges, measures edges, and finds what is wrong with either.
+    pub(crate) fn check_edges(&mut self, edges: &EdgeGroups) {
+        let triangle_count = self.usable.triangles.len();
+        self.mates = vec![NO_TWIN; 3 * triangle_count];
+        self.lengths = vec![[f64::NAN; 3]; triangle_count];
+        for edge in edges.iter() {
+            match edge.pair() {
+                Some([a, b]) => {
+                    self.mates[a as usize] = b;
+                    self.mates[b as usize] = a;
+                }
+                None if edge.side_count() > 2 => {
+                    self.non_manifold_ends.extend([edge.low, edge.high]);
+                    self.defects.push(Defect::NonManifoldEdge {
+                        vertices: [edge.low, edge.high],
+                        faces: self.faces_along(&edge),
+                    });
+                }
+                None => {}
+            }
+            self.measure(&edge);
+            self.find_duplicate_faces(&edge);
+        }
+    }
+
+    /// Gives all half-edges along `edge` its length, computed once so that all get the same bits.
+    fn measure(&mut self, edge: &Edge<'_>) {
+        let vertices = [edge.low, edge.high];
+        let length = match self.metric {
+            Metric::Positions(positions) => {
+                let ends = vertices.map(|v| positions[v as usize]);
+                if !ends.as_flattened().iter().all(|x| x.is_finite()) {
+                    return;
+                }
+                if ends[0] == ends[1] {
+                    let faces = self.faces_along(edge);
+                    self.defects
+                        .push(Defect::ZeroLengthEdge { vertices, faces });
+                    return;
+                }
+                let length = distance(ends[0], ends[1]);
+                if length.is_finite() && length > 0.0 {
+                    length
+                } else {
+                    // Too large or small to be squared; but the report shall name its size.
+                    let [dx, dy, dz] = [0, 1, 2].map(|i| ends[1][i] - ends[0][i]);
+                    dx.hypot(dy).hypot(dz)
+                }
+            }
+            Metric::Lengths(lengths) => {
+                let given = |h: u32| {
+                    let t = self.place(h / 3) as usize;
+                    lengths[t][h as usize % 3]
+                };
+                let mut sides = edge.half_edges();
+                let first = sides.next().unwrap_or_default();
+                let length = given(first);
+                if let Some(other) = sides.find(|&h| given(h).to_bits() != length.to_bits()) {
+                    let faces = [first, other].map(|h| self.face(h / 3));
+                    let lengths = [length, given(other)];
+                    self.defects.push(Defect::UnequalLengths {
+                        vertices,
+                        lengths,
+                        faces,
+                    });
+                }
+                length
+            }
+        };
+        if !(SHORTEST_EDGE..=LONGEST_EDGE).contains(&length) {
+            self.defects
+                .push(Defect::LengthOutOfRange { vertices, length });
+            return;
+        }
+        for h in edge.half_edges() {
+            self.lengths[h as usize / 3][h as usize % 3] = length;
+        }
+    }
+
+    /// Finds faces along `edge` that have all their vertices in common.
+    fn find_duplicate_faces(&mut self, edge: &Edge<'_>) {
+        let tails = self.usable.triangles.as_flattened();
+        let apex = |h: u32| tails[h as usize / 3 * 3 + (h as usize + 2) % 3];
+        if let Some([a, b]) = edge.pair()
+            && apex(a) != apex(b)
+        {
+            return;
+        }
+        // Of the three edges such faces share, this is the one to report them at.
+        let mut sides: Vec<(u32, u32)> = edge
+            .half_edges()
+            .map(|h| (apex(h), h / 3))
+            .filter(|side| side.0 > edge.high)
+            .collect();
+        sides.sort_unstable();
+        for same in sides.chunk_by(|x, y| x.0 == y.0) {
+            let first = self.face(same[0].1);
+            for &(_, t) in &same[1..] {
+                let face = self.face(t);
+                self.defects.push(Defect::DuplicateFace { face, first });
+            }
+        }
+    }
+
+    /// Finds vertices where the corners do not all hang together across edges.
+    pub(crate) fn check_fans(&mut self, edges: &EdgeGroups) {
+        let tails = self.usable.triangles.as_flattened();
+        let mut fans = DisjointSets::new(tails.len());
+        for edge in edges.iter() {
+            let corner_at = |v: u32, h: u32| {
+                if tails[h as usize] == v {
+                    h
+                } else {
+                    h / 3 * 3 + (h + 1) % 3
+                }
+            };
+            let mut sides = edge.half_edges();
+            if let Some(first) = sides.next() {
+                for h in sides {
+                    for end in [edge.low, edge.high] {
+                        fans.union(corner_at(end, first), corner_at(end, h));
+                    }
+                }
+            }
+        }
+        let mut counts = vec![0u32; self.vertex_count];
+        for (corner, &v) in tails.iter().enumerate() {
+            if fans.find(corner as u32) == corner as u32 {
+                counts[v as usize] += 1;
+            }
+        }
+        for &v in &self.non_manifold_ends {
+            counts[v as usize] = 0;
+        }
+        for (vertex, &fans) in counts.iter().enumerate() {
+            if fans > 1 {
+                let vertex = vertex as u32;
+                self.defects.push(Defect::PinchedVertex { vertex, fans });
+            }
+        }
+    }
+
+    /// Finds triangles without area, and those that their lengths do not allow.
+    pub(crate) fn check_shapes(&mut self) {
+        for t in 0..self.usable.triangles.len() {
+            let lengths = self.lengths[t];
+            if lengths.iter().any(|l| l.is_nan()) {
+                continue;
+            }
+            let face = self.face(t as u32);
+            let apex = match self.metric {
+                Metric::Positions(positions) => {
+                    let corners = self.usable.triangles[t].map(|v| positions[v as usize]);
+                    apexes_from_positions(corners, lengths)[0]
+                }
+                Metric::Lengths(_) => {
+                    let longest = lengths.iter().copied().fold(0.0, f64::max);
+                    // Written so that the sum of the two others keeps its small terms.
+                    let [a, b, c] = lengths;
+                    let excess = [a - b - c, b - c - a, c - a - b]
+                        .into_iter()
+                        .fold(f64::NEG_INFINITY, f64::max);
+                    if excess > INEQUALITY_SLACK * longest {
+                        self.defects
+                            .push(Defect::TriangleInequality { face, lengths });
+                        continue;
+                    }
+                    apexes_from_lengths(lengths)[0]
+                }
+            };
+            if is_flat(lengths, apex) {
+                self.defects.push(Defect::FlatFace { face });
+            }
+        }
+    }
+
+    /// Finds out how many parts have no vertex in common.
+    pub(crate) fn check_components(&mut self) {
+        let mut parts = DisjointSets::new(self.vertex_count);
+        for &[a, b, c] in &*self.usable.triangles {
+            parts.union(a, b);
+            parts.union(a, c);
+        }
+        let mut counts = vec![0u32; self.vertex_count];
+        for &[a, ..] in &*self.usable.triangles {
+            counts[parts.find(a) as usize] += 1;
+        }
+        counts.retain(|&count| count > 0);
+        if counts.len() > 1 {
+            self.defects
+                .push(Defect::SeveralComponents { triangles: counts });
+        }
+    }
+
+    /// Finds the faces to turn over, and surfaces that have one side only.
+    pub(crate) fn check_orientation(&mut self) -> Vec<u32> {
+        let orientation = orient(&self.usable.triangles, &self.mates);
+        for &h in &orientation.contradictions {
+            let triangle = self.usable.triangles[h as usize / 3];
+            let k = h as usize % 3;
+            let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
+            let mut faces = [h, self.mates[h as usize]].map(|h| self.face(h / 3));
+            faces.sort_unstable();
+            self.defects.push(Defect::NotOrientable {
+                vertices: [a.min(b), a.max(b)],
+                faces,
+            });
+        }
+        for &t in &orientation.flipped {
+            let face = self.face(t);
+            self.defects.push(Defect::FlippedFace { face });
+        }
+        orientation.flipped
+    }
+}

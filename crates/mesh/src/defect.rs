@@ -137,7 +137,7 @@ pub enum Defect {
         face: u32,
     },
     /// Noted: several fans of faces meet in a vertex and in nothing else there. A path may pass
-    /// from any of them into any other. (Not looked for at the ends of non-manifold edges.)
+    /// from any of them into any other. Faces around a non-manifold edge count as one fan.
     PinchedVertex {
         /// The vertex.
         vertex: u32,

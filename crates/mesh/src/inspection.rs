@@ -83,8 +83,6 @@ pub(crate) struct Inspection<'a> {
     pub(crate) mates: Vec<u32>,
     /// Length of each half-edge; not a number where a position is not finite.
     pub(crate) lengths: Vec<[f64; 3]>,
-    /// Ends of non-manifold edges.
-    non_manifold_ends: Vec<u32>,
 }
 
 impl<'a> Inspection<'a> {
@@ -105,7 +103,6 @@ impl<'a> Inspection<'a> {
             defects,
             mates: Vec::new(),
             lengths: Vec::new(),
-            non_manifold_ends: Vec::new(),
         }
     }
 
@@ -173,7 +170,6 @@ impl<'a> Inspection<'a> {
                     self.mates[b as usize] = a;
                 }
                 None if edge.side_count() > 2 => {
-                    self.non_manifold_ends.extend([edge.low, edge.high]);
                     self.defects.push(Defect::NonManifoldEdge {
                         vertices: [edge.low, edge.high],
                         faces: self.faces_along(&edge),
@@ -249,12 +245,8 @@ impl<'a> Inspection<'a> {
         {
             return;
         }
-        // Of the three edges such faces share, this is the one to report them at.
-        let mut sides: Vec<(u32, u32)> = edge
-            .half_edges()
-            .map(|h| (apex(h), h / 3))
-            .filter(|side| side.0 > edge.high)
-            .collect();
+        // They are found again at their other edges, and the report joins what it is told twice.
+        let mut sides: Vec<(u32, u32)> = edge.half_edges().map(|h| (apex(h), h / 3)).collect();
         sides.sort_unstable();
         for same in sides.chunk_by(|x, y| x.0 == y.0) {
             let first = self.face(same[0].1);
@@ -291,9 +283,6 @@ impl<'a> Inspection<'a> {
             if fans.find(corner as u32) == corner as u32 {
                 counts[v as usize] += 1;
             }
-        }
-        for &v in &self.non_manifold_ends {
-            counts[v as usize] = 0;
         }
         for (vertex, &fans) in counts.iter().enumerate() {
             if fans > 1 {

@@ -36,8 +36,8 @@ pub struct InvalidMesh {
 }
 
 impl Report {
-    /// Sorts `defects`, and joins those that name the same elements, as the triangles of one
-    /// polygon may do.
+    /// Sorts `defects`, and joins those that name the same elements, as the edges of a repeated
+    /// face and the triangles of one polygon do.
     pub(crate) fn new(mut defects: Vec<Defect>) -> Self {
         defects.sort_by_key(Defect::sort_key);
         defects.dedup();

@@ -4,8 +4,9 @@
 //! length carries a rounding error of its own, which in a triangle with an angle near π moves
 //! the apex by the square root of that error (1e-8 of an edge instead of 1e-16).
 
-/// Least height of a face as a fraction of its longest edge: far below rounding, so no distance
-/// changes, but enough for rays to have a side on which to pass its vertices.
+/// Least height of a face over its longest edge, as a fraction of its shortest edge: far below
+/// rounding, so no distance changes, but enough for rays to have a side on which to pass its
+/// vertices.
 const LEAST_HEIGHT: f64 = 1.0 / (1u128 << 100) as f64;
 
 /// A face whose height is at most this fraction of its longest edge has no area that can be told
@@ -27,7 +28,7 @@ pub(crate) fn apexes_from_positions(corners: [[f64; 3]; 3], lengths: [f64; 3]) -
     let edges = [sub(b, a), sub(c, b), sub(a, c)];
     let longest = longest_side(lengths);
     let normal = cross(edges[(longest + 1) % 3], edges[(longest + 2) % 3]);
-    let twice_area = at_least_a_sliver(norm(normal), lengths[longest]);
+    let twice_area = at_least_a_sliver(norm(normal), lengths);
     [0, 1, 2].map(|k| {
         let x = -dot(edges[k], edges[(k + 2) % 3]) / lengths[k];
         [x, twice_area / lengths[k]]
@@ -63,12 +64,13 @@ fn twice_area_from_lengths(lengths: [f64; 3]) -> f64 {
     // Factors of 16 S², scaled by the longest side so that their product cannot under- or overflow.
     let (p, q, r, s) = (a + (b + c), c - (a - b), c + (a - b), a + (b - c));
     let sixteen_s2 = (p / a) * (q / a) * (r / a) * (s / a);
-    at_least_a_sliver(sixteen_s2.max(0.0).sqrt() / 2.0 * a * a, a)
+    at_least_a_sliver(sixteen_s2.max(0.0).sqrt() / 2.0 * a * a, lengths)
 }
 
-/// `twice_area`, but enough to keep a triangle with longest side `longest` upright.
-fn at_least_a_sliver(twice_area: f64, longest: f64) -> f64 {
-    twice_area.max(LEAST_HEIGHT * longest * longest)
+/// `twice_area`, but enough to keep a triangle with these sides upright.
+fn at_least_a_sliver(twice_area: f64, [a, b, c]: [f64; 3]) -> f64 {
+    let (longest, shortest) = (a.max(b).max(c), a.min(b).min(c));
+    twice_area.max(LEAST_HEIGHT * longest * shortest)
 }
 
 /// Index of the longest of three lengths, the first of equal ones.
@@ -164,6 +166,14 @@ mod tests {
         assert!(is_flat(lengths, from_positions(corners)[0]));
         let thin = [[0.0; 3], [1.0, 0.0, 0.0], [0.5, 1e-10, 0.0]];
         assert!(!is_flat(lengths_of(thin), from_positions(thin)[0]));
+    }
+
+    #[test]
+    fn an_extreme_needle_is_not_widened() {
+        let corners = [[0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, -1e50]];
+        let apexes = from_positions(corners);
+        assert!(apexes[0][1] <= 1e-30 * 1e50, "{apexes:?}");
+        assert!(apexes[2][1] <= 1e-30, "{apexes:?}");
     }
 
     #[test]

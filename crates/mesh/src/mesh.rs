@@ -112,7 +112,7 @@ impl Mesh {
     }
 
     /// Position of the apex vertex in the frame of `h`; its y is positive, in a face without area
-    /// some 1e-30 of its longest edge.
+    /// some 1e-30 of its shorter edges.
     #[inline]
     pub fn apex(&self, h: HalfEdgeId) -> [f64; 2] {
         self.apexes[h.index()]

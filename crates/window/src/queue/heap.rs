@@ -5,9 +5,9 @@ use super::Discipline;
 /// Children of a node. Four make the heap half as deep as two, and lie in one or two cache lines.
 const ARITY: usize = 4;
 
-/// A 4-ary heap of items by label, equal labels by item, so that no two distinct entries are ever
-/// taken for the same and the order is the same in every run. Entries cannot be removed or
-/// changed: push anew, and skip what is outdated when it comes out.
+/// A 4-ary heap of items by label. Items of equal labels come in an order that depends on the
+/// insertions alone, so it is the same in every run. Entries cannot be removed or changed: push
+/// anew, and skip what is outdated when it comes out.
 #[derive(Clone, Debug)]
 pub struct Heap<T> {
     nodes: Vec<(f64, T)>,
@@ -19,20 +19,13 @@ impl<T> Default for Heap<T> {
     }
 }
 
-#[inline]
-fn precedes<T: Ord>(x: &(f64, T), y: &(f64, T)) -> bool {
-    x.0 < y.0 || x.0 == y.0 && x.1 < y.1
-}
-
-impl<T: Ord + Copy + Send> Discipline<T> for Heap<T> {
+impl<T: Copy> Heap<T> {
+    /// Moves the hole at `hole` towards the root until `node` fits into it.
     #[inline]
-    fn push(&mut self, label: f64, item: T) {
-        let node = (label, item);
-        let mut hole = self.nodes.len();
-        self.nodes.push(node);
+    fn rise(&mut self, mut hole: usize, node: (f64, T)) {
         while hole > 0 {
             let parent = (hole - 1) / ARITY;
-            if !precedes(&node, &self.nodes[parent]) {
+            if self.nodes[parent].0 <= node.0 {
                 break;
             }
             self.nodes[hole] = self.nodes[parent];
@@ -41,32 +34,43 @@ impl<T: Ord + Copy + Send> Discipline<T> for Heap<T> {
         self.nodes[hole] = node;
     }
 
+    /// The least of the children of `hole`. Which one it is cannot be predicted, so a full family
+    /// is compared without branches.
+    #[inline]
+    fn least_child(&self, hole: usize) -> Option<usize> {
+        let first = ARITY * hole + 1;
+        let end = (first + ARITY).min(self.nodes.len());
+        if let Some([a, b, c, d]) = self.nodes.get(first..first + ARITY) {
+            let low = usize::from(b.0 < a.0);
+            let high = 2 + usize::from(d.0 < c.0);
+            let (low_label, high_label) = (a.0.min(b.0), c.0.min(d.0));
+            return Some(first + std::hint::select_unpredictable(high_label < low_label, high, low));
+        }
+        (first..end).reduce(|x, y| if self.nodes[y].0 < self.nodes[x].0 { y } else { x })
+    }
+}
+
+impl<T: Copy + Send> Discipline<T> for Heap<T> {
+    #[inline]
+    fn push(&mut self, label: f64, item: T) {
+        self.nodes.push((label, item));
+        self.rise(self.nodes.len() - 1, (label, item));
+    }
+
     #[inline]
     fn pop(&mut self) -> Option<(f64, T)> {
         let last = self.nodes.pop()?;
         let Some(&least) = self.nodes.first() else {
             return Some(last);
         };
+        // The last node nearly always belongs near the bottom: let the hole sink all the way and
+        // the node rise from there, rather than compare it on the way down.
         let mut hole = 0;
-        loop {
-            let first = ARITY * hole + 1;
-            let children = first..(first + ARITY).min(self.nodes.len());
-            let Some(child) = children.reduce(|x, y| {
-                if precedes(&self.nodes[y], &self.nodes[x]) {
-                    y
-                } else {
-                    x
-                }
-            }) else {
-                break;
-            };
-            if !precedes(&self.nodes[child], &last) {
-                break;
-            }
+        while let Some(child) = self.least_child(hole) {
             self.nodes[hole] = self.nodes[child];
             hole = child;
         }
-        self.nodes[hole] = last;
+        self.rise(hole, last);
         Some(least)
     }
 
@@ -92,10 +96,12 @@ mod tests {
             for (i, &label) in labels.iter().enumerate() {
                 heap.push(f64::from(label), i);
             }
-            let mut expected: Vec<_> = labels.iter().map(|&x| f64::from(x)).zip(0..).collect();
-            expected.sort_by(|x, y| x.partial_cmp(y).unwrap());
-            let taken: Vec<_> = std::iter::from_fn(|| heap.pop()).collect();
-            prop_assert_eq!(taken, expected);
+            let mut expected = labels.clone();
+            expected.sort_unstable();
+            let mut taken: Vec<_> = std::iter::from_fn(|| heap.pop()).collect();
+            prop_assert!(taken.iter().map(|x| x.0).eq(expected.into_iter().map(f64::from)));
+            taken.sort_unstable_by_key(|x| x.1);
+            prop_assert!(taken.iter().map(|x| x.0).eq(labels.into_iter().map(f64::from)));
         }
     }
 
@@ -105,9 +111,10 @@ mod tests {
         for item in 0..100 {
             heap.push(1.0, item);
         }
-        let taken: Vec<i32> = std::iter::from_fn(|| heap.pop())
+        let mut taken: Vec<i32> = std::iter::from_fn(|| heap.pop())
             .map(|(_, item)| item)
             .collect();
+        taken.sort_unstable();
         assert_eq!(taken, (0..100).collect::<Vec<_>>());
     }
 }

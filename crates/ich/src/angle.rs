@@ -91,3 +91,46 @@ impl Angles {
         guard.side != kept
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const H: HalfEdgeId = HalfEdgeId::new(0);
+
+    #[test]
+    fn the_best_window_occupies_the_angle_and_losers_keep_one_side() {
+        let mut angles = Angles::new(3);
+        assert_eq!(angles.split(H, 2.0, 0.5, 1.0), Split::Occupies { stamp: 1 });
+        assert_eq!(angles.split(H, 3.0, 0.3, 1.0), Split::Only(Side::Left));
+        assert_eq!(angles.split(H, 3.0, 0.7, 1.0), Split::Only(Side::Right));
+        assert_eq!(angles.split(H, 1.0, 0.6, 1.0), Split::Occupies { stamp: 2 });
+    }
+
+    #[test]
+    fn collinear_sources_tie_instead_of_losing_a_side_to_rounding() {
+        let mut angles = Angles::new(3);
+        angles.split(H, 2.0, 0.5, 1.0);
+        assert_eq!(angles.split(H, 2.0 + 1e-15, 0.5 - 1e-16, 1.0), Split::Ties);
+        assert_eq!(angles.split(H, 2.0, 0.5 + 1e-16, 1.0), Split::Ties);
+    }
+
+    #[test]
+    fn a_displaced_occupant_loses_the_child_behind_the_new_ray() {
+        let mut angles = Angles::new(3);
+        angles.split(H, 2.0, 0.5, 1.0);
+        let guards = [Side::Left, Side::Right].map(|side| Guard {
+            angle: H,
+            stamp: 1,
+            entry: 0.5,
+            side,
+        });
+        assert!(guards.iter().all(|guard| !angles.cuts_off(guard, 1.0)));
+        angles.split(H, 1.0, 0.7, 1.0);
+        assert!(
+            !angles.cuts_off(&guards[0], 1.0),
+            "the left child lies before the new ray"
+        );
+        assert!(angles.cuts_off(&guards[1], 1.0));
+    }
+}

@@ -220,3 +220,149 @@ fn shorter(stored: &Window, new: &Window, start: f64, end: f64, old: Owner) -> O
         old
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn window(b0: f64, b1: f64, px: f64, py: f64, sigma: f64) -> Window {
+        Window {
+            b0,
+            b1,
+            px,
+            py,
+            sigma,
+        }
+    }
+
+    fn insert_all(windows: &[Window]) -> WindowList {
+        let (mut list, mut inserter) = (WindowList::default(), Inserter::default());
+        for w in windows {
+            inserter.insert(&mut list, w, 1.0);
+        }
+        list
+    }
+
+    fn at(list: &WindowList, x: f64) -> Option<f64> {
+        let held = list
+            .windows
+            .iter()
+            .find(|s| s.window.b0 <= x && x <= s.window.b1);
+        held.map(|s| s.window.distance(x))
+    }
+
+    fn windows() -> impl Strategy<Value = Window> {
+        (
+            0.0..0.9f64,
+            0.01..1.0f64,
+            -2.0..3.0f64,
+            -4.0..0.0f64,
+            0.0..2.0f64,
+        )
+            .prop_map(|(b0, width, px, py, sigma)| window(b0, (b0 + width).min(1.0), px, py, sigma))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1000))]
+
+        #[test]
+        fn a_list_is_the_lower_envelope_of_all_that_came(
+            windows in prop::collection::vec(windows(), 1..12), x in 0.0..1.0f64,
+        ) {
+            let list = insert_all(&windows);
+            for pair in list.windows.windows(2) {
+                prop_assert!(pair[0].window.b1 <= pair[1].window.b0, "{pair:?} overlap");
+            }
+            let near_an_end = windows.iter().any(|w| (x - w.b0).abs() < 1e-8 || (x - w.b1).abs() < 1e-8);
+            prop_assume!(!near_an_end);
+            let covering = windows.iter().filter(|w| w.b0 <= x && x <= w.b1);
+            let least = covering.map(|w| w.distance(x)).reduce(f64::min);
+            match (at(&list, x), least) {
+                (Some(held), Some(least)) => prop_assert!((held - least).abs() <= 1e-9 * least),
+                (None, None) => {}
+                (held, least) => prop_assert!(false, "{held:?} held, {least:?} offered"),
+            }
+        }
+
+        #[test]
+        fn every_window_left_is_in_the_queue_under_its_least_distance(
+            windows in prop::collection::vec(windows(), 1..12),
+        ) {
+            let (mut list, mut inserter) = (WindowList::default(), Inserter::default());
+            let mut queue = Vec::new();
+            for w in &windows {
+                inserter.insert(&mut list, w, 1.0);
+                queue.extend_from_slice(&inserter.to_queue);
+            }
+            // The last entry of an id is the one that counts; older ids are gone from the list.
+            let mut found = 0;
+            for (label, id) in queue {
+                if let Some(w) = list.take(id) {
+                    prop_assert!(label <= w.min_distance());
+                    found += 1;
+                }
+            }
+            prop_assert_eq!(found, list.len());
+        }
+    }
+
+    #[test]
+    fn the_old_window_wins_a_tie() {
+        let w = window(0.0, 1.0, 0.5, -1.0, 0.0);
+        let list = insert_all(&[w, w]);
+        assert_eq!(list.len(), 1);
+    }
+
+    #[test]
+    fn a_window_between_two_ties_splits_the_old_one() {
+        let far = window(0.0, 1.0, 0.5, -2.0, 0.0);
+        let near = window(0.0, 1.0, 0.5, -0.1, 1.85);
+        let list = insert_all(&[far, near]);
+        assert_eq!(list.len(), 3);
+        assert_eq!(at(&list, 0.5), Some(near.distance(0.5)));
+        assert_eq!(at(&list, 0.0), Some(far.distance(0.0)));
+        assert_eq!(at(&list, 1.0), Some(far.distance(1.0)));
+    }
+
+    #[test]
+    fn a_propagated_window_is_cut_but_not_queued_again() {
+        let (mut list, mut inserter) = (WindowList::default(), Inserter::default());
+        inserter.insert(&mut list, &window(0.0, 1.0, 0.2, -1.0, 0.0), 1.0);
+        let id = inserter.to_queue[0].1;
+        assert!(list.take(id).is_some());
+        assert!(list.take(id).is_none());
+        inserter.insert(&mut list, &window(0.0, 0.5, 0.2, -0.5, 0.0), 1.0);
+        assert_eq!(
+            (inserter.new_pieces, inserter.trimmed, inserter.removed),
+            (1, 1, 0)
+        );
+        assert_eq!(inserter.to_queue.len(), 1);
+    }
+
+    #[test]
+    fn a_waiting_window_whose_nearest_point_is_lost_is_queued_again() {
+        let (mut list, mut inserter) = (WindowList::default(), Inserter::default());
+        inserter.insert(&mut list, &window(0.0, 1.0, 0.2, -1.0, 0.0), 1.0);
+        let (label, id) = inserter.to_queue[0];
+        inserter.insert(&mut list, &window(0.0, 0.5, 0.2, -0.5, 0.0), 1.0);
+        assert!(
+            list.take(id).is_none(),
+            "the old entry of the queue is void"
+        );
+        let again: Vec<_> = inserter.to_queue.iter().filter(|q| q.0 > label).collect();
+        assert_eq!(again.len(), 1);
+        assert_eq!(again[0].0, window(0.5, 1.0, 0.2, -1.0, 0.0).min_distance());
+    }
+
+    /// Windows that meet along a ray overlap by rounding. When the splinters of such overlaps were
+    /// kept, the horse took twice its windows and each edge up to 7,000 of them.
+    #[test]
+    fn overlaps_by_rounding_leave_no_splinters() {
+        let left = window(0.0, 0.5 + 1e-15, 0.5, -1.0, 0.0);
+        let right = window(0.5, 1.0, 0.5, -1.0, 1e-9);
+        let list = insert_all(&[right, left]);
+        assert_eq!(list.len(), 2);
+        assert!(list.windows.iter().all(|s| s.window.b1 - s.window.b0 > 0.4));
+    }
+}

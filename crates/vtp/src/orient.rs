@@ -31,3 +31,38 @@ fn twice_area(source: [f64; 2], target: [f64; 2], point: [f64; 2]) -> (f64, f64)
     let length = ray[0].abs() + ray[1].abs();
     (ray[0] * off[1] - ray[1] * off[0], CLEARANCE * length * size)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn left_and_right_of_a_ray() {
+        let (source, target) = ([0.0, -1.0], [0.0, 1.0]);
+        assert!(is_clearly_left(source, target, [-0.1, 5.0]));
+        assert!(is_clearly_right(source, target, [0.1, -5.0]));
+        assert!(!is_clearly_left(source, target, [0.1, 0.0]));
+        assert!(!is_clearly_right(source, target, [-0.1, 0.0]));
+    }
+
+    #[test]
+    fn a_point_on_the_ray_is_on_neither_side() {
+        let (source, target) = ([0.3, -100.0], [0.7, 0.0]);
+        for t in [0.0, 0.25, 0.5, 1.0, 3.0] {
+            for noise in [-1e-14, 0.0, 1e-14] {
+                let point = [0.3 + 0.4 * t + noise, -100.0 + 100.0 * t];
+                assert!(!is_clearly_left(source, target, point));
+                assert!(!is_clearly_right(source, target, point));
+            }
+        }
+    }
+
+    #[test]
+    fn the_sides_do_not_depend_on_the_scale() {
+        for scale in [1e-9, 1.0, 1e9] {
+            let [source, target, point] =
+                [[0.0, -1.0], [0.5, 0.0], [-1e-6, -1.0]].map(|p| p.map(|x| x * scale));
+            assert!(is_clearly_left(source, target, point));
+        }
+    }
+}

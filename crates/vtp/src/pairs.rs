@@ -146,3 +146,112 @@ pub(crate) fn push_checked(checked: &mut Vec<Window>, mut new: Window, edge: &Ed
     checked.push(new);
     died
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EDGE: Edge = Edge {
+        l: 1.0,
+        behind: [0.5, -1.0],
+    };
+
+    fn window(b0: f64, b1: f64, px: f64, py: f64, sigma: f64) -> Window {
+        Window {
+            b0,
+            b1,
+            px,
+            py,
+            sigma,
+        }
+    }
+
+    fn check(mut a: Window, mut b: Window) -> (Verdict, [f64; 2], [f64; 2]) {
+        let verdict = check_pair(&mut a, &mut b, &EDGE);
+        (verdict, [a.b0, a.b1], [b.b0, b.b1])
+    }
+
+    #[test]
+    fn a_better_window_from_the_left_takes_the_left_part() {
+        let dear = window(0.2, 0.9, 0.9, -1.0, 1.0);
+        let cheap = window(0.0, 0.5, 0.1, -1.0, 0.0);
+        let (verdict, dear_left, cheap_left) = check(dear, cheap);
+        assert_eq!(verdict, Verdict::BothStay);
+        assert_eq!(dear_left, [0.5, 0.9]);
+        assert_eq!(cheap_left, [0.0, 0.5]);
+    }
+
+    #[test]
+    fn a_better_window_over_the_whole_of_another_kills_it() {
+        let dear = window(0.2, 0.4, 0.9, -1.0, 1.0);
+        let cheap = window(0.0, 0.5, 0.1, -1.0, 0.0);
+        assert_eq!(check(dear, cheap).0, Verdict::FirstDies);
+        assert_eq!(check(cheap, dear).0, Verdict::SecondDies);
+    }
+
+    #[test]
+    fn equal_windows_both_stay_whole() {
+        let w = window(0.2, 0.4, 0.9, -1.0, 1.0);
+        assert_eq!(check(w, w), (Verdict::BothStay, [0.2, 0.4], [0.2, 0.4]));
+    }
+
+    #[test]
+    fn windows_of_one_source_seen_twice_keep_each_other() {
+        let w = window(0.2, 0.6, 0.3, -1.0, 1.0);
+        for noise in [-2e-16, 2e-16] {
+            let twin = Window {
+                px: w.px + noise,
+                py: w.py - noise,
+                ..w
+            };
+            let (verdict, kept, also_kept) = check(
+                w,
+                Window {
+                    b0: 0.4,
+                    b1: 0.8,
+                    ..twin
+                },
+            );
+            assert_eq!(verdict, Verdict::BothStay);
+            assert_eq!((kept, also_kept), ([0.2, 0.6], [0.4, 0.8]));
+        }
+    }
+
+    #[test]
+    fn a_source_between_the_rays_of_the_loser_cuts_nothing() {
+        // The winner stands inside the loser's cone: it can only be on its border in truth, and
+        // on which side the rays that it beats lie is open.
+        let dear = window(0.0, 1.0, 0.5, -2.0, 5.0);
+        let cheap = window(0.4, 0.6, 0.5, -0.5, 0.0);
+        let (verdict, kept, _) = check(dear, cheap);
+        assert_eq!((verdict, kept), (Verdict::BothStay, [0.0, 1.0]));
+    }
+
+    #[test]
+    fn of_disjoint_windows_that_crossed_in_the_triangle_the_dearer_dies() {
+        // Rays from (0.9, -1) to 0.3 and from (0.1, -1) to 0.7 cross at (0.5, -1/3).
+        let left = window(0.1, 0.3, 0.9, -1.0, 0.0);
+        let right = window(0.7, 0.9, 0.1, -1.0, 0.5);
+        assert_eq!(check(left, right).0, Verdict::SecondDies);
+        assert_eq!(check(right, left).0, Verdict::FirstDies);
+        // With a flatter triangle behind the edge they crossed before it, perhaps on other faces.
+        let flat = Edge {
+            l: 1.0,
+            behind: [0.5, -0.2],
+        };
+        let verdict = check_pair(&mut left.clone(), &mut right.clone(), &flat);
+        assert_eq!(verdict, Verdict::BothStay);
+    }
+
+    #[test]
+    fn a_new_window_is_compared_with_all_that_it_kills() {
+        let mut checked = Vec::new();
+        for b0 in [0.1, 0.2, 0.3] {
+            let w = window(b0, b0 + 0.1, 0.9, -1.0, 3.0);
+            assert_eq!(push_checked(&mut checked, w, &EDGE), 0);
+        }
+        let better = window(0.0, 0.6, 0.1, -1.0, 0.0);
+        assert_eq!(push_checked(&mut checked, better, &EDGE), 3);
+        assert_eq!(checked, [better]);
+    }
+}

@@ -52,3 +52,124 @@ impl BestPath {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn window(b0: f64, b1: f64, px: f64, py: f64) -> Window {
+        Window {
+            b0,
+            b1,
+            px,
+            py,
+            sigma: 0.0,
+        }
+    }
+
+    fn best(entry: f64, source: [f64; 2]) -> BestPath {
+        BestPath {
+            distance: 1.0,
+            entry,
+            source,
+        }
+    }
+
+    #[test]
+    fn windows_on_either_side_of_the_best_path_go_one_way() {
+        let best = best(0.5, [0.5, -1.0]);
+        let on_the_left = best.sides(&window(0.1, 0.4, 0.5, -1.0), 0.5);
+        assert_eq!(
+            on_the_left,
+            Sides {
+                left: Some(0.4),
+                right: None
+            }
+        );
+        let on_the_right = best.sides(&window(0.6, 0.9, 0.5, -1.0), 0.5);
+        assert_eq!(
+            on_the_right,
+            Sides {
+                left: None,
+                right: Some(0.6)
+            }
+        );
+    }
+
+    #[test]
+    fn the_best_window_is_split_at_its_own_ray() {
+        let sides = best(0.5, [0.5, -1.0]).sides(&window(0.1, 0.9, 0.5, -1.0), 0.5);
+        assert_eq!(
+            sides,
+            Sides {
+                left: Some(0.5),
+                right: Some(0.5)
+            }
+        );
+    }
+
+    #[test]
+    fn a_window_split_left_of_the_best_path_is_cut_there() {
+        // Its rays between 0.3 and 0.5 head right and cross the best path; those beyond 0.5 head
+        // right too, and are crossed before the edge if the best source lies beyond them.
+        let w = window(0.1, 0.9, 0.2, -1.0);
+        let beside = best(0.5, [0.6, -0.2]).sides(&w, 0.3);
+        assert_eq!(
+            beside,
+            Sides {
+                left: Some(0.3),
+                right: Some(0.5)
+            }
+        );
+        let beyond = best(0.5, [3.0, -0.5]).sides(&w, 0.3);
+        assert_eq!(
+            beyond,
+            Sides {
+                left: Some(0.3),
+                right: None
+            }
+        );
+    }
+
+    #[test]
+    fn a_window_split_right_of_the_best_path_is_cut_there() {
+        let w = window(0.1, 0.9, 0.8, -1.0);
+        let beside = best(0.5, [0.4, -0.2]).sides(&w, 0.7);
+        assert_eq!(
+            beside,
+            Sides {
+                left: Some(0.5),
+                right: Some(0.7)
+            }
+        );
+        let beyond = best(0.5, [-2.0, -0.5]).sides(&w, 0.7);
+        assert_eq!(
+            beyond,
+            Sides {
+                left: None,
+                right: Some(0.7)
+            }
+        );
+    }
+
+    /// On a flat grid all windows have one source, seen through different triangles. When the side
+    /// on which its images lie was read from their rounding, whole windows died and hundreds of
+    /// vertices stayed at infinity.
+    #[test]
+    fn rounding_between_images_of_one_source_deletes_nothing() {
+        let source = [0.5, -1.0];
+        let noise = [-3e-16, 0.0, 3e-16];
+        for dx in noise {
+            for dy in noise {
+                for ds in noise {
+                    let w = window(0.1, 0.9, 0.5 + dx, -1.0 + dy);
+                    let sides = best(0.5 + ds, source).sides(&w, 0.5 - ds);
+                    assert!(
+                        sides.left.is_some() && sides.right.is_some(),
+                        "{dx} {dy} {ds}"
+                    );
+                }
+            }
+        }
+    }
+}

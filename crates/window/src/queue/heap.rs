@@ -44,9 +44,17 @@ impl<T: Copy> Heap<T> {
             let low = usize::from(b.0 < a.0);
             let high = 2 + usize::from(d.0 < c.0);
             let (low_label, high_label) = (a.0.min(b.0), c.0.min(d.0));
-            return Some(first + std::hint::select_unpredictable(high_label < low_label, high, low));
+            return Some(
+                first + std::hint::select_unpredictable(high_label < low_label, high, low),
+            );
         }
-        (first..end).reduce(|x, y| if self.nodes[y].0 < self.nodes[x].0 { y } else { x })
+        (first..end).reduce(|x, y| {
+            if self.nodes[y].0 < self.nodes[x].0 {
+                y
+            } else {
+                x
+            }
+        })
     }
 }
 

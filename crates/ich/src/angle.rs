@@ -2,7 +2,9 @@
 
 use geobench_mesh::HalfEdgeId;
 
-use crate::tree::{Guard, Side};
+use geobench_window::continuous::Side;
+
+use crate::tree::Guard;
 
 /// Relative difference below which two windows tie at an angle, for the position of their rays
 /// and for their distances.

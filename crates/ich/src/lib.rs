@@ -10,7 +10,19 @@
 //! Time is O(n² log n) for n faces in the worst case, space O(n).
 
 mod angle;
-mod ich;
+mod splitting;
 mod tree;
 
-pub use ich::Ich;
+use geobench_mesh::Mesh;
+use geobench_window::continuous::Continuous;
+use geobench_window::queue::Priority;
+
+pub use splitting::Splitting;
+
+/// ICH (ICH2 of the paper) on one mesh: filter, one angle one split, least distance first.
+pub type Ich<'m> = Continuous<'m, Splitting, Priority>;
+
+/// Sets ICH up for `mesh`; O(faces).
+pub fn ich(mesh: &Mesh) -> Ich<'_> {
+    Continuous::new(mesh, Splitting::new(mesh), Priority::default())
+}

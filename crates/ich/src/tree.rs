@@ -2,13 +2,7 @@
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 use geobench_window::Window;
-
-/// On which side of the ray to the apex a child of a split lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Side {
-    Left,
-    Right,
-}
+use geobench_window::continuous::Side;
 
 /// The nearest split above a window: if another window has taken that angle since, the subtree on
 /// its wrong side is dead.
@@ -24,16 +18,23 @@ pub(crate) struct Guard {
     pub(crate) side: Side,
 }
 
-/// A window and what tells whether it still matters when its turn comes.
+/// What tells whether a window still matters when its turn comes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Node {
-    pub(crate) window: Window,
+pub struct Lineage {
+    /// The (pseudo-)source.
     pub(crate) root: VertexId,
-    /// How often the root's distance had improved when the window's line of descent began.
+    /// How often the root's distance had improved when the line of descent began.
     pub(crate) root_stamp: u32,
     /// Triangles crossed since the root.
     pub(crate) level: u32,
     pub(crate) guard: Option<Guard>,
+}
+
+/// A window that waits to be propagated.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Node {
+    pub(crate) window: Window,
+    pub(crate) lineage: Lineage,
 }
 
 /// Nodes in reused slots.

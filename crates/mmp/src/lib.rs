@@ -11,6 +11,18 @@
 //! Time is O(n² log n) for n faces in the worst case.
 
 mod list;
-mod mmp;
+mod trimming;
 
-pub use mmp::Mmp;
+use geobench_mesh::Mesh;
+use geobench_window::continuous::Continuous;
+use geobench_window::queue::Priority;
+
+pub use trimming::Trimming;
+
+/// MMP on one mesh: windows trimmed on half-edges, least distance first.
+pub type Mmp<'m> = Continuous<'m, Trimming, Priority>;
+
+/// Sets MMP up for `mesh`; O(faces).
+pub fn mmp(mesh: &Mesh) -> Mmp<'_> {
+    Continuous::new(mesh, Trimming::new(mesh), Priority::default())
+}

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::queue::{Discipline, Heap};
+use geobench_window::queue::MinHeap;
 use geobench_window::{
     Counter, Faces, Frame, Phase, Probe, Propagate, Solution, Window, apex_distance,
     is_beaten_from_ends, left_child, right_child, separating_abscissa, spawn_window,
@@ -19,7 +19,7 @@ pub struct Vtp<'m> {
     mesh: &'m Mesh,
     faces: Faces,
     /// Vertices by distance. An entry is void once its vertex has improved.
-    front: Heap<VertexId>,
+    front: MinHeap<VertexId>,
     lists: WindowLists,
     /// Half-edges whose lists are about to cross a face of the traversed area.
     ready: VecDeque<HalfEdgeId>,
@@ -41,7 +41,7 @@ impl<'m> Vtp<'m> {
         Self {
             mesh,
             faces: Faces::new(mesh),
-            front: Heap::default(),
+            front: MinHeap::default(),
             lists: WindowLists::new(mesh.half_edge_count()),
             ready: VecDeque::new(),
             is_ready: vec![false; mesh.half_edge_count()],
@@ -241,21 +241,23 @@ impl<'m> Vtp<'m> {
 }
 
 impl Propagate for Vtp<'_> {
-    const COUNTERS: &'static [Counter] = &[
-        Counter::Propagated,
-        Counter::Parents,
-        Counter::Children,
-        Counter::Kept,
-        Counter::Spawned,
-        Counter::Filtered,
-        Counter::PeakWindows,
-        Counter::WindowBytes,
-        Counter::QueuePushes,
-        Counter::QueuePeak,
-        Counter::PseudoSources,
-        Counter::Prime,
-        Counter::Secondary,
-    ];
+    fn counters() -> Vec<Counter> {
+        vec![
+            Counter::Propagated,
+            Counter::Parents,
+            Counter::Children,
+            Counter::Kept,
+            Counter::Spawned,
+            Counter::Filtered,
+            Counter::PeakWindows,
+            Counter::WindowBytes,
+            Counter::QueuePushes,
+            Counter::QueuePeak,
+            Counter::PseudoSources,
+            Counter::Prime,
+            Counter::Secondary,
+        ]
+    }
 
     fn mesh(&self) -> &Mesh {
         self.mesh

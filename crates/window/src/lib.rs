@@ -1,5 +1,6 @@
 //! Windows on half-edges: their geometry, and what every solver shares.
 
+pub mod continuous;
 mod counters;
 mod cross;
 mod filter;

@@ -69,7 +69,7 @@ pub trait Solver: Send {
 /// [`Solver`].
 pub trait Propagate: Send {
     /// The counters that this algorithm reports.
-    const COUNTERS: &'static [Counter];
+    fn counters() -> Vec<Counter>;
 
     /// The mesh that it was set up for.
     fn mesh(&self) -> &Mesh;
@@ -88,7 +88,7 @@ impl<T: Propagate> Solver for T {
         check_sources(self.mesh(), sources)?;
         let mut count = Count::default();
         let solution = self.propagate(sources, &mut count);
-        Ok((solution, count.counters(T::COUNTERS)))
+        Ok((solution, count.counters(&T::counters())))
     }
 
     fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError> {

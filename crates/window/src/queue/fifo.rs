@@ -2,55 +2,51 @@
 
 use std::collections::VecDeque;
 
-use super::Discipline;
+use super::{Discipline, Event};
+use crate::counters::Counter;
+use crate::probe::Probe;
 
-/// Takes items in the order in which they came, whatever their labels.
-#[derive(Clone, Debug)]
-pub struct Fifo<T> {
-    items: VecDeque<(f64, T)>,
+/// Takes events in the order in which they came, whatever their labels: breadth first in the
+/// sequence tree of Chen and Han.
+#[derive(Clone, Debug, Default)]
+pub struct Fifo {
+    events: VecDeque<(f64, Event)>,
 }
 
-impl<T> Default for Fifo<T> {
-    fn default() -> Self {
-        Self {
-            items: VecDeque::new(),
-        }
-    }
-}
+impl Discipline for Fifo {
+    const COUNTERS: &'static [Counter] = &[Counter::QueuePushes, Counter::QueuePeak];
 
-impl<T: Send> Discipline<T> for Fifo<T> {
     #[inline]
-    fn push(&mut self, label: f64, item: T) {
-        self.items.push_back((label, item));
+    fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
+        self.events.push_back((label, event));
+        probe.add(Counter::QueuePushes, 1);
+        probe.raise(Counter::QueuePeak, self.events.len() as u64);
     }
 
     #[inline]
-    fn pop(&mut self) -> Option<(f64, T)> {
-        self.items.pop_front()
-    }
-
-    #[inline]
-    fn len(&self) -> usize {
-        self.items.len()
+    fn pop<P: Probe>(&mut self, _: &mut P) -> Option<(f64, Event)> {
+        self.events.pop_front()
     }
 
     fn clear(&mut self) {
-        self.items.clear();
+        self.events.clear();
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use geobench_mesh::VertexId;
+
     use super::*;
 
     #[test]
     fn order_of_arrival() {
+        let [a, b] = [7, 2].map(|v| Event::vertex(VertexId::new(v)));
         let mut fifo = Fifo::default();
-        fifo.push(3.0, 'a');
-        fifo.push(1.0, 'b');
-        assert_eq!(fifo.len(), 2);
-        assert_eq!(fifo.pop(), Some((3.0, 'a')));
-        assert_eq!(fifo.pop(), Some((1.0, 'b')));
-        assert_eq!(fifo.pop(), None);
+        fifo.push(3.0, a, &mut ());
+        fifo.push(1.0, b, &mut ());
+        assert_eq!(fifo.pop(&mut ()), Some((3.0, a)));
+        assert_eq!(fifo.pop(&mut ()), Some((1.0, b)));
+        assert_eq!(fifo.pop(&mut ()), None);
     }
 }

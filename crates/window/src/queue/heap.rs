@@ -1,6 +1,4 @@
-//! A priority queue: least label first.
-
-use super::Discipline;
+//! A heap of labelled items.
 
 /// Children of a node. Four make the heap half as deep as two, and lie in one or two cache lines.
 const ARITY: usize = 4;
@@ -9,17 +7,59 @@ const ARITY: usize = 4;
 /// insertions alone, so it is the same in every run. Entries cannot be removed or changed: push
 /// anew, and skip what is outdated when it comes out.
 #[derive(Clone, Debug)]
-pub struct Heap<T> {
+pub struct MinHeap<T> {
     nodes: Vec<(f64, T)>,
 }
 
-impl<T> Default for Heap<T> {
+impl<T> Default for MinHeap<T> {
     fn default() -> Self {
         Self { nodes: Vec::new() }
     }
 }
 
-impl<T: Copy> Heap<T> {
+impl<T: Copy> MinHeap<T> {
+    /// Adds `item` with its label, which must not be NaN.
+    #[inline]
+    pub fn push(&mut self, label: f64, item: T) {
+        self.nodes.push((label, item));
+        self.rise(self.nodes.len() - 1, (label, item));
+    }
+
+    /// Takes an item of least label.
+    #[inline]
+    pub fn pop(&mut self) -> Option<(f64, T)> {
+        let last = self.nodes.pop()?;
+        let Some(&least) = self.nodes.first() else {
+            return Some(last);
+        };
+        // The last node nearly always belongs near the bottom: let the hole sink all the way and
+        // the node rise from there, rather than compare it on the way down.
+        let mut hole = 0;
+        while let Some(child) = self.least_child(hole) {
+            self.nodes[hole] = self.nodes[child];
+            hole = child;
+        }
+        self.rise(hole, last);
+        Some(least)
+    }
+
+    /// Number of items.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether no item is left.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// Drops all items, keeping the memory.
+    pub fn clear(&mut self) {
+        self.nodes.clear();
+    }
+
     /// Moves the hole at `hole` towards the root until `node` fits into it.
     #[inline]
     fn rise(&mut self, mut hole: usize, node: (f64, T)) {
@@ -58,40 +98,6 @@ impl<T: Copy> Heap<T> {
     }
 }
 
-impl<T: Copy + Send> Discipline<T> for Heap<T> {
-    #[inline]
-    fn push(&mut self, label: f64, item: T) {
-        self.nodes.push((label, item));
-        self.rise(self.nodes.len() - 1, (label, item));
-    }
-
-    #[inline]
-    fn pop(&mut self) -> Option<(f64, T)> {
-        let last = self.nodes.pop()?;
-        let Some(&least) = self.nodes.first() else {
-            return Some(last);
-        };
-        // The last node nearly always belongs near the bottom: let the hole sink all the way and
-        // the node rise from there, rather than compare it on the way down.
-        let mut hole = 0;
-        while let Some(child) = self.least_child(hole) {
-            self.nodes[hole] = self.nodes[child];
-            hole = child;
-        }
-        self.rise(hole, last);
-        Some(least)
-    }
-
-    #[inline]
-    fn len(&self) -> usize {
-        self.nodes.len()
-    }
-
-    fn clear(&mut self) {
-        self.nodes.clear();
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,7 +106,7 @@ mod tests {
     proptest! {
         #[test]
         fn takes_in_sorted_order(labels in prop::collection::vec(0u8..20, 0..200)) {
-            let mut heap = Heap::default();
+            let mut heap = MinHeap::default();
             for (i, &label) in labels.iter().enumerate() {
                 heap.push(f64::from(label), i);
             }
@@ -115,7 +121,7 @@ mod tests {
 
     #[test]
     fn equal_labels_lose_nothing() {
-        let mut heap = Heap::default();
+        let mut heap = MinHeap::default();
         for item in 0..100 {
             heap.push(1.0, item);
         }

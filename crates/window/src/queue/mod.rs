@@ -1,32 +1,29 @@
 //! Disciplines: in which order events are taken.
-//!
-//! An algorithm is a policy (what happens to a window that arrives) under a discipline. A
-//! discipline sees labels and events only, so that two algorithms with the same policy differ in
-//! the order and in nothing else.
 
 mod event;
 mod fifo;
 mod heap;
+mod priority;
 
 pub use event::{Event, EventKind};
 pub use fifo::Fifo;
-pub use heap::Heap;
+pub use heap::MinHeap;
+pub use priority::Priority;
 
-/// An order in which items are taken. Results do not depend on it, only costs do.
-pub trait Discipline<T>: Default + Send {
-    /// Adds `item` with its label, a non-negative distance.
-    fn push(&mut self, label: f64, item: T);
+use crate::counters::Counter;
+use crate::probe::Probe;
 
-    /// Takes the next item, with its label.
-    fn pop(&mut self) -> Option<(f64, T)>;
+/// An order in which events are taken. It sees their labels and places only; results do not
+/// depend on it, costs do.
+pub trait Discipline: Send {
+    /// The counters that this discipline keeps.
+    const COUNTERS: &'static [Counter];
 
-    /// Number of items waiting.
-    fn len(&self) -> usize;
+    /// Adds `event` with its label, a non-negative distance.
+    fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P);
 
-    /// Whether nothing waits.
-    fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
+    /// Takes the next event, with its label.
+    fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)>;
 
     /// Forgets everything, keeping the memory.
     fn clear(&mut self);

@@ -1,0 +1,135 @@
+//! The policy of ICH: windows pass a filter, wait, split once at each angle, and are forgotten.
+
+use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_window::continuous::{Arrival, Crossing, Policy, Side, Surface};
+use geobench_window::{Counter, Phase, Probe, Window};
+
+use crate::angle::{Angles, Split};
+use crate::tree::{Guard, Leaves, Lineage, Node};
+
+/// The vertex filter on arrival, and one split at each angle.
+#[derive(Clone, Debug)]
+pub struct Splitting {
+    leaves: Leaves,
+    angles: Angles,
+}
+
+impl Splitting {
+    /// Empty records for the angles of `mesh`.
+    pub fn new(mesh: &Mesh) -> Self {
+        Self {
+            leaves: Leaves::default(),
+            angles: Angles::new(mesh.half_edge_count()),
+        }
+    }
+
+    /// Whether a window cannot matter any more, since its root was reached by a shorter path or a
+    /// better window took the angle above it.
+    fn is_stale(&self, lineage: &Lineage, surface: &Surface) -> bool {
+        surface.stamp(lineage.root) != lineage.root_stamp
+            || lineage.guard.is_some_and(|guard| {
+                self.angles
+                    .cuts_off(&guard, surface.faces().length(guard.angle))
+            })
+    }
+}
+
+impl Policy for Splitting {
+    type Lineage = Lineage;
+
+    const COUNTERS: &'static [Counter] =
+        &[Counter::Filtered, Counter::PeakWindows, Counter::Levels];
+
+    const WINDOW_BYTES: usize = size_of::<Node>();
+
+    fn reset(&mut self) {
+        self.leaves.clear();
+        self.angles.clear();
+    }
+
+    fn root(&self, v: VertexId, surface: &Surface) -> Lineage {
+        Lineage {
+            root: v,
+            root_stamp: surface.stamp(v),
+            level: 0,
+            guard: None,
+        }
+    }
+
+    fn arrive<P: Probe>(
+        &mut self,
+        arrival: &Arrival<Lineage>,
+        surface: &Surface,
+        queue: &mut impl FnMut(f64, u32, &mut P),
+        probe: &mut P,
+    ) -> bool {
+        let Arrival {
+            h,
+            window,
+            lineage,
+            side,
+        } = arrival;
+        if surface.beats(*h, window, *side) {
+            probe.add(Counter::Filtered, 1);
+            return false;
+        }
+        probe.enter(Phase::Management);
+        let label = window.min_distance();
+        let slot = self.leaves.insert(Node {
+            window: *window,
+            lineage: *lineage,
+        });
+        queue(label, slot, probe);
+        probe.raise(Counter::PeakWindows, self.leaves.len() as u64);
+        probe.raise(Counter::Levels, u64::from(lineage.level));
+        true
+    }
+
+    fn take<P: Probe>(
+        &mut self,
+        _: HalfEdgeId,
+        id: u32,
+        surface: &Surface,
+        probe: &mut P,
+    ) -> Option<(Window, Lineage)> {
+        let Node { window, lineage } = self.leaves.remove(id);
+        if self.is_stale(&lineage, surface) {
+            probe.add(Counter::Filtered, 1);
+            return None;
+        }
+        Some((window, lineage))
+    }
+
+    fn split(
+        &mut self,
+        crossing: &Crossing,
+        lineage: &Lineage,
+        surface: &Surface,
+    ) -> [Option<Lineage>; 2] {
+        let child = Lineage {
+            level: lineage.level + 1,
+            ..*lineage
+        };
+        if !crossing.covers_apex() {
+            return [Some(child); 2];
+        }
+        let (angle, entry) = (crossing.h, crossing.separation);
+        let l = surface.faces().length(angle);
+        match self.angles.split(angle, crossing.apex_distance, entry, l) {
+            Split::Occupies { stamp } => [Side::Left, Side::Right].map(|side| {
+                Some(Lineage {
+                    guard: Some(Guard {
+                        angle,
+                        stamp,
+                        entry,
+                        side,
+                    }),
+                    ..child
+                })
+            }),
+            Split::Ties => [Some(child); 2],
+            Split::Only(Side::Left) => [Some(child), None],
+            Split::Only(Side::Right) => [None, Some(child)],
+        }
+    }
+}

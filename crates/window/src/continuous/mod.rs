@@ -1,0 +1,18 @@
+//! One window at a time: the frame that the MMP and CH families share.
+//!
+//! An algorithm of these families is a [`Policy`] (what happens to a window that arrives at a
+//! half-edge, and which children a window that crosses a triangle may have) under a
+//! [`Discipline`] (in which order windows and pseudo-sources are taken). Everything else is here,
+//! once: the sources, the vertices' distances, pseudo-sources, the crossing of a triangle. Two
+//! algorithms that differ in one choice differ in nothing else.
+
+mod policy;
+mod propagation;
+mod surface;
+
+pub use policy::{Arrival, Crossing, Policy};
+pub use propagation::Continuous;
+pub use surface::{Side, Surface};
+
+#[cfg(doc)]
+use crate::queue::Discipline;

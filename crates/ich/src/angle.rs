@@ -6,8 +6,8 @@ use geobench_window::continuous::Side;
 
 use crate::tree::Guard;
 
-/// Relative difference below which two windows tie at an angle, for the position of their rays
-/// and for their distances.
+/// Distance, relative to the half-edge, within which two rays to an apex count as one: which of
+/// them is further left is then a matter of rounding.
 const TIE: f64 = 1e-9;
 
 /// The best window so far to see an apex through one half-edge, its *occupant*.
@@ -23,7 +23,7 @@ struct Angle {
 pub(crate) enum Split {
     /// It is the new occupant: both, guarded by the angle in its present state.
     Occupies { stamp: u32 },
-    /// It ties with the occupant: both.
+    /// Its ray is that of the occupant: both.
     Ties,
     /// It loses: only the child that does not cross the occupant's ray.
     Only(Side),
@@ -61,8 +61,10 @@ impl Angles {
     /// A window reaches the apex at distance `d`, its ray meeting `h` (of length `l`) at `entry`.
     ///
     /// The shortest of two straight paths to one apex kills every ray of the other window that
-    /// crosses it, which are those on its far side. At a tie rounding must not choose the side,
-    /// and both windows keep both children.
+    /// crosses it, which are those on its far side. Where both paths enter at one point there is
+    /// no telling which side that is, and the loser keeps both children, however much longer it
+    /// is: the occupant may stand on the border ray of the window (a saddle that has been reached
+    /// by a shorter path since), and then crosses none of its rays.
     pub(crate) fn split(&mut self, h: HalfEdgeId, d: f64, entry: f64, l: f64) -> Split {
         let angle = &mut self.angles[h.index()];
         if d < angle.best {
@@ -70,7 +72,7 @@ impl Angles {
             angle.entry = entry;
             angle.stamp += 1;
             Split::Occupies { stamp: angle.stamp }
-        } else if (entry - angle.entry).abs() <= TIE * l && d - angle.best <= TIE * d {
+        } else if (entry - angle.entry).abs() <= TIE * l {
             Split::Ties
         } else if entry < angle.entry {
             Split::Only(Side::Left)
@@ -115,6 +117,15 @@ mod tests {
         angles.split(H, 2.0, 0.5, 1.0);
         assert_eq!(angles.split(H, 2.0 + 1e-15, 0.5 - 1e-16, 1.0), Split::Ties);
         assert_eq!(angles.split(H, 2.0, 0.5 + 1e-16, 1.0), Split::Ties);
+    }
+
+    /// An occupant that is shorter by 3e-5 on the border ray of a window made it lose all its rays
+    /// on integer terrain, because its ray was taken to be further right by 1e-16 of the edge.
+    #[test]
+    fn a_shorter_path_along_the_border_ray_takes_no_side() {
+        let mut angles = Angles::new(3);
+        angles.split(H, 2.0, 0.5, 1.0);
+        assert_eq!(angles.split(H, 2.1, 0.5 - 1e-16, 1.0), Split::Ties);
     }
 
     #[test]

@@ -1,4 +1,26 @@
 //! The library behind the `geobench` binary.
+//!
+//! A run goes through these modules in this order: [`cli`] turns the command line into a
+//! [`plan`]; the [`runner`] carries it out, cell by cell, on models that [`model`] loads and with
+//! solvers that come from the [`registry`]; every answer is compared with a reference
+//! ([`check`], [`expected`]), repeated times are summarised ([`statistics`]), and the
+//! [`record`]s go to the [`export`] formats. `ARCHITECTURE.md` has the whole map.
 
+pub mod check;
+pub mod expected;
+pub mod export;
+mod group;
+pub mod host;
+pub mod in_process;
+pub mod memory;
+pub mod model;
+pub mod output;
+pub mod plan;
+pub mod record;
 pub mod registry;
+mod rng;
+pub mod runner;
+mod seam;
+pub mod source;
 mod stand_in;
+pub mod statistics;

@@ -1,0 +1,197 @@
+//! Comparing distances with those of a reference.
+
+use std::fmt;
+
+/// How distances differ from a reference.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// Largest absolute difference, in the units of the model; infinite where one side reaches a
+    /// vertex and the other does not, or where a distance is not a number.
+    pub max_abs: f64,
+    /// Largest relative difference: of a pair a, b it is |a - b| / max(|a|, |b|), and 0 if they
+    /// are equal.
+    pub max_rel: f64,
+    /// Vertices that the answer leaves unreachable.
+    pub unreachable: usize,
+    /// Vertices that were compared.
+    pub compared: usize,
+    /// Vertices that differ by more than the tolerance.
+    pub disagreeing: usize,
+    /// The vertex with the largest relative difference beyond the tolerance.
+    pub worst: Option<Disagreement>,
+}
+
+/// A vertex at which two answers differ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disagreement {
+    /// Number of the vertex, from 0, in the file's order.
+    pub vertex: usize,
+    /// The distance found.
+    pub found: f64,
+    /// The distance of the reference.
+    pub expected: f64,
+}
+
+/// Why an answer cannot be compared at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{found} distances where the reference has {expected}")]
+pub struct LengthMismatch {
+    /// Number of distances found.
+    pub found: usize,
+    /// Number of distances expected.
+    pub expected: usize,
+}
+
+impl Comparison {
+    /// Whether every compared vertex agrees.
+    pub const fn agrees(&self) -> bool {
+        self.disagreeing == 0
+    }
+}
+
+impl fmt::Display for Disagreement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (abs, rel) = difference(self.found, self.expected);
+        write!(
+            f,
+            "vertex {} is at {} instead of {} (difference {abs:.3e}, relative {rel:.3e})",
+            self.vertex, self.found, self.expected
+        )
+    }
+}
+
+/// Compares `found` with `expected`, vertex by vertex; distances agree when they differ by at
+/// most `tolerance` relative, and two infinite ones agree.
+///
+/// # Errors
+///
+/// When there are not as many distances on both sides.
+pub fn compare(
+    found: &[f64],
+    expected: &[f64],
+    tolerance: f64,
+) -> Result<Comparison, LengthMismatch> {
+    if found.len() != expected.len() {
+        return Err(LengthMismatch {
+            found: found.len(),
+            expected: expected.len(),
+        });
+    }
+    Ok(compare_some(
+        found,
+        expected.iter().copied().enumerate(),
+        tolerance,
+    ))
+}
+
+/// As [`compare`], but only at the vertices that `expected` names, all of which `found` has.
+pub fn compare_some(
+    found: &[f64],
+    expected: impl IntoIterator<Item = (usize, f64)>,
+    tolerance: f64,
+) -> Comparison {
+    let mut result = Comparison {
+        max_abs: 0.0,
+        max_rel: 0.0,
+        // Not a number counts as a wrong answer below, not as unreachable.
+        unreachable: found.iter().filter(|d| **d == f64::INFINITY).count(),
+        compared: 0,
+        disagreeing: 0,
+        worst: None,
+    };
+    let mut worst_rel = 0.0;
+    for (vertex, expected) in expected {
+        let found = found[vertex];
+        let (abs, rel) = difference(found, expected);
+        result.compared += 1;
+        result.max_abs = result.max_abs.max(abs);
+        result.max_rel = result.max_rel.max(rel);
+        if rel > tolerance {
+            result.disagreeing += 1;
+            if rel > worst_rel {
+                worst_rel = rel;
+                result.worst = Some(Disagreement {
+                    vertex,
+                    found,
+                    expected,
+                });
+            }
+        }
+    }
+    result
+}
+
+/// Absolute and relative difference; both infinite if one side is infinite or not a number.
+fn difference(a: f64, b: f64) -> (f64, f64) {
+    if a == b {
+        return (0.0, 0.0);
+    }
+    let abs = (a - b).abs();
+    if abs.is_finite() {
+        (abs, abs / a.abs().max(b.abs()))
+    } else {
+        (f64::INFINITY, f64::INFINITY)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const INF: f64 = f64::INFINITY;
+
+    #[test]
+    fn equal_answers_agree_unreachable_vertices_included() {
+        let result = compare(&[0.0, 1.0, INF], &[0.0, 1.0, INF], 0.0).unwrap();
+        assert!(result.agrees());
+        assert_eq!((result.max_abs, result.max_rel), (0.0, 0.0));
+        assert_eq!((result.unreachable, result.compared), (1, 3));
+    }
+
+    #[test]
+    fn the_tolerance_is_relative_and_inclusive() {
+        assert!(compare(&[1e6 + 1.0], &[1e6], 1e-6).unwrap().agrees());
+        assert!(!compare(&[1e-6 + 1e-9], &[1e-6], 1e-6).unwrap().agrees());
+        assert!(compare(&[1.0], &[2.0], 0.5).unwrap().agrees());
+    }
+
+    #[test]
+    fn the_worst_vertex_is_named() {
+        let result = compare(&[0.0, 1.1, 2.0, 3.0], &[0.0, 1.0, 1.0, 3.0], 1e-9).unwrap();
+        assert_eq!(result.disagreeing, 2);
+        assert_eq!(
+            result.worst.unwrap().to_string(),
+            "vertex 2 is at 2 instead of 1 (difference 1.000e0, relative 5.000e-1)"
+        );
+    }
+
+    #[test]
+    fn infinite_against_finite_and_not_a_number_are_wrong_whatever_the_tolerance() {
+        for (found, expected) in [(INF, 1.0), (1.0, INF), (f64::NAN, 1.0), (f64::NAN, INF)] {
+            let result = compare(&[found], &[expected], 1e9).unwrap();
+            assert!(!result.agrees(), "{found} {expected}");
+            assert_eq!(result.max_abs, INF);
+        }
+        assert!(!compare(&[f64::NAN], &[f64::NAN], 1.0).unwrap().agrees());
+    }
+
+    #[test]
+    fn a_distance_at_a_source_must_be_zero() {
+        assert!(!compare(&[1e-300], &[0.0], 1e-9).unwrap().agrees());
+    }
+
+    #[test]
+    fn different_numbers_of_vertices_cannot_be_compared() {
+        assert_eq!(
+            compare(&[0.0], &[0.0, 1.0], 1e-9).unwrap_err().to_string(),
+            "1 distances where the reference has 2"
+        );
+    }
+
+    #[test]
+    fn a_sample_is_compared_only_where_it_is() {
+        let result = compare_some(&[0.0, 5.0, 2.0], [(0, 0.0), (2, 2.0)], 1e-9);
+        assert!(result.agrees());
+        assert_eq!(result.compared, 2);
+    }
+}

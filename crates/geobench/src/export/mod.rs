@@ -1,0 +1,90 @@
+//! Results as people and programs read them.
+
+mod csv;
+mod json;
+mod latex;
+mod markdown;
+mod number;
+mod table;
+mod view;
+
+use std::path::Path;
+
+use crate::record::ResultFile;
+
+pub use csv::header as csv_header;
+pub use table::{footnote, model_table};
+
+/// A form in which results can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// A table per model for the terminal.
+    Table,
+    /// One table in Markdown.
+    Markdown,
+    /// One table in LaTeX, for the booktabs package.
+    Latex,
+    /// One row per cell.
+    Csv,
+    /// Everything.
+    Json,
+}
+
+/// The endings of result files.
+const ENDINGS: [(&str, Format); 4] = [
+    ("json", Format::Json),
+    ("csv", Format::Csv),
+    ("md", Format::Markdown),
+    ("tex", Format::Latex),
+];
+
+/// A path whose ending is not that of a result file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{path}: the ending says in which form to write results; use .json, .csv, .md or .tex")]
+pub struct UnknownEnding {
+    /// The path.
+    pub path: String,
+}
+
+impl Format {
+    /// The form that the ending of `path` asks for, in any letter case.
+    ///
+    /// # Errors
+    ///
+    /// When it asks for none.
+    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
+        path.extension()
+            .and_then(|ending| {
+                let (_, format) = ENDINGS
+                    .iter()
+                    .find(|(name, _)| ending.eq_ignore_ascii_case(name))?;
+                Some(*format)
+            })
+            .ok_or_else(|| UnknownEnding {
+                path: path.display().to_string(),
+            })
+    }
+
+    /// Results in this form, ending in a line break.
+    ///
+    /// # Errors
+    ///
+    /// Only if a number or a text cannot be represented, which the records exclude.
+    pub fn render(self, result: &ResultFile) -> anyhow::Result<String> {
+        Ok(match self {
+            Self::Table => {
+                let mut text: String = result
+                    .models
+                    .iter()
+                    .map(|model| model_table(model, &result.cells, false))
+                    .collect();
+                text += &footnote(result, false);
+                text
+            }
+            Self::Markdown => markdown::render(result),
+            Self::Latex => latex::render(result),
+            Self::Csv => csv::render(result)?,
+            Self::Json => json::render(result)?,
+        })
+    }
+}

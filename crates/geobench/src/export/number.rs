@@ -1,0 +1,52 @@
+//! Numbers for people.
+
+/// Digits of a row of values: enough that the smallest shows three significant ones, within
+/// `most` decimals.
+pub(super) fn decimals(values: impl IntoIterator<Item = f64>, most: usize) -> usize {
+    let smallest = values
+        .into_iter()
+        .filter(|v| *v > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    if smallest.is_finite() {
+        (2.0 - smallest.log10().floor()).clamp(0.0, most as f64) as usize
+    } else {
+        0
+    }
+}
+
+/// A number with its thousands apart.
+pub(super) fn grouped(value: u64) -> String {
+    let digits = value.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_show_three_digits_of_the_smallest() {
+        assert_eq!(decimals([0.329, 1.2], 6), 3);
+        assert_eq!(decimals([0.002_13, 0.1], 6), 5);
+        assert_eq!(decimals([12.3, 456.0], 6), 1);
+        assert_eq!(decimals([1234.0], 6), 0);
+        assert_eq!(decimals([1e-9], 6), 6);
+        assert_eq!(decimals([0.0], 6), 0);
+        assert_eq!(decimals([], 6), 0);
+    }
+
+    #[test]
+    fn thousands_are_apart() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1000), "1,000");
+        assert_eq!(grouped(68_553_846), "68,553,846");
+    }
+}

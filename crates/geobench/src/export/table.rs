@@ -1,0 +1,73 @@
+//! Tables for the terminal.
+
+use comfy_table::{Attribute, Cell as TableCell, CellAlignment, Color, Table, presets};
+
+use super::view::{Entry, ModelView};
+use crate::record::{Cell, ModelRecord, ResultFile};
+
+/// The table of one model under a line that says which, followed by an empty line. The best value
+/// of a row is set off by colour if `styled`, else by a star.
+pub fn model_table(model: &ModelRecord, cells: &[Cell], styled: bool) -> String {
+    let view = ModelView::new(model, cells);
+    let mut text = format!("{}  ({})", model.name, view.size());
+    if !view.is_refused() {
+        text += &format!("  {}\n", view.sources);
+        text += &table(&view, styled);
+    }
+    text.push('\n');
+    for note in &view.notes {
+        text += &format!("  {note}\n");
+    }
+    text.push('\n');
+    text
+}
+
+fn table(view: &ModelView<'_>, styled: bool) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_FULL_CONDENSED);
+    if styled {
+        table.enforce_styling();
+    } else {
+        table.force_no_tty();
+    }
+    let header = |name: &&str| TableCell::new(name).set_alignment(CellAlignment::Right);
+    table.set_header(std::iter::once(TableCell::new("")).chain(view.algorithms.iter().map(header)));
+    for row in &view.rows {
+        let starred = row.entries.iter().any(|entry| entry.best);
+        table.add_row(
+            std::iter::once(TableCell::new(row.label))
+                .chain(row.entries.iter().map(|e| cell(e, styled, starred))),
+        );
+    }
+    table.to_string()
+}
+
+fn cell(entry: &Entry, styled: bool, starred: bool) -> TableCell {
+    let text = match (styled, entry.best, starred) {
+        (false, true, _) => format!("{}*", entry.text),
+        // The digits of a row stay below each other.
+        (false, false, true) => format!("{} ", entry.text),
+        _ => entry.text.clone(),
+    };
+    let cell = TableCell::new(text).set_alignment(CellAlignment::Right);
+    match (styled, entry) {
+        (true, Entry { best: true, .. }) => cell.add_attribute(Attribute::Bold).fg(Color::Green),
+        (true, Entry { failed: true, .. }) => cell.add_attribute(Attribute::Bold).fg(Color::Red),
+        _ => cell,
+    }
+}
+
+/// What the figures of the tables of `result` mean, in one line.
+pub fn footnote(result: &ResultFile, styled: bool) -> String {
+    let runs = result.cells.iter().map(|c| c.time.samples.len()).max();
+    let times = match runs {
+        None | Some(0) => String::new(),
+        Some(1) => "time of one run; ".to_owned(),
+        Some(runs) => format!("time: median of {runs} runs; "),
+    };
+    let star = if styled { "" } else { "; * best" };
+    format!(
+        "{times}papers' count: 80 bytes per window; measured: heap of the algorithm without the mesh; \
+         MB = 10^6 bytes{star}\n"
+    )
+}

@@ -1,0 +1,283 @@
+//! Which models a command works on, and bringing them into memory.
+
+use std::collections::HashMap;
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use geobench_mesh::{Mesh, Report, TriangleSoup};
+use sha2::{Digest, Sha256};
+
+use crate::expected::stem;
+use crate::record::ModelRecord;
+use crate::seam;
+
+/// A model that a user named, not loaded yet.
+#[derive(Clone, Debug)]
+pub struct ModelRef {
+    /// Its name in tables and results, unique among the models of the command.
+    pub name: String,
+    /// The file as the user wrote it, or `gen:` and the spec.
+    pub path: String,
+    origin: Origin,
+}
+
+#[derive(Clone, Debug)]
+enum Origin {
+    File(PathBuf),
+    Generated(String),
+}
+
+/// A model in memory.
+#[derive(Clone, Debug)]
+pub struct LoadedModel {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What was noticed or repaired.
+    pub report: Report,
+    /// What result files say about it.
+    pub record: ModelRecord,
+}
+
+/// Why a model cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// There is no such file.
+    #[error("{path}: {error}; give a mesh file, a directory or `gen:NAME,...`")]
+    Missing {
+        /// The argument.
+        path: String,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// The file's ending is none of those that are read.
+    #[error(
+        "{path}: not a mesh file by its ending; OBJ, PLY, OFF and STL are read, each also with .gz"
+    )]
+    NotAMesh {
+        /// The argument.
+        path: String,
+    },
+    /// No mesh file in a directory.
+    #[error("{path}: no mesh file (OBJ, PLY, OFF, STL, also .gz) in this directory or below it")]
+    EmptyDirectory {
+        /// The argument.
+        path: String,
+    },
+    /// The file or the spec cannot be read.
+    #[error("{message}")]
+    Unreadable {
+        /// What is wrong and where.
+        message: String,
+    },
+    /// The mesh has fatal defects.
+    #[error("{path}: {message}")]
+    Invalid {
+        /// The argument.
+        path: String,
+        /// Which.
+        message: String,
+    },
+}
+
+/// The models that `arguments` name: files, directories (searched recursively, sorted by name)
+/// and `gen:` specs.
+///
+/// # Errors
+///
+/// When an argument is none of these; models themselves are only read by [`ModelRef::load`].
+pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelError> {
+    let mut models = Vec::new();
+    for argument in arguments {
+        let argument = argument.as_ref();
+        if let Some(spec) = argument.strip_prefix("gen:") {
+            models.push(ModelRef::generated(spec));
+            continue;
+        }
+        let path = Path::new(argument);
+        let missing = |error| ModelError::Missing {
+            path: argument.to_owned(),
+            error,
+        };
+        if fs::metadata(path).map_err(missing)?.is_dir() {
+            let mut found = Vec::new();
+            search(path, &mut found).map_err(missing)?;
+            if found.is_empty() {
+                return Err(ModelError::EmptyDirectory {
+                    path: argument.to_owned(),
+                });
+            }
+            models.extend(found.into_iter().map(ModelRef::file));
+        } else if seam::is_mesh_file(path) {
+            models.push(ModelRef::file(path.to_owned()));
+        } else {
+            return Err(ModelError::NotAMesh {
+                path: argument.to_owned(),
+            });
+        }
+    }
+    make_names_unique(&mut models);
+    Ok(models)
+}
+
+/// Adds the mesh files in `directory` and below it, sorted by name. Links to directories are not
+/// followed: they could lead in a circle.
+fn search(directory: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
+    let mut entries = fs::read_dir(directory)?.collect::<io::Result<Vec<_>>>()?;
+    entries.sort_unstable_by_key(fs::DirEntry::file_name);
+    for entry in entries {
+        let path = entry.path();
+        if entry.file_type()?.is_dir() {
+            search(&path, found)?;
+        } else if seam::is_mesh_file(&path) && path.is_file() {
+            found.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// Models of the same name are called by their whole path, and numbered if that is the same too.
+fn make_names_unique(models: &mut [ModelRef]) {
+    let mut uses = HashMap::<String, usize>::new();
+    for model in models.iter() {
+        *uses.entry(model.name.clone()).or_default() += 1;
+    }
+    let mut seen = HashMap::<String, usize>::new();
+    for model in models {
+        if uses[&model.name] > 1 {
+            model.name.clone_from(&model.path);
+        }
+        let count = seen.entry(model.name.clone()).or_default();
+        *count += 1;
+        if *count > 1 {
+            model.name = format!("{} #{count}", model.name);
+        }
+    }
+}
+
+impl ModelRef {
+    fn file(path: PathBuf) -> Self {
+        Self {
+            name: stem(&path),
+            path: path.display().to_string(),
+            origin: Origin::File(path),
+        }
+    }
+
+    /// The model that a generator makes from `spec`, written without `gen:`.
+    pub fn generated(spec: &str) -> Self {
+        Self {
+            name: spec.to_owned(),
+            path: format!("gen:{spec}"),
+            origin: Origin::Generated(spec.to_owned()),
+        }
+    }
+
+    /// The file behind it; none if it is generated.
+    pub fn file_path(&self) -> Option<&Path> {
+        match &self.origin {
+            Origin::File(path) => Some(path),
+            Origin::Generated(_) => None,
+        }
+    }
+
+    /// What is known before it is loaded.
+    pub fn record(&self) -> ModelRecord {
+        ModelRecord {
+            name: self.name.clone(),
+            path: self.path.clone(),
+            ..ModelRecord::default()
+        }
+    }
+
+    /// Reads or generates the triangles, unchecked.
+    ///
+    /// # Errors
+    ///
+    /// When there is no such file or generator, or it cannot be understood.
+    pub fn read(&self) -> Result<TriangleSoup, ModelError> {
+        let unreadable = |message| ModelError::Unreadable { message };
+        match &self.origin {
+            Origin::File(path) => seam::read(path).map_err(unreadable),
+            Origin::Generated(spec) => seam::generate(spec).map_err(unreadable),
+        }
+    }
+
+    /// Reads or generates the model, checks it and builds its mesh.
+    ///
+    /// # Errors
+    ///
+    /// Names the file and the line or the elements that make it unusable.
+    pub fn load(&self) -> Result<LoadedModel, ModelError> {
+        let start = Instant::now();
+        let soup = self.read()?;
+        let load_seconds = start.elapsed().as_secs_f64();
+        let sha256 = match &self.origin {
+            Origin::File(path) => hash_file(path).ok(),
+            Origin::Generated(_) => Some(hash_soup(&soup)),
+        };
+        let start = Instant::now();
+        let (mesh, report) = Mesh::from_soup(soup).map_err(|error| ModelError::Invalid {
+            path: self.path.clone(),
+            message: error.to_string(),
+        })?;
+        let record = ModelRecord {
+            sha256,
+            vertices: Some(mesh.vertex_count() as u64),
+            faces: Some(mesh.face_count() as u64),
+            edges: Some(seam::edges(&mesh)),
+            load_seconds: Some(load_seconds),
+            build_seconds: Some(start.elapsed().as_secs_f64()),
+            ..self.record()
+        };
+        Ok(LoadedModel {
+            mesh,
+            report,
+            record,
+        })
+    }
+}
+
+/// SHA-256 of a file's bytes in hexadecimal.
+fn hash_file(path: &Path) -> io::Result<String> {
+    let mut hash = Sha256::new();
+    io::copy(&mut File::open(path)?, &mut HashWriter(&mut hash))?;
+    Ok(hexadecimal(hash))
+}
+
+/// SHA-256 of positions and triangles as little-endian numbers.
+fn hash_soup(soup: &TriangleSoup) -> String {
+    let mut hash = Sha256::new();
+    for coordinate in soup.positions.as_flattened() {
+        hash.update(coordinate.to_le_bytes());
+    }
+    for vertex in soup.triangles.as_flattened() {
+        hash.update(vertex.to_le_bytes());
+    }
+    hexadecimal(hash)
+}
+
+fn hexadecimal(hash: Sha256) -> String {
+    use std::fmt::Write;
+    hash.finalize()
+        .iter()
+        .fold(String::new(), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}"); // Writing to a string cannot fail.
+            text
+        })
+}
+
+struct HashWriter<'h>(&'h mut Sha256);
+
+impl io::Write for HashWriter<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

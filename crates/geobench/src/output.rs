@@ -1,0 +1,136 @@
+//! Files that a command writes: found unwritable before the work starts, and replaced whole.
+
+use std::fs::{self, OpenOptions, Permissions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+
+/// A file to be written at the end of some work.
+#[derive(Clone, Debug)]
+pub struct OutputFile {
+    path: PathBuf,
+    /// Devices and pipes are written to as they are; a regular file is replaced.
+    replace: bool,
+}
+
+impl OutputFile {
+    /// Makes sure that `path` can be written, without changing anything there.
+    ///
+    /// # Errors
+    ///
+    /// When its directory does not exist or cannot be written to, or the path is a directory or a
+    /// file that cannot be written.
+    pub fn prepare(path: &Path) -> anyhow::Result<Self> {
+        let shown = path.display();
+        // A link is followed, so that the file that it points to is replaced and not the link.
+        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let replace = match fs::metadata(&path) {
+            Ok(found) if found.is_dir() => bail!("{shown}: cannot be written: it is a directory"),
+            Ok(found) => {
+                OpenOptions::new()
+                    .append(true)
+                    .open(&path)
+                    .with_context(|| format!("{shown}: cannot be written"))?;
+                found.is_file()
+            }
+            Err(_) => true,
+        };
+        let file = Self { path, replace };
+        if replace {
+            file.temporary()
+                .with_context(|| format!("{shown}: cannot be written"))?;
+        }
+        Ok(file)
+    }
+
+    /// Where it is written.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes `contents`; whoever reads the file sees either what was there before or all of it.
+    ///
+    /// # Errors
+    ///
+    /// When the system cannot write; the file is then as it was.
+    pub fn write(&self, contents: &[u8]) -> anyhow::Result<()> {
+        let shown = self.path.display();
+        let failed = || format!("{shown}: cannot be written");
+        if !self.replace {
+            return fs::write(&self.path, contents).with_context(failed);
+        }
+        let mut file = self.temporary().with_context(failed)?;
+        file.write_all(contents).with_context(failed)?;
+        file.persist(&self.path)
+            .map_err(|error| error.error)
+            .with_context(failed)?;
+        Ok(())
+    }
+
+    /// A file in the same directory, which a rename can then put in place.
+    fn temporary(&self) -> io::Result<tempfile::NamedTempFile> {
+        let directory = match self.path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".geobench-");
+        let permissions = usual_permissions();
+        if let Some(permissions) = permissions {
+            builder.permissions(permissions);
+        }
+        builder.tempfile_in(directory)
+    }
+}
+
+/// What the process's umask leaves of reading and writing for everyone.
+#[cfg(unix)]
+fn usual_permissions() -> Option<Permissions> {
+    use std::os::unix::fs::PermissionsExt;
+    Some(Permissions::from_mode(0o666))
+}
+
+#[cfg(not(unix))]
+fn usual_permissions() -> Option<Permissions> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_whole_and_nothing_is_left_beside_it() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("x.csv");
+        let file = OutputFile::prepare(&path).unwrap();
+        assert!(!path.exists(), "preparing writes nothing");
+        file.write(b"long contents").unwrap();
+        file.write(b"short").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"short");
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_found_at_once() {
+        let directory = tempfile::tempdir().unwrap();
+        let error = OutputFile::prepare(directory.path()).unwrap_err();
+        assert!(error.to_string().contains("it is a directory"));
+        let missing = directory.path().join("no/such/x.csv");
+        let error = OutputFile::prepare(&missing).unwrap_err();
+        assert!(format!("{error:#}").contains("x.csv: cannot be written: No such file"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_a_link() {
+        let directory = tempfile::tempdir().unwrap();
+        let (real, link) = (directory.path().join("real"), directory.path().join("link"));
+        fs::write(&real, "old").unwrap();
+        std::os::unix::fs::symlink(&real, &link).unwrap();
+        OutputFile::prepare(&link).unwrap().write(b"new").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&real).unwrap(), b"new");
+    }
+}

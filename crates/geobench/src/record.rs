@@ -1,0 +1,266 @@
+//! The result file: every field, defined once. Times are seconds, sizes bytes, distances the
+//! model's own units, and numbers are stored unrounded. A figure that does not exist is `null`,
+//! never 0.
+
+use std::collections::BTreeMap;
+
+use geobench_window::{Counter, Counters};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// The schema that this version writes.
+pub const SCHEMA: &str = "geobench/1";
+
+/// A whole result file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ResultFile {
+    /// Always [`SCHEMA`].
+    pub schema: String,
+    /// The program that measured.
+    pub tool: Tool,
+    /// The machine it measured on.
+    pub host: Host,
+    /// The command, word by word.
+    pub command: Vec<String>,
+    /// When it started, RFC 3339 in UTC.
+    pub started: String,
+    /// When it finished, RFC 3339 in UTC; in a file written on the way, when that was written.
+    pub finished: String,
+    /// The models, in the order of the run.
+    pub models: Vec<ModelRecord>,
+    /// What was measured, in the order of the run.
+    pub cells: Vec<Cell>,
+}
+
+/// The program that measured.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Tool {
+    /// Version of the program.
+    pub version: String,
+    /// Commit it was built from, if it was built in a checkout.
+    pub commit: Option<String>,
+    /// Compiler it was built with.
+    pub rustc: Option<String>,
+    /// `release` or `debug`.
+    pub profile: String,
+    /// Cargo features.
+    pub features: Vec<String>,
+}
+
+/// The machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Host {
+    /// Name of the processor.
+    pub cpu: Option<String>,
+    /// Processors that this process may use.
+    pub cores: usize,
+    /// Main memory.
+    pub memory_bytes: Option<u64>,
+    /// Operating system.
+    pub os: String,
+    /// Version of its kernel.
+    pub kernel: Option<String>,
+    /// Load average over one minute when the run started.
+    pub load_start: Option<f64>,
+}
+
+/// A model. One that could not be used has its name and path, and little else.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ModelRecord {
+    /// Name in tables and cells, unique within the file.
+    pub name: String,
+    /// The file, or the generator's spec.
+    pub path: String,
+    /// Hash of the file's bytes as they lie on the disk; of a generated model, of its positions
+    /// (little-endian f64) followed by its triangles (little-endian u32).
+    pub sha256: Option<String>,
+    /// Vertices, isolated ones included.
+    pub vertices: Option<u64>,
+    /// Triangles.
+    pub faces: Option<u64>,
+    /// Edges.
+    pub edges: Option<u64>,
+    /// Edges with one face only.
+    pub boundary_edges: Option<u64>,
+    /// Connected components; an isolated vertex is one.
+    pub components: Option<u64>,
+    /// Handles of all components together.
+    pub genus: Option<u64>,
+    /// Vertices at which a shortest path may bend.
+    pub saddles: Option<u64>,
+    /// Mean over the faces of P H / (2 sqrt(3) S): half perimeter, longest edge, area; 1 for
+    /// equilateral faces. Null if a face has no area.
+    pub anisotropy: Option<f64>,
+    /// Seconds to read or generate the model.
+    pub load_seconds: Option<f64>,
+    /// Seconds to check it and to build the half-edge mesh.
+    pub build_seconds: Option<f64>,
+}
+
+/// One algorithm on one model from one source.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Name of the model.
+    pub model: String,
+    /// Name of the algorithm.
+    pub algorithm: String,
+    /// Source vertex, counted from 0 in the file's order; null where the model was refused
+    /// before its vertices were known.
+    pub source: Option<u32>,
+    /// Threads that the algorithm used.
+    pub threads: usize,
+    /// How it ended.
+    pub status: Status,
+    /// Why, if not well; one line.
+    pub message: Option<String>,
+    /// Times of the solve alone.
+    pub time: Time,
+    /// What was counted, in a run apart from the timed ones.
+    #[serde(with = "counters_as_map")]
+    pub counters: Counters,
+    /// Memory, of the run that counted.
+    pub memory: Memory,
+    /// Where the time goes, from a run of its own that the clocks slow down.
+    pub phases: Phases,
+    /// How the answer compares with the reference.
+    pub check: Check,
+}
+
+impl Cell {
+    /// A cell of which nothing is known yet.
+    pub fn new(model: &str, algorithm: &str) -> Self {
+        Self {
+            model: model.to_owned(),
+            algorithm: algorithm.to_owned(),
+            source: None,
+            threads: 1,
+            status: Status::Ok,
+            message: None,
+            time: Time::default(),
+            counters: Counters::default(),
+            memory: Memory::default(),
+            phases: Phases::default(),
+            check: Check::default(),
+        }
+    }
+}
+
+/// How a cell ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// Done, and the check, if there was one, passed.
+    Ok,
+    /// Ran longer than it may.
+    Timeout,
+    /// Needed more memory than it may have.
+    OutOfMemory,
+    /// Ended unasked.
+    Crashed,
+    /// The answer differs from the reference.
+    Wrong,
+    /// The model or the source cannot be used.
+    Refused,
+}
+
+impl Status {
+    /// The word for it in files and tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Timeout => "timeout",
+            Self::OutOfMemory => "out_of_memory",
+            Self::Crashed => "crashed",
+            Self::Wrong => "wrong",
+            Self::Refused => "refused",
+        }
+    }
+}
+
+/// Times in seconds; empty and null unless the status is `ok`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Time {
+    /// Every repetition, in the order taken.
+    pub samples: Vec<f64>,
+    /// Their median.
+    pub median: Option<f64>,
+    /// Their minimum.
+    pub min: Option<f64>,
+    /// Their median absolute deviation.
+    pub mad: Option<f64>,
+    /// 95 % bootstrap interval of the median; null from fewer than five samples.
+    pub ci95: Option<[f64; 2]>,
+    /// Why there is no interval.
+    pub note: Option<String>,
+    /// Time to set the algorithm up for the mesh, which the samples do not include.
+    pub setup: Option<f64>,
+}
+
+/// Memory in bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Memory {
+    /// The papers' figure: 80 bytes for each window stored at the end (algorithms that keep every
+    /// window) or alive at the peak (the others).
+    pub papers_bytes: Option<u64>,
+    /// Bytes of our windows at their peak.
+    pub windows_peak_bytes: Option<u64>,
+    /// Most bytes on the heap at one time that belong to the algorithm: its set-up, its run and
+    /// its answer, without the mesh.
+    pub heap_peak_bytes: Option<u64>,
+    /// Most memory that the whole process occupied meanwhile, the mesh and every other algorithm
+    /// that is set up included (Linux).
+    pub rss_peak_bytes: Option<u64>,
+}
+
+/// Seconds in each phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Phases {
+    /// Computing child windows and distances.
+    pub propagation: Option<f64>,
+    /// Filters, trims and checks between windows.
+    pub pruning: Option<f64>,
+    /// Queues, lists, storage and everything else.
+    pub management: Option<f64>,
+}
+
+/// How an answer compares with the reference; the largest of all runs of the cell.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// The algorithm, or the file, whose answer it is; null if nothing was compared.
+    pub reference: Option<String>,
+    /// Largest absolute difference; null if not finite (the message then says which vertex).
+    pub max_abs: Option<f64>,
+    /// Largest relative difference; null if not finite.
+    pub max_rel: Option<f64>,
+    /// Vertices that no path reaches.
+    pub unreachable: Option<u64>,
+}
+
+/// Counters as a map from name to count or `null`, in the order of their table.
+mod counters_as_map {
+    use super::{BTreeMap, Counter, Counters, Deserialize, Deserializer, SerializeMap, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(
+        counters: &Counters,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(Counter::ALL.len()))?;
+        for (counter, count) in counters.iter() {
+            map.serialize_entry(counter.key(), &count)?;
+        }
+        map.end()
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Counters, D::Error> {
+        let map = BTreeMap::<String, Option<u64>>::deserialize(deserializer)?;
+        let mut counters = Counters::default();
+        for &counter in Counter::ALL {
+            if let Some(Some(count)) = map.get(counter.key()) {
+                counters.set(counter, *count);
+            }
+        }
+        Ok(counters)
+    }
+}

@@ -1,0 +1,216 @@
+//! Carries out a [`Plan`]: the order of the runs, the checks, and what becomes of failures.
+//!
+//! The runner knows no algorithm and no clock. It asks a [`Workplace`] for each model and the
+//! [`Executor`] that it gets there for each single run, so that runs can happen in this process,
+//! in another one, or, for tests, nowhere at all.
+
+use geobench_mesh::VertexId;
+use geobench_window::Counters;
+
+use crate::group::Group;
+use crate::memory::Peaks;
+use crate::plan::Plan;
+use crate::record::{Cell, ModelRecord, Phases, Status};
+use crate::registry::Selection;
+use crate::source::SourceSpec;
+
+/// Why a run does what it does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// Brings caches and memory into the state of a program that has been running; not timed.
+    WarmUp,
+    /// Measures the time of the solve.
+    Time,
+    /// Counts, and measures memory.
+    Count,
+    /// Clocks the phases.
+    Clock,
+}
+
+/// One run of one algorithm.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a> {
+    /// Name of the model.
+    pub model: &'a str,
+    /// The algorithm.
+    pub algorithm: &'a Selection,
+    /// The source.
+    pub source: VertexId,
+    /// What it is for.
+    pub purpose: Purpose,
+}
+
+/// What one run delivers; which figures there are depends on its purpose.
+#[derive(Clone, Debug, Default)]
+pub struct Observation {
+    /// The answer.
+    pub distances: Vec<f64>,
+    /// Seconds that the solve took.
+    pub seconds: Option<f64>,
+    /// Seconds that the set-up took, if this run needed one.
+    pub setup_seconds: Option<f64>,
+    /// What was counted.
+    pub counters: Option<Counters>,
+    /// Peak memory.
+    pub peaks: Peaks,
+    /// Seconds in each phase.
+    pub phases: Option<Phases>,
+}
+
+/// Why a run delivered nothing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// How the cell ends with it.
+    pub status: Status,
+    /// What happened, in one line.
+    pub message: String,
+}
+
+/// Runs algorithms on the model that it was set up for.
+pub trait Executor {
+    /// Carries out one run.
+    ///
+    /// # Errors
+    ///
+    /// When it does not end well.
+    fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure>;
+}
+
+/// Where models are brought to be worked on.
+pub trait Workplace {
+    /// Loads the model at `place` in the plan and hands what is known about it to `work`, with an
+    /// executor for it.
+    ///
+    /// # Errors
+    ///
+    /// When the model cannot be used; `work` is then not called.
+    fn with_model(
+        &mut self,
+        plan: &Plan,
+        place: usize,
+        work: &mut dyn FnMut(&ModelRecord, &mut dyn Executor),
+    ) -> Result<(), Refusal>;
+}
+
+/// A model that cannot be used.
+#[derive(Clone, Debug)]
+pub struct Refusal {
+    /// What is known about it all the same.
+    pub record: ModelRecord,
+    /// Why, in one line that names the file and the element.
+    pub message: String,
+}
+
+/// Hears of the progress of a run. Nothing here is called while a run is being timed.
+pub trait Listener {
+    /// A model is about to be loaded.
+    fn loading(&mut self, model: &str) {
+        let _ = model;
+    }
+
+    /// A run is about to start.
+    fn step(&mut self, step: &Step<'_>) {
+        let _ = step;
+    }
+
+    /// Runs that were planned will not happen.
+    fn skipped(&mut self, runs: usize) {
+        let _ = runs;
+    }
+
+    /// Everything about a model is known: its last cells are the `cells`.
+    ///
+    /// # Errors
+    ///
+    /// Ends the run, with what it has.
+    fn model_done(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
+        let _ = (model, cells);
+        Ok(())
+    }
+}
+
+/// The records of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// One for each model of the plan.
+    pub models: Vec<ModelRecord>,
+    /// One for each cell of the plan.
+    pub cells: Vec<Cell>,
+}
+
+impl Outcome {
+    /// Whether some cell has this status.
+    pub fn has(&self, status: Status) -> bool {
+        self.cells.iter().any(|cell| cell.status == status)
+    }
+}
+
+/// Carries out `plan`, model by model.
+///
+/// # Errors
+///
+/// Only those of the listener: whatever happens to a cell is in its record.
+pub fn run(
+    plan: &Plan,
+    workplace: &mut dyn Workplace,
+    listener: &mut dyn Listener,
+) -> anyhow::Result<Outcome> {
+    let mut outcome = Outcome::default();
+    for (place, model) in plan.models.iter().enumerate() {
+        listener.loading(&model.name);
+        let mut cells = Vec::new();
+        let mut record = ModelRecord::default();
+        let done = workplace.with_model(plan, place, &mut |found, executor| {
+            record = found.clone();
+            cells = run_model(plan, found, executor, listener);
+        });
+        if let Err(refusal) = done {
+            record = refusal.record;
+            cells = refused(plan, &record.name, &refusal.message);
+            listener.skipped(cells.len() * plan.runs_per_cell());
+        }
+        listener.model_done(&record, &cells)?;
+        outcome.models.push(record);
+        outcome.cells.append(&mut cells);
+    }
+    Ok(outcome)
+}
+
+/// The cells of a model that cannot be used, or that does not have the sources asked for.
+fn refused(plan: &Plan, model: &str, message: &str) -> Vec<Cell> {
+    let sources: Vec<Option<u32>> = match &plan.sources {
+        SourceSpec::First => vec![Some(0)],
+        SourceSpec::List(list) => list.iter().copied().map(Some).collect(),
+        SourceSpec::Random { count, .. } => vec![None; *count],
+    };
+    sources
+        .iter()
+        .flat_map(|&source| plan.algorithms.iter().map(move |a| (source, a)))
+        .map(|(source, algorithm)| Cell {
+            source,
+            status: Status::Refused,
+            message: Some(message.to_owned()),
+            ..Cell::new(model, algorithm.label())
+        })
+        .collect()
+}
+
+fn run_model(
+    plan: &Plan,
+    model: &ModelRecord,
+    executor: &mut dyn Executor,
+    listener: &mut dyn Listener,
+) -> Vec<Cell> {
+    let vertices = model.vertices.unwrap_or(0) as usize;
+    match plan.sources.resolve(vertices) {
+        Ok(sources) => sources
+            .into_iter()
+            .flat_map(|source| Group::new(plan, model, source).run(executor, listener))
+            .collect(),
+        Err(error) => {
+            let cells = refused(plan, &model.name, &format!("{}: {error}", model.path));
+            listener.skipped(cells.len() * plan.runs_per_cell());
+            cells
+        }
+    }
+}

@@ -8,7 +8,7 @@ use geobench_mesh::Mesh;
 use geobench_window::{SolveError, Solver};
 
 use crate::memory::PeakMemory;
-use crate::plan::Plan;
+use crate::model::ModelRef;
 use crate::record::{ModelRecord, Phases, Status};
 use crate::runner::{Executor, Failure, Observation, Purpose, Refusal, Step, Workplace};
 
@@ -20,11 +20,9 @@ pub struct InProcess;
 impl Workplace for InProcess {
     fn with_model(
         &mut self,
-        plan: &Plan,
-        place: usize,
+        model: &ModelRef,
         work: &mut dyn FnMut(&ModelRecord, &mut dyn Executor),
     ) -> Result<(), Refusal> {
-        let model = &plan.models[place];
         let loaded = model.load().map_err(|error| Refusal {
             record: model.record(),
             message: error.to_string(),

@@ -7,8 +7,10 @@
 //! [`record`]s go to the [`export`] formats. `ARCHITECTURE.md` has the whole map.
 
 pub mod check;
+pub mod cli;
 pub mod expected;
 pub mod export;
+pub mod field;
 mod group;
 pub mod host;
 pub mod in_process;
@@ -24,3 +26,4 @@ mod seam;
 pub mod source;
 mod stand_in;
 pub mod statistics;
+pub mod suite;

@@ -1,3 +1,14 @@
 //! The `geobench` command.
 
-fn main() {}
+use std::alloc::System;
+use std::process::ExitCode;
+
+use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAlloc};
+
+/// Counts the bytes on the heap, for the peak memory of algorithms; see `geobench::memory`.
+#[global_allocator]
+static ALLOCATOR: &PeakMemAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+fn main() -> ExitCode {
+    geobench::cli::main()
+}

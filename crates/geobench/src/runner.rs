@@ -9,6 +9,7 @@ use geobench_window::Counters;
 
 use crate::group::Group;
 use crate::memory::Peaks;
+use crate::model::ModelRef;
 use crate::plan::Plan;
 use crate::record::{Cell, ModelRecord, Phases, Status};
 use crate::registry::Selection;
@@ -78,7 +79,7 @@ pub trait Executor {
 
 /// Where models are brought to be worked on.
 pub trait Workplace {
-    /// Loads the model at `place` in the plan and hands what is known about it to `work`, with an
+    /// Loads `model` and hands what is known about it to `work`, with an
     /// executor for it.
     ///
     /// # Errors
@@ -86,8 +87,7 @@ pub trait Workplace {
     /// When the model cannot be used; `work` is then not called.
     fn with_model(
         &mut self,
-        plan: &Plan,
-        place: usize,
+        model: &ModelRef,
         work: &mut dyn FnMut(&ModelRecord, &mut dyn Executor),
     ) -> Result<(), Refusal>;
 }
@@ -156,11 +156,11 @@ pub fn run(
     listener: &mut dyn Listener,
 ) -> anyhow::Result<Outcome> {
     let mut outcome = Outcome::default();
-    for (place, model) in plan.models.iter().enumerate() {
+    for model in &plan.models {
         listener.loading(&model.name);
         let mut cells = Vec::new();
         let mut record = ModelRecord::default();
-        let done = workplace.with_model(plan, place, &mut |found, executor| {
+        let done = workplace.with_model(model, &mut |found, executor| {
             record = found.clone();
             cells = run_model(plan, found, executor, listener);
         });

@@ -1,0 +1,226 @@
+//! The arguments of every command, as clap reads them.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::export::Format;
+use crate::registry::{self, Selection};
+use crate::source::SourceSpec;
+
+/// How models are named, for the help of every command that takes some.
+const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .gz), a directory (searched \
+    recursively) or a generated model such as gen:sphere,subdiv=5 or gen:terrain,n=100,seed=1.";
+
+/// Runs, checks and compares exact geodesic-distance algorithms on triangle meshes.
+#[derive(Debug, Parser)]
+#[command(
+    name = "geobench",
+    version,
+    about,
+    max_term_width = 100,
+    arg_required_else_help = true
+)]
+#[command(
+    after_help = "Exit status: 0 done and every check passed; 1 a check or a cell failed; 2 wrong usage or \
+    unreadable input."
+)]
+pub(super) struct Arguments {
+    /// When to use colour; auto: on a terminal, unless NO_COLOR is set
+    #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t)]
+    pub(super) color: ColorChoice,
+
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+/// When to use colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum ColorChoice {
+    #[default]
+    Auto,
+    Always,
+    Never,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Benchmark algorithms on models and check every answer
+    Run(RunOptions),
+    /// Compare the answers of all algorithms with each other and with stored distances
+    Verify(VerifyOptions),
+    /// Write the distances of all vertices from one or several sources
+    Distance(DistanceOptions),
+    /// Write a generated model to a file
+    Gen(GenOptions),
+    /// Show counts, defects, genus and anisotropy of models
+    Info(InfoOptions),
+    /// List the algorithms
+    Algos(AlgosOptions),
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(super) struct RunOptions {
+    /// Models; without any, a built-in suite of generated ones
+    #[arg(value_name = "MODEL")]
+    pub(super) models: Vec<String>,
+
+    /// Algorithms by name, by family, or exact, or all; separated by commas
+    #[arg(long, value_name = "LIST", default_value = "exact", value_parser = algorithms)]
+    pub(super) algo: Algorithms,
+
+    /// Sources: first, a vertex number, a list of numbers, or random:N[,seed=S]
+    #[arg(long, value_name = "SPEC", default_value = "first")]
+    pub(super) source: SourceSpec,
+
+    /// Timed runs of each cell
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(super) repeat: u32,
+
+    /// Untimed runs of each cell before those
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(..=1_000_000))]
+    pub(super) warmup: u32,
+
+    /// What answers must agree with: an algorithm, none, file (MODEL.sSOURCE.csv beside the model
+    /// or in a folder named expected there or beside its folder), or the path of such a file
+    /// [default: mmp if it runs, else the first algorithm]
+    #[arg(long, value_name = "REF")]
+    pub(super) check: Option<String>,
+
+    /// Largest relative difference that passes
+    #[arg(long, value_name = "T", default_value_t = 1e-9, value_parser = tolerance)]
+    pub(super) tolerance: f64,
+
+    /// What goes to standard output
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = Format::Table)]
+    pub(super) format: Format,
+
+    /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Vec<PathBuf>,
+
+    /// No progress, no warnings
+    #[arg(long)]
+    pub(super) quiet: bool,
+
+    /// No progress bar
+    #[arg(long)]
+    pub(super) no_progress: bool,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(super) struct VerifyOptions {
+    /// Models; without any, a built-in suite of generated ones
+    #[arg(value_name = "MODEL")]
+    pub(super) models: Vec<String>,
+
+    /// Algorithms by name, by family, or exact, or all; separated by commas
+    #[arg(long, value_name = "LIST", default_value = "exact", value_parser = algorithms)]
+    pub(super) algo: Algorithms,
+
+    /// Sources: first, a vertex number, a list of numbers, or random:N[,seed=S]; those for which
+    /// distances are stored (MODEL.sSOURCE.csv) are added
+    #[arg(long, value_name = "SPEC", default_value = "first")]
+    pub(super) source: SourceSpec,
+
+    /// Largest relative difference that passes
+    #[arg(long, value_name = "T", default_value_t = 1e-9, value_parser = tolerance)]
+    pub(super) tolerance: f64,
+
+    /// Print only disagreements
+    #[arg(long)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(super) struct DistanceOptions {
+    /// The model
+    #[arg(value_name = "MODEL")]
+    pub(super) model: String,
+
+    /// The source: a vertex number, first, a list of numbers or random:N[,seed=S]; from several
+    /// sources the distance is that from the nearest
+    #[arg(long, value_name = "SRC")]
+    pub(super) source: SourceSpec,
+
+    /// The algorithm
+    #[arg(long, value_name = "A", default_value = "vtp", value_parser = one_algorithm)]
+    pub(super) algo: Selection,
+
+    /// File to write, by its ending: .csv, .json, .npy, .ply or .vtk
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+
+    /// No summary
+    #[arg(long)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct GenOptions {
+    /// NAME[,key=value...], such as torus,faces=50000,bump=0.1,seed=7
+    #[arg(value_name = "SPEC")]
+    pub(super) spec: String,
+
+    /// File to write: .obj or .ply, each also .gz
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(super) struct InfoOptions {
+    /// Models
+    #[arg(value_name = "MODEL", required = true)]
+    pub(super) models: Vec<String>,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct AlgosOptions {
+    /// How to list them
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(super) format: AlgosFormat,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum AlgosFormat {
+    #[default]
+    Table,
+    Json,
+}
+
+/// A list of algorithms; a type of its own because clap takes a `Vec` for a repeated option.
+#[derive(Clone, Debug)]
+pub(super) struct Algorithms(pub(super) Vec<Selection>);
+
+fn algorithms(list: &str) -> Result<Algorithms, registry::SelectError> {
+    registry::select(list).map(Algorithms)
+}
+
+fn one_algorithm(name: &str) -> Result<Selection, String> {
+    match registry::select(name).map_err(|e| e.to_string())?[..] {
+        [one] => Ok(one),
+        _ => Err("name one algorithm".to_owned()),
+    }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("a tolerance is a number, 0 or more, such as 1e-9".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        use clap::CommandFactory;
+        Arguments::command().debug_assert();
+    }
+}

@@ -1,0 +1,103 @@
+//! The command line: what is asked for, and how a command ends.
+
+mod algos;
+mod args;
+mod distance;
+mod generate;
+mod info;
+mod progress;
+mod run;
+mod terminal;
+mod verify;
+
+use std::io;
+use std::process::ExitCode;
+
+use clap::Parser;
+use clap::error::ErrorKind;
+
+use args::{Arguments, Command};
+use terminal::Terminal;
+
+/// How a command that did its work ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    /// Everything done, every check passed.
+    Passed,
+    /// A check, a comparison or a cell failed; the others are reported.
+    Failed,
+    /// Some input could not be used; the rest is reported.
+    BadInput,
+}
+
+/// Runs the command that the arguments of the process ask for.
+pub fn main() -> ExitCode {
+    report_panics_in_one_line();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return usage(&error),
+    };
+    let terminal = Terminal::new(arguments.color);
+    let done = match arguments.command {
+        Command::Run(options) => run::run(&options, &terminal),
+        Command::Verify(options) => verify::verify(&options, &terminal),
+        Command::Distance(options) => distance::distance(&options, &terminal),
+        Command::Gen(options) => generate::generate(&options),
+        Command::Info(options) => info::info(&options, &terminal),
+        Command::Algos(options) => algos::algos(&options, &terminal),
+    };
+    match done {
+        Ok(Verdict::Passed) => ExitCode::SUCCESS,
+        Ok(Verdict::Failed) => ExitCode::from(1),
+        Ok(Verdict::BadInput) => ExitCode::from(2),
+        // Whoever reads has read enough: nothing is wrong.
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            terminal::error(&format!("{error:#}"));
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause
+            .downcast_ref::<io::Error>()
+            .is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
+    })
+}
+
+/// Prints help where it was asked for, else what is wrong with the arguments in one line.
+fn usage(error: &clap::Error) -> ExitCode {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            // A reader that has gone away needs no help.
+            let _ = error.print();
+            ExitCode::SUCCESS
+        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            let _ = error.print();
+            ExitCode::from(2)
+        }
+        _ => {
+            let text = error.to_string();
+            let text = text.strip_prefix("error: ").unwrap_or(&text);
+            // What follows `Usage` repeats the help.
+            let text = text.split("\nUsage:").next().unwrap_or(text);
+            let text = text.split("\nFor more information").next().unwrap_or(text);
+            let words: Vec<&str> = text.split_whitespace().collect();
+            terminal::error(&format!("{}; see --help", words.join(" ")));
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// A panic is a defect of this program; it too says so in one line.
+fn report_panics_in_one_line() {
+    std::panic::set_hook(Box::new(|panic| {
+        let text = panic.to_string().replace('\n', " ");
+        terminal::error(&format!(
+            "{text}; this is a defect of geobench, please report it"
+        ));
+    }));
+}

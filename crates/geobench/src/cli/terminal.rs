@@ -1,0 +1,56 @@
+//! Standard output and standard error.
+
+use std::io::{self, IsTerminal, Write};
+
+use super::args::ColorChoice;
+
+/// What may be shown how.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Terminal {
+    /// Whether tables on standard output use colour.
+    pub(super) styled: bool,
+}
+
+impl Terminal {
+    pub(super) fn new(color: ColorChoice) -> Self {
+        let styled = match color {
+            ColorChoice::Always => true,
+            ColorChoice::Never => false,
+            // https://no-color.org: set and not empty, whatever its value.
+            ColorChoice::Auto => {
+                io::stdout().is_terminal()
+                    && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+                    && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+            }
+        };
+        Self { styled }
+    }
+}
+
+/// Writes `text` to standard output at once.
+///
+/// # Errors
+///
+/// When standard output takes no more, for one because its reader has gone.
+pub(super) fn print(text: &str) -> anyhow::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()?;
+    Ok(())
+}
+
+/// Writes an error to standard error, in one line.
+pub(super) fn error(message: &str) {
+    note("error", message);
+}
+
+/// Writes a warning to standard error, in one line.
+pub(super) fn warning(message: &str) {
+    note("warning", message);
+}
+
+fn note(kind: &str, message: &str) {
+    let message = message.replace('\n', " ");
+    // There is nowhere to report that standard error is gone.
+    let _ = writeln!(io::stderr(), "geobench: {kind}: {message}");
+}

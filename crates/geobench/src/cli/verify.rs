@@ -1,0 +1,201 @@
+//! `geobench verify`.
+
+use geobench_mesh::VertexId;
+
+use super::Verdict;
+use super::args::VerifyOptions;
+use super::run::models;
+use super::terminal::{self, Terminal};
+use crate::check::{self, Comparison};
+use crate::expected::{Expected, stored_sources};
+use crate::in_process::InProcess;
+use crate::model::ModelRef;
+use crate::record::ModelRecord;
+use crate::registry::{self, Selection};
+use crate::runner::{Executor, Purpose, Step, Workplace};
+
+/// The algorithm that all others must agree with, whether it is among those asked for or not.
+const REFERENCE: &str = "mmp";
+
+pub(super) fn verify(options: &VerifyOptions, terminal: &Terminal) -> anyhow::Result<Verdict> {
+    let _ = terminal;
+    let models = models(&options.models)?;
+    let mut algorithms = options.algo.0.clone();
+    // The reference goes first, so that its answer is there for the others.
+    let reference = registry::select(REFERENCE)?[0];
+    algorithms.retain(|a| a.label() != REFERENCE);
+    algorithms.insert(0, reference);
+
+    let mut tally = Tally::default();
+    for model in &models {
+        let mut printed = Ok(());
+        let done = InProcess.with_model(model, &mut |record, executor| {
+            let session = Session {
+                options,
+                algorithms: &algorithms,
+                model,
+                record,
+            };
+            printed = session.verify(executor, &mut tally);
+        });
+        printed?;
+        if let Err(refusal) = done {
+            terminal::error(&refusal.message);
+            tally.bad_input = true;
+        }
+    }
+    if !options.quiet || tally.wrong > 0 {
+        terminal::print(&format!(
+            "{} of {} answers agree\n",
+            tally.answers - tally.wrong,
+            tally.answers
+        ))?;
+    }
+    Ok(match tally {
+        Tally { wrong: 1.., .. } => Verdict::Failed,
+        Tally {
+            bad_input: true, ..
+        } => Verdict::BadInput,
+        _ => Verdict::Passed,
+    })
+}
+
+#[derive(Default)]
+struct Tally {
+    answers: usize,
+    wrong: usize,
+    bad_input: bool,
+}
+
+/// One loaded model.
+struct Session<'a> {
+    options: &'a VerifyOptions,
+    algorithms: &'a [Selection],
+    model: &'a ModelRef,
+    record: &'a ModelRecord,
+}
+
+impl Session<'_> {
+    fn verify(&self, executor: &mut dyn Executor, tally: &mut Tally) -> anyhow::Result<()> {
+        let vertices = self.record.vertices.unwrap_or(0) as usize;
+        let mut sources = match self.options.source.resolve(vertices) {
+            Ok(sources) => sources,
+            Err(error) => {
+                terminal::error(&format!("{}: {error}", self.model.path));
+                tally.bad_input = true;
+                return Ok(());
+            }
+        };
+        let stored = self.model.file_path().map_or_else(Vec::new, stored_sources);
+        for source in stored.into_iter().map(VertexId::new) {
+            if !sources.contains(&source) {
+                sources.push(source);
+            }
+        }
+        for source in sources {
+            self.verify_source(source, executor, tally)?;
+        }
+        Ok(())
+    }
+
+    fn verify_source(
+        &self,
+        source: VertexId,
+        executor: &mut dyn Executor,
+        tally: &mut Tally,
+    ) -> anyhow::Result<()> {
+        let vertices = self.record.vertices.unwrap_or(0) as usize;
+        let stored = match self.model.file_path() {
+            Some(path) if stored_sources(path).contains(&source.raw()) => {
+                match Expected::BesideModels.find(path, source.raw(), vertices) {
+                    Ok(field) => Some(field),
+                    Err(error) => {
+                        terminal::error(&error.to_string());
+                        tally.bad_input = true;
+                        None
+                    }
+                }
+            }
+            _ => None,
+        };
+        let mut reference: Option<Vec<f64>> = None;
+        for algorithm in self.algorithms {
+            let mut verdict = Judgement::default();
+            let step = Step {
+                model: &self.record.name,
+                algorithm,
+                source,
+                purpose: Purpose::WarmUp,
+            };
+            match executor.execute(&step) {
+                Err(failure) => verdict.wrong(&failure.message),
+                Ok(observation) => {
+                    let found = observation.distances;
+                    let tolerance = self.options.tolerance;
+                    if let Some(reference) = &reference {
+                        match check::compare(&found, reference, tolerance) {
+                            Ok(comparison) => verdict.judge(REFERENCE, &comparison),
+                            Err(error) => verdict.wrong(&error.to_string()),
+                        }
+                    }
+                    if let Some(field) = stored.as_ref().filter(|_| found.len() == vertices) {
+                        let expected = field.distances.iter().copied();
+                        let comparison = check::compare_some(&found, expected, tolerance);
+                        verdict.judge(&field.path.display().to_string(), &comparison);
+                    }
+                    if algorithm.label() == REFERENCE {
+                        reference = Some(found);
+                    } else if reference.is_none() {
+                        verdict.wrong("the reference failed, so there is nothing to agree with");
+                    }
+                }
+            }
+            tally.answers += 1;
+            tally.wrong += usize::from(verdict.wrong);
+            if verdict.wrong || !self.options.quiet {
+                terminal::print(&format!(
+                    "{}: source {source}: {}: {}\n",
+                    self.record.name,
+                    algorithm.label(),
+                    verdict.text()
+                ))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What is found about one answer.
+#[derive(Default)]
+struct Judgement {
+    wrong: bool,
+    remarks: Vec<String>,
+}
+
+impl Judgement {
+    fn wrong(&mut self, why: &str) {
+        self.wrong = true;
+        self.remarks.push(why.to_owned());
+    }
+
+    fn judge(&mut self, reference: &str, comparison: &Comparison) {
+        match &comparison.worst {
+            Some(worst) => self.wrong(&format!(
+                "differs from {reference}: {worst}; {} of {} vertices differ",
+                comparison.disagreeing, comparison.compared
+            )),
+            None => self.remarks.push(format!(
+                "agrees with {reference}, largest relative difference {:.1e}",
+                comparison.max_rel
+            )),
+        }
+    }
+
+    fn text(&self) -> String {
+        let word = if self.wrong { "WRONG" } else { "ok" };
+        if self.remarks.is_empty() {
+            return format!("{word} (reference)");
+        }
+        format!("{word}: {}", self.remarks.join("; "))
+    }
+}

@@ -101,7 +101,10 @@ fn folders(model: &Path) -> [PathBuf; 3] {
         _ => PathBuf::from("."),
     };
     let expected = folder.join("expected");
-    let beside = folder.join("..").join("expected");
+    let beside = match (folder.parent(), folder.file_name()) {
+        (Some(parent), Some(_)) => parent.join("expected"),
+        _ => folder.join("..").join("expected"),
+    };
     [folder, expected, beside]
 }
 

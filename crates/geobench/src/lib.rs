@@ -20,8 +20,12 @@ pub mod output;
 pub mod plan;
 pub mod record;
 pub mod registry;
+#[cfg(test)]
+mod rehearsal;
 mod rng;
 pub mod runner;
+#[cfg(test)]
+mod runner_tests;
 mod seam;
 pub mod source;
 mod stand_in;

@@ -53,11 +53,10 @@ mod tests {
 
     #[test]
     fn the_peak_of_the_process_follows_an_allocation() {
-        let idle = PeakMemory::start().stop().rss.unwrap();
         let measure = PeakMemory::start();
         let block = std::hint::black_box(vec![1_u8; 64 << 20]);
         let peak = measure.stop().rss.unwrap();
         drop(block);
-        assert!(peak >= idle + (60 << 20), "{idle} {peak}");
+        assert!(peak >= 64 << 20, "{peak}");
     }
 }

@@ -44,13 +44,13 @@ pub struct LoadedModel {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// There is no such file.
-    #[error("{path}: {error}; give a mesh file, a directory or `gen:NAME,...`")]
+    /// There is no such file, or it cannot be looked at.
+    #[error("{path}: {problem}; give a mesh file, a directory or `gen:NAME,...`")]
     Missing {
         /// The argument.
         path: String,
-        /// What the system says.
-        error: io::Error,
+        /// What is the matter with it.
+        problem: String,
     },
     /// The file's ending is none of those that are read.
     #[error(
@@ -97,9 +97,12 @@ pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelErr
             continue;
         }
         let path = Path::new(argument);
-        let missing = |error| ModelError::Missing {
+        let missing = |error: io::Error| ModelError::Missing {
             path: argument.to_owned(),
-            error,
+            problem: match error.kind() {
+                io::ErrorKind::NotFound => "no such file or directory".to_owned(),
+                kind => kind.to_string(),
+            },
         };
         if fs::metadata(path).map_err(missing)?.is_dir() {
             let mut found = Vec::new();

@@ -31,6 +31,7 @@ impl OutputFile {
                 OpenOptions::new()
                     .append(true)
                     .open(&path)
+                    .map_err(plain)
                     .with_context(|| format!("{shown}: cannot be written"))?;
                 found.is_file()
             }
@@ -39,6 +40,7 @@ impl OutputFile {
         let file = Self { path, replace };
         if replace {
             file.temporary()
+                .map_err(plain)
                 .with_context(|| format!("{shown}: cannot be written"))?;
         }
         Ok(file)
@@ -60,7 +62,7 @@ impl OutputFile {
         if !self.replace {
             return fs::write(&self.path, contents).with_context(failed);
         }
-        let mut file = self.temporary().with_context(failed)?;
+        let mut file = self.temporary().map_err(plain).with_context(failed)?;
         file.write_all(contents).with_context(failed)?;
         file.persist(&self.path)
             .map_err(|error| error.error)
@@ -81,6 +83,14 @@ impl OutputFile {
             builder.permissions(permissions);
         }
         builder.tempfile_in(directory)
+    }
+}
+
+/// The error without the name of a temporary file, which means nothing to a user.
+fn plain(error: io::Error) -> anyhow::Error {
+    match error.kind() {
+        io::ErrorKind::NotFound => anyhow::anyhow!("its directory does not exist"),
+        kind => anyhow::anyhow!("{kind}"),
     }
 }
 
@@ -119,7 +129,9 @@ mod tests {
         assert!(error.to_string().contains("it is a directory"));
         let missing = directory.path().join("no/such/x.csv");
         let error = OutputFile::prepare(&missing).unwrap_err();
-        assert!(format!("{error:#}").contains("x.csv: cannot be written: No such file"));
+        assert!(
+            format!("{error:#}").contains("x.csv: cannot be written: its directory does not exist")
+        );
     }
 
     #[cfg(unix)]

@@ -85,6 +85,7 @@ fn usage(error: &clap::Error) -> ExitCode {
             // What follows `Usage` repeats the help.
             let text = text.split("\nUsage:").next().unwrap_or(text);
             let text = text.split("\nFor more information").next().unwrap_or(text);
+            let text = text.replace("\n\n  tip: ", "; ");
             let words: Vec<&str> = text.split_whitespace().collect();
             terminal::error(&format!("{}; see --help", words.join(" ")));
             ExitCode::from(2)

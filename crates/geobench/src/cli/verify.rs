@@ -8,6 +8,7 @@ use super::run::models;
 use super::terminal::{self, Terminal};
 use crate::check::{self, Comparison};
 use crate::expected::{Expected, stored_sources};
+use crate::export::number::scientific;
 use crate::in_process::InProcess;
 use crate::model::ModelRef;
 use crate::record::ModelRecord;
@@ -185,8 +186,8 @@ impl Judgement {
                 comparison.disagreeing, comparison.compared
             )),
             None => self.remarks.push(format!(
-                "agrees with {reference}, largest relative difference {:.1e}",
-                comparison.max_rel
+                "agrees with {reference}, largest relative difference {}",
+                scientific(comparison.max_rel)
             )),
         }
     }

@@ -4,8 +4,10 @@ mod csv;
 mod json;
 mod latex;
 mod markdown;
-mod number;
+pub(crate) mod number;
 mod table;
+#[cfg(test)]
+mod tests;
 mod view;
 
 use std::path::Path;

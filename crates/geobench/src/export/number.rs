@@ -2,7 +2,7 @@
 
 /// Digits of a row of values: enough that the smallest shows three significant ones, within
 /// `most` decimals.
-pub(super) fn decimals(values: impl IntoIterator<Item = f64>, most: usize) -> usize {
+pub(crate) fn decimals(values: impl IntoIterator<Item = f64>, most: usize) -> usize {
     let smallest = values
         .into_iter()
         .filter(|v| *v > 0.0)
@@ -15,7 +15,7 @@ pub(super) fn decimals(values: impl IntoIterator<Item = f64>, most: usize) -> us
 }
 
 /// A number with its thousands apart.
-pub(super) fn grouped(value: u64) -> String {
+pub(crate) fn grouped(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);
     for (i, digit) in digits.chars().enumerate() {
@@ -25,6 +25,15 @@ pub(super) fn grouped(value: u64) -> String {
         text.push(digit);
     }
     text
+}
+
+/// A small number by its size alone.
+pub(crate) fn scientific(value: f64) -> String {
+    if value == 0.0 {
+        "0".to_owned()
+    } else {
+        format!("{value:.1e}")
+    }
 }
 
 #[cfg(test)]

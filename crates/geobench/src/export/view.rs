@@ -1,6 +1,6 @@
 //! What every table shows: per model the rows of the papers' tables, a column per algorithm.
 
-use super::number::{decimals, grouped};
+use super::number::{decimals, grouped, scientific};
 use crate::record::{Cell, ModelRecord, ResultFile, Status};
 use crate::statistics::median;
 
@@ -217,12 +217,13 @@ fn notes(cells: &[&Cell]) -> Vec<String> {
             .filter_map(|c| c.check.max_rel)
             .fold(0.0, f64::max);
         notes.push(format!(
-            "checked against {reference}: largest relative difference {largest:.1e}"
+            "checked against {reference}: largest relative difference {}",
+            scientific(largest)
         ));
     }
     let unreachable = cells.iter().filter_map(|c| c.check.unreachable).max();
     if let Some(unreachable @ 1..) = unreachable {
-        notes.push(format!("{} vertices unreachable", grouped(unreachable)));
+        notes.push(format!("unreachable vertices: {}", grouped(unreachable)));
     }
     let mut seen: Vec<&str> = Vec::new();
     for cell in cells {

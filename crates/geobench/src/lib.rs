@@ -26,7 +26,6 @@ mod rng;
 pub mod runner;
 #[cfg(test)]
 mod runner_tests;
-mod seam;
 pub mod source;
 mod stand_in;
 pub mod statistics;

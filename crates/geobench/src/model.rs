@@ -6,12 +6,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use geobench_mesh::{Mesh, Report, TriangleSoup};
+use geobench_mesh::generate::{self, Spec};
+use geobench_mesh::{InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, io as mesh_io};
 use sha2::{Digest, Sha256};
 
 use crate::expected::stem;
 use crate::record::ModelRecord;
-use crate::seam;
 
 /// A model that a user named, not loaded yet.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ pub struct ModelRef {
 #[derive(Clone, Debug)]
 enum Origin {
     File(PathBuf),
-    Generated(String),
+    Generated(Spec),
 }
 
 /// A model in memory.
@@ -34,6 +34,8 @@ enum Origin {
 pub struct LoadedModel {
     /// The mesh.
     pub mesh: Mesh,
+    /// Its counts and sizes.
+    pub measures: MeshMeasures,
     /// What was noticed or repaired.
     pub report: Report,
     /// What result files say about it.
@@ -73,12 +75,12 @@ pub enum ModelError {
         message: String,
     },
     /// The mesh has fatal defects.
-    #[error("{path}: {message}")]
+    #[error("{path}: {error}")]
     Invalid {
         /// The argument.
         path: String,
         /// Which.
-        message: String,
+        error: InvalidMesh,
     },
 }
 
@@ -92,8 +94,8 @@ pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelErr
     let mut models = Vec::new();
     for argument in arguments {
         let argument = argument.as_ref();
-        if let Some(spec) = argument.strip_prefix("gen:") {
-            models.push(ModelRef::generated(spec));
+        if Spec::is_spec(argument) {
+            models.push(ModelRef::generated(argument)?);
             continue;
         }
         let path = Path::new(argument);
@@ -113,7 +115,7 @@ pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelErr
                 });
             }
             models.extend(found.into_iter().map(ModelRef::file));
-        } else if seam::is_mesh_file(path) {
+        } else if mesh_io::is_mesh_file(path) {
             models.push(ModelRef::file(path.to_owned()));
         } else {
             return Err(ModelError::NotAMesh {
@@ -134,7 +136,7 @@ fn search(directory: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
         let path = entry.path();
         if entry.file_type()?.is_dir() {
             search(&path, found)?;
-        } else if seam::is_mesh_file(&path) && path.is_file() {
+        } else if mesh_io::is_mesh_file(&path) && path.is_file() {
             found.push(path);
         }
     }
@@ -169,12 +171,30 @@ impl ModelRef {
         }
     }
 
-    /// The model that a generator makes from `spec`, written without `gen:`.
-    pub fn generated(spec: &str) -> Self {
+    /// The model that a generator makes from `spec`. It is called by the spec as written, without
+    /// `gen:`, and its path is the spec with all defaults written out.
+    ///
+    /// # Errors
+    ///
+    /// When there is no such generator or its parameters are not valid.
+    pub fn generated(spec: &str) -> Result<Self, ModelError> {
+        let parsed: Spec = spec.parse().map_err(|error| ModelError::Unreadable {
+            message: format!("{spec}: {error}"),
+        })?;
+        Ok(Self {
+            name: spec.strip_prefix("gen:").unwrap_or(spec).to_owned(),
+            path: parsed.to_string(),
+            origin: Origin::Generated(parsed),
+        })
+    }
+
+    /// A model that does not exist, for tests.
+    #[cfg(test)]
+    pub(crate) fn named(name: &str) -> Self {
         Self {
-            name: spec.to_owned(),
-            path: format!("gen:{spec}"),
-            origin: Origin::Generated(spec.to_owned()),
+            name: name.to_owned(),
+            path: format!("{name}.obj"),
+            origin: Origin::File(PathBuf::from(format!("{name}.obj"))),
         }
     }
 
@@ -201,10 +221,17 @@ impl ModelRef {
     ///
     /// When there is no such file or generator, or it cannot be understood.
     pub fn read(&self) -> Result<TriangleSoup, ModelError> {
-        let unreadable = |message| ModelError::Unreadable { message };
         match &self.origin {
-            Origin::File(path) => seam::read(path).map_err(unreadable),
-            Origin::Generated(spec) => seam::generate(spec).map_err(unreadable),
+            Origin::File(path) => read_file(path),
+            Origin::Generated(spec) => {
+                let made = match spec.path() {
+                    Some(path) => spec.modifiers().apply(read_file(Path::new(path))?),
+                    None => generate::generate(spec),
+                };
+                made.map_err(|error| ModelError::Unreadable {
+                    message: format!("{}: {error}", self.path),
+                })
+            }
         }
     }
 
@@ -224,23 +251,37 @@ impl ModelRef {
         let start = Instant::now();
         let (mesh, report) = Mesh::from_soup(soup).map_err(|error| ModelError::Invalid {
             path: self.path.clone(),
-            message: error.to_string(),
+            error,
         })?;
+        let build_seconds = start.elapsed().as_secs_f64();
+        let measures = MeshMeasures::of(&mesh);
         let record = ModelRecord {
             sha256,
-            vertices: Some(mesh.vertex_count() as u64),
-            faces: Some(mesh.face_count() as u64),
-            edges: Some(seam::edges(&mesh)),
+            vertices: Some(measures.vertices as u64),
+            faces: Some(measures.faces as u64),
+            edges: Some(measures.edges as u64),
+            boundary_edges: Some(measures.boundary_edges as u64),
+            components: Some(measures.components as u64),
+            genus: Some(measures.genus as u64),
+            saddles: Some(measures.saddles as u64),
+            anisotropy: Some(measures.anisotropy),
             load_seconds: Some(load_seconds),
-            build_seconds: Some(start.elapsed().as_secs_f64()),
+            build_seconds: Some(build_seconds),
             ..self.record()
         };
         Ok(LoadedModel {
             mesh,
+            measures,
             report,
             record,
         })
     }
+}
+
+fn read_file(path: &Path) -> Result<TriangleSoup, ModelError> {
+    mesh_io::read(path).map_err(|error| ModelError::Unreadable {
+        message: error.to_string(),
+    })
 }
 
 /// SHA-256 of a file's bytes in hexadecimal.

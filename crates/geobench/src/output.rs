@@ -1,7 +1,7 @@
 //! Files that a command writes: found unwritable before the work starts, and replaced whole.
 
 use std::fs::{self, OpenOptions, Permissions};
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
@@ -39,7 +39,7 @@ impl OutputFile {
         };
         let file = Self { path, replace };
         if replace {
-            file.temporary()
+            file.temporary("")
                 .map_err(plain)
                 .with_context(|| format!("{shown}: cannot be written"))?;
         }
@@ -57,27 +57,46 @@ impl OutputFile {
     ///
     /// When the system cannot write; the file is then as it was.
     pub fn write(&self, contents: &[u8]) -> anyhow::Result<()> {
-        let shown = self.path.display();
-        let failed = || format!("{shown}: cannot be written");
         if !self.replace {
-            return fs::write(&self.path, contents).with_context(failed);
+            return fs::write(&self.path, contents).with_context(|| self.failure());
         }
-        let mut file = self.temporary().map_err(plain).with_context(failed)?;
-        file.write_all(contents).with_context(failed)?;
+        self.write_with("", |path| Ok(fs::write(path, contents)?))
+    }
+
+    /// Lets `write` write a file of some other name that ends in `ending`, and puts it in place.
+    ///
+    /// # Errors
+    ///
+    /// When `write` fails or the file cannot be put in place; what was there before is then as it
+    /// was.
+    pub fn write_with(
+        &self,
+        ending: &str,
+        write: impl FnOnce(&Path) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let file = self
+            .temporary(ending)
+            .map_err(plain)
+            .with_context(|| self.failure())?;
+        write(file.path()).with_context(|| self.failure())?;
         file.persist(&self.path)
             .map_err(|error| error.error)
-            .with_context(failed)?;
+            .with_context(|| self.failure())?;
         Ok(())
     }
 
+    fn failure(&self) -> String {
+        format!("{}: cannot be written", self.path.display())
+    }
+
     /// A file in the same directory, which a rename can then put in place.
-    fn temporary(&self) -> io::Result<tempfile::NamedTempFile> {
+    fn temporary(&self, ending: &str) -> io::Result<tempfile::NamedTempFile> {
         let directory = match self.path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
         };
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".geobench-");
+        builder.prefix(".geobench-").suffix(ending);
         let permissions = usual_permissions();
         if let Some(permissions) = permissions {
             builder.permissions(permissions);

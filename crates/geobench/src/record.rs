@@ -82,14 +82,14 @@ pub struct ModelRecord {
     pub edges: Option<u64>,
     /// Edges with one face only.
     pub boundary_edges: Option<u64>,
-    /// Connected components; an isolated vertex is one.
+    /// Parts of the surface that have no vertex in common; isolated vertices do not count.
     pub components: Option<u64>,
     /// Handles of all components together.
     pub genus: Option<u64>,
     /// Vertices at which a shortest path may bend.
     pub saddles: Option<u64>,
     /// Mean over the faces of P H / (2 sqrt(3) S): half perimeter, longest edge, area; 1 for
-    /// equilateral faces. Null if a face has no area.
+    /// equilateral faces. Faces without area are left out.
     pub anisotropy: Option<f64>,
     /// Seconds to read or generate the model.
     pub load_seconds: Option<f64>,

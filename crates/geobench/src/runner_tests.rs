@@ -131,7 +131,7 @@ fn a_refused_model_has_its_cells_and_the_others_run() {
     assert_eq!(outcome.models[0].vertices, None);
     assert_eq!(
         outcome.cells[0].message.as_deref(),
-        Some("gen:broken: edge 3-7 has 3 faces")
+        Some("broken.obj: edge 3-7 has 3 faces")
     );
 }
 
@@ -142,7 +142,7 @@ fn a_source_that_does_not_exist_is_refused() {
     assert!(outcome.cells.iter().all(|c| c.status == Status::Refused));
     assert_eq!(
         outcome.cells[0].message.as_deref(),
-        Some("gen:cow: source vertex 4 does not exist: the model has 4 vertices, numbered from 0")
+        Some("cow.obj: source vertex 4 does not exist: the model has 4 vertices, numbered from 0")
     );
 }
 

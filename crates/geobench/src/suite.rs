@@ -2,4 +2,10 @@
 
 /// Closed and open surfaces, with and without handles, of even and of slender triangles, each of
 /// 2,000 to 20,000 faces; all algorithms together take well under a minute.
-pub const MODELS: &[&str] = &["gen:grid,n=60", "gen:grid,n=80"];
+pub const MODELS: &[&str] = &[
+    "gen:sphere,subdiv=4",
+    "gen:torus,faces=12000,bump=0.1,seed=7",
+    "gen:knot,faces=12000",
+    "gen:terrain,n=64,seed=1",
+    "gen:anisotropic,g=4",
+];

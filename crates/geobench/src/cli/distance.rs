@@ -4,13 +4,12 @@ use anyhow::{Context, bail};
 
 use super::Verdict;
 use super::args::DistanceOptions;
-use super::terminal::{self, Terminal};
+use super::terminal;
 use crate::field::{DistanceField, FieldFormat};
 use crate::model;
 use crate::output::OutputFile;
 
-pub(super) fn distance(options: &DistanceOptions, terminal: &Terminal) -> anyhow::Result<Verdict> {
-    let _ = terminal;
+pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     let format = FieldFormat::of_path(&options.output)?;
     let output = OutputFile::prepare(&options.output)?;
     let models = model::collect(std::slice::from_ref(&options.model))?;

@@ -1,9 +1,33 @@
 //! `geobench gen`.
 
+use std::path::Path;
+
+use anyhow::bail;
+use geobench_mesh::io as mesh_io;
+
 use super::Verdict;
 use super::args::GenOptions;
+use crate::model::ModelRef;
+use crate::output::OutputFile;
+
+/// Endings of the files that can be written.
+const ENDINGS: [&str; 4] = [".obj", ".ply", ".obj.gz", ".ply.gz"];
 
 pub(super) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
-    let _ = options;
-    anyhow::bail!("not yet")
+    let ending = ending(&options.output)?;
+    let output = OutputFile::prepare(&options.output)?;
+    let soup = ModelRef::generated(&options.spec)?.read()?;
+    output.write_with(ending, |path| Ok(mesh_io::write(path, &soup)?))?;
+    Ok(Verdict::Passed)
+}
+
+fn ending(path: &Path) -> anyhow::Result<&'static str> {
+    let name = path.to_string_lossy().to_lowercase();
+    match ENDINGS.iter().find(|ending| name.ends_with(*ending)) {
+        Some(ending) => Ok(ending),
+        None => bail!(
+            "{}: the ending says in which form to write a model; use .obj or .ply, each also with .gz",
+            path.display()
+        ),
+    }
 }

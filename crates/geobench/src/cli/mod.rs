@@ -40,10 +40,10 @@ pub fn main() -> ExitCode {
     let terminal = Terminal::new(arguments.color);
     let done = match arguments.command {
         Command::Run(options) => run::run(&options, &terminal),
-        Command::Verify(options) => verify::verify(&options, &terminal),
-        Command::Distance(options) => distance::distance(&options, &terminal),
+        Command::Verify(options) => verify::verify(&options),
+        Command::Distance(options) => distance::distance(&options),
         Command::Gen(options) => generate::generate(&options),
-        Command::Info(options) => info::info(&options, &terminal),
+        Command::Info(options) => info::info(&options),
         Command::Algos(options) => algos::algos(&options, &terminal),
     };
     match done {

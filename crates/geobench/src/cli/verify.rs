@@ -5,7 +5,7 @@ use geobench_mesh::VertexId;
 use super::Verdict;
 use super::args::VerifyOptions;
 use super::run::models;
-use super::terminal::{self, Terminal};
+use super::terminal;
 use crate::check::{self, Comparison};
 use crate::expected::{Expected, stored_sources};
 use crate::export::number::scientific;
@@ -18,8 +18,7 @@ use crate::runner::{Executor, Purpose, Step, Workplace};
 /// The algorithm that all others must agree with, whether it is among those asked for or not.
 const REFERENCE: &str = "mmp";
 
-pub(super) fn verify(options: &VerifyOptions, terminal: &Terminal) -> anyhow::Result<Verdict> {
-    let _ = terminal;
+pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     let models = models(&options.models)?;
     let mut algorithms = options.algo.0.clone();
     // The reference goes first, so that its answer is there for the others.

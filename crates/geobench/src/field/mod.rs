@@ -94,7 +94,7 @@ impl FieldFormat {
             Self::Csv => csv(field.distances),
             Self::Json => json::render(field)?,
             Self::Npy => npy::render(field.distances),
-            Self::Ply => ply::render(field),
+            Self::Ply => ply::render(field)?,
             Self::Vtk => vtk::render(field),
         })
     }

@@ -4,10 +4,10 @@ use std::path::Path;
 use std::process::Command;
 
 fn main() {
-    set("GEOBENCH_COMMIT", commit());
+    set("GEOBENCH_COMMIT", commit().as_deref());
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
-    set("GEOBENCH_RUSTC", output(&rustc, &["--version"]));
-    set("GEOBENCH_PROFILE", std::env::var("PROFILE").ok());
+    set("GEOBENCH_RUSTC", output(&rustc, &["--version"]).as_deref());
+    set("GEOBENCH_PROFILE", std::env::var("PROFILE").ok().as_deref());
     println!("cargo::rerun-if-changed=build.rs");
 }
 
@@ -36,9 +36,6 @@ fn output(program: &str, arguments: &[&str]) -> Option<String> {
     (output.status.success() && !text.trim().is_empty()).then(|| text.trim().to_owned())
 }
 
-fn set(variable: &str, value: Option<String>) {
-    println!(
-        "cargo::rustc-env={variable}={}",
-        value.as_deref().unwrap_or("")
-    );
+fn set(variable: &str, value: Option<&str>) {
+    println!("cargo::rustc-env={variable}={}", value.unwrap_or(""));
 }

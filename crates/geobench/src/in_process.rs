@@ -24,7 +24,6 @@ impl Workplace for InProcess {
         work: &mut dyn FnMut(&ModelRecord, &mut dyn Executor),
     ) -> Result<(), Refusal> {
         let loaded = model.load().map_err(|error| Refusal {
-            record: model.record(),
             message: error.to_string(),
         })?;
         let mut bench = Bench {
@@ -73,16 +72,14 @@ impl Bench<'_> {
     fn solve(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
         let name = step.algorithm.label();
         let mut setup = None;
-        let place = match self.solvers.iter().position(|(n, _)| *n == name) {
-            Some(place) => place,
-            None => {
-                let start = Instant::now();
-                let solver = step.algorithm.build(self.mesh);
-                setup = Some(start.elapsed());
-                self.solvers.push((name, solver));
-                self.solvers.len() - 1
-            }
-        };
+        let known = self.solvers.iter().position(|(n, _)| *n == name);
+        let place = known.unwrap_or(self.solvers.len());
+        if place == self.solvers.len() {
+            let start = Instant::now();
+            let solver = step.algorithm.build(self.mesh);
+            setup = Some(start.elapsed());
+            self.solvers.push((name, solver));
+        }
         let solver = &mut self.solvers[place].1;
         let sources = [step.source];
         if step.purpose == Purpose::Clock {

@@ -1,6 +1,6 @@
 //! Files that a command writes: found unwritable before the work starts, and replaced whole.
 
-use std::fs::{self, OpenOptions, Permissions};
+use std::fs::{self, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -9,6 +9,9 @@ use anyhow::{Context, bail};
 /// A file to be written at the end of some work.
 #[derive(Clone, Debug)]
 pub struct OutputFile {
+    /// As the user wrote it.
+    shown: String,
+    /// The same for all ways to write it.
     path: PathBuf,
     /// Devices and pipes are written to as they are; a regular file is replaced.
     replace: bool,
@@ -22,31 +25,35 @@ impl OutputFile {
     /// When its directory does not exist or cannot be written to, or the path is a directory or a
     /// file that cannot be written.
     pub fn prepare(path: &Path) -> anyhow::Result<Self> {
-        let shown = path.display();
+        let shown = path.display().to_string();
         // A link is followed, so that the file that it points to is replaced and not the link.
-        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let path = fs::canonicalize(path).unwrap_or_else(|_| in_canonical_directory(path));
         let replace = match fs::metadata(&path) {
             Ok(found) if found.is_dir() => bail!("{shown}: cannot be written: it is a directory"),
             Ok(found) => {
                 OpenOptions::new()
                     .append(true)
                     .open(&path)
-                    .map_err(plain)
+                    .map_err(|error| plain(&error))
                     .with_context(|| format!("{shown}: cannot be written"))?;
                 found.is_file()
             }
             Err(_) => true,
         };
-        let file = Self { path, replace };
+        let file = Self {
+            shown,
+            path,
+            replace,
+        };
         if replace {
             file.temporary("")
-                .map_err(plain)
-                .with_context(|| format!("{shown}: cannot be written"))?;
+                .map_err(|error| plain(&error))
+                .with_context(|| file.failure())?;
         }
         Ok(file)
     }
 
-    /// Where it is written.
+    /// Where it is written; equal for files that are the same.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -76,7 +83,7 @@ impl OutputFile {
     ) -> anyhow::Result<()> {
         let file = self
             .temporary(ending)
-            .map_err(plain)
+            .map_err(|error| plain(&error))
             .with_context(|| self.failure())?;
         write(file.path()).with_context(|| self.failure())?;
         file.persist(&self.path)
@@ -86,7 +93,7 @@ impl OutputFile {
     }
 
     fn failure(&self) -> String {
-        format!("{}: cannot be written", self.path.display())
+        format!("{}: cannot be written", self.shown)
     }
 
     /// A file in the same directory, which a rename can then put in place.
@@ -97,32 +104,31 @@ impl OutputFile {
         };
         let mut builder = tempfile::Builder::new();
         builder.prefix(".geobench-").suffix(ending);
-        let permissions = usual_permissions();
-        if let Some(permissions) = permissions {
-            builder.permissions(permissions);
-        }
+        // What the process's umask leaves of it; without this nobody else could read the file.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         builder.tempfile_in(directory)
     }
 }
 
+/// A file that does not exist yet, in the one way to name it if its directory exists.
+fn in_canonical_directory(path: &Path) -> PathBuf {
+    let canonical = || {
+        let directory = match path.parent()? {
+            parent if parent.as_os_str().is_empty() => Path::new("."),
+            parent => parent,
+        };
+        Some(fs::canonicalize(directory).ok()?.join(path.file_name()?))
+    };
+    canonical().unwrap_or_else(|| path.to_owned())
+}
+
 /// The error without the name of a temporary file, which means nothing to a user.
-fn plain(error: io::Error) -> anyhow::Error {
+fn plain(error: &io::Error) -> anyhow::Error {
     match error.kind() {
         io::ErrorKind::NotFound => anyhow::anyhow!("its directory does not exist"),
         kind => anyhow::anyhow!("{kind}"),
     }
-}
-
-/// What the process's umask leaves of reading and writing for everyone.
-#[cfg(unix)]
-fn usual_permissions() -> Option<Permissions> {
-    use std::os::unix::fs::PermissionsExt;
-    Some(Permissions::from_mode(0o666))
-}
-
-#[cfg(not(unix))]
-fn usual_permissions() -> Option<Permissions> {
-    None
 }
 
 #[cfg(test)]

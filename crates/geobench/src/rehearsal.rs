@@ -11,6 +11,9 @@ use crate::runner::{
     Executor, Failure, Listener, Observation, Outcome, Purpose, Refusal, Step, Workplace, run,
 };
 
+/// Changes what a run delivers, or lets it fail.
+pub(crate) type Alter = fn(&Step<'_>, &mut Observation) -> Option<Failure>;
+
 /// Delivers made-up observations and remembers what was asked for.
 #[derive(Default)]
 pub(crate) struct Rehearsal {
@@ -19,7 +22,7 @@ pub(crate) struct Rehearsal {
     /// Models that are refused.
     pub(crate) refuse: Vec<&'static str>,
     /// Changes what a run delivers.
-    pub(crate) alter: Option<fn(&Step<'_>, &mut Observation) -> Result<(), Failure>>,
+    pub(crate) alter: Option<Alter>,
 }
 
 /// Vertices of every made-up model.
@@ -33,7 +36,6 @@ impl Workplace for Rehearsal {
     ) -> Result<(), Refusal> {
         if self.refuse.contains(&model.name.as_str()) {
             return Err(Refusal {
-                record: model.record(),
                 message: format!("{}: edge 3-7 has 3 faces", model.path),
             });
         }
@@ -98,10 +100,8 @@ impl Executor for Rehearsal {
                 });
             }
         }
-        if let Some(alter) = self.alter {
-            alter(step, &mut observation)?;
-        }
-        Ok(observation)
+        let failure = self.alter.and_then(|alter| alter(step, &mut observation));
+        failure.map_or(Ok(observation), Err)
     }
 }
 
@@ -109,10 +109,7 @@ impl Executor for Rehearsal {
 pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
     let algorithms = registry::select(algorithms).unwrap();
     Plan {
-        models: models
-            .iter()
-            .map(|name| ModelRef::generated(name))
-            .collect(),
+        models: models.iter().map(|name| ModelRef::named(name)).collect(),
         reference: Reference::Algorithm(
             *algorithms
                 .iter()
@@ -135,20 +132,20 @@ pub(crate) fn rehearse(plan: &Plan, rehearsal: &mut Rehearsal) -> Outcome {
 }
 
 /// Makes an answer of `vtp` wrong at vertex 2, from the timed runs on.
-pub(crate) fn spoil_vtp(step: &Step<'_>, observation: &mut Observation) -> Result<(), Failure> {
+pub(crate) fn spoil_vtp(step: &Step<'_>, observation: &mut Observation) -> Option<Failure> {
     if step.algorithm.label() == "vtp" && step.purpose == Purpose::Time {
         observation.distances[2] = 1.75;
     }
-    Ok(())
+    None
 }
 
 /// Lets `ich` crash when it is timed.
-pub(crate) fn crash_ich(step: &Step<'_>, _: &mut Observation) -> Result<(), Failure> {
+pub(crate) fn crash_ich(step: &Step<'_>, _: &mut Observation) -> Option<Failure> {
     if step.algorithm.label() == "ich" && step.purpose == Purpose::Time {
-        return Err(Failure {
+        return Some(Failure {
             status: Status::Crashed,
             message: "the algorithm panicked: index out of bounds".into(),
         });
     }
-    Ok(())
+    None
 }

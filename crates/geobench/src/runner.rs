@@ -95,8 +95,6 @@ pub trait Workplace {
 /// A model that cannot be used.
 #[derive(Clone, Debug)]
 pub struct Refusal {
-    /// What is known about it all the same.
-    pub record: ModelRecord,
     /// Why, in one line that names the file and the element.
     pub message: String,
 }
@@ -165,7 +163,7 @@ pub fn run(
             cells = run_model(plan, found, executor, listener);
         });
         if let Err(refusal) = done {
-            record = refusal.record;
+            record = model.record();
             cells = refused(plan, &record.name, &refusal.message);
             listener.skipped(cells.len() * plan.runs_per_cell());
         }

@@ -100,11 +100,11 @@ fn a_crash_costs_one_cell() {
 fn a_reference_that_crashes_leaves_the_others_unchecked_and_says_so() {
     let mut rehearsal = Rehearsal {
         alter: Some(|step, _| match step.algorithm.label() {
-            "mmp" => Err(crate::runner::Failure {
+            "mmp" => Some(crate::runner::Failure {
                 status: Status::Crashed,
                 message: "boom".into(),
             }),
-            _ => Ok(()),
+            _ => None,
         }),
         ..Rehearsal::default()
     };
@@ -177,7 +177,7 @@ fn without_a_check_only_what_is_no_number_is_wrong() {
     let mut rehearsal = Rehearsal {
         alter: Some(|_, observation| {
             observation.distances[1] = f64::NAN;
-            Ok(())
+            None
         }),
         ..Rehearsal::default()
     };

@@ -19,7 +19,7 @@ struct Entry {
     complexity: &'static str,
 }
 
-pub(super) fn algos(options: &AlgosOptions, terminal: &Terminal) -> anyhow::Result<Verdict> {
+pub(super) fn algos(options: &AlgosOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     let text = match options.format {
         AlgosFormat::Table => table(terminal),
         AlgosFormat::Json => {
@@ -44,7 +44,7 @@ impl From<&Algorithm> for Entry {
     }
 }
 
-fn table(terminal: &Terminal) -> String {
+fn table(terminal: Terminal) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     if !terminal.styled {

@@ -26,7 +26,7 @@ const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .g
     unreadable input."
 )]
 pub(super) struct Arguments {
-    /// When to use colour; auto: on a terminal, unless NO_COLOR is set
+    /// When to use colour; auto: on a terminal, unless `NO_COLOR` is set
     #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t)]
     pub(super) color: ColorChoice,
 
@@ -71,15 +71,20 @@ pub(super) struct RunOptions {
     pub(super) algo: Algorithms,
 
     /// Sources: first, a vertex number, a list of numbers, or random:N[,seed=S]
-    #[arg(long, value_name = "SPEC", default_value = "first")]
+    #[arg(
+        long,
+        value_name = "SPEC",
+        default_value = "first",
+        allow_negative_numbers = true
+    )]
     pub(super) source: SourceSpec,
 
     /// Timed runs of each cell
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(super) repeat: u32,
 
     /// Untimed runs of each cell before those
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(..=1_000_000))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = clap::value_parser!(u32).range(..=1_000_000))]
     pub(super) warmup: u32,
 
     /// What answers must agree with: an algorithm, none, file (MODEL.sSOURCE.csv beside the model
@@ -89,7 +94,7 @@ pub(super) struct RunOptions {
     pub(super) check: Option<String>,
 
     /// Largest relative difference that passes
-    #[arg(long, value_name = "T", default_value_t = 1e-9, value_parser = tolerance)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
     pub(super) tolerance: f64,
 
     /// What goes to standard output
@@ -122,11 +127,16 @@ pub(super) struct VerifyOptions {
 
     /// Sources: first, a vertex number, a list of numbers, or random:N[,seed=S]; those for which
     /// distances are stored (MODEL.sSOURCE.csv) are added
-    #[arg(long, value_name = "SPEC", default_value = "first")]
+    #[arg(
+        long,
+        value_name = "SPEC",
+        default_value = "first",
+        allow_negative_numbers = true
+    )]
     pub(super) source: SourceSpec,
 
     /// Largest relative difference that passes
-    #[arg(long, value_name = "T", default_value_t = 1e-9, value_parser = tolerance)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
     pub(super) tolerance: f64,
 
     /// Print only disagreements
@@ -143,7 +153,7 @@ pub(super) struct DistanceOptions {
 
     /// The source: a vertex number, first, a list of numbers or random:N[,seed=S]; from several
     /// sources the distance is that from the nearest
-    #[arg(long, value_name = "SRC")]
+    #[arg(long, value_name = "SRC", allow_negative_numbers = true)]
     pub(super) source: SourceSpec,
 
     /// The algorithm

@@ -39,12 +39,12 @@ pub fn main() -> ExitCode {
     };
     let terminal = Terminal::new(arguments.color);
     let done = match arguments.command {
-        Command::Run(options) => run::run(&options, &terminal),
+        Command::Run(options) => run::run(&options, terminal),
         Command::Verify(options) => verify::verify(&options),
         Command::Distance(options) => distance::distance(&options),
         Command::Gen(options) => generate::generate(&options),
         Command::Info(options) => info::info(&options),
-        Command::Algos(options) => algos::algos(&options, &terminal),
+        Command::Algos(options) => algos::algos(&options, terminal),
     };
     match done {
         Ok(Verdict::Passed) => ExitCode::SUCCESS,

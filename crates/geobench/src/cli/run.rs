@@ -19,7 +19,7 @@ use crate::registry::{self, Selection};
 use crate::runner::{self, Listener, Step};
 use crate::{host, model, suite};
 
-pub(super) fn run(options: &RunOptions, terminal: &Terminal) -> anyhow::Result<Verdict> {
+pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     let plan = plan(options)?;
     let outputs = outputs(options)?;
     if !host::is_release_build() && !options.quiet {

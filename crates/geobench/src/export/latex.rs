@@ -1,48 +1,49 @@
 //! One table in LaTeX, laid out like those of the papers.
 
-use super::view::{algorithms, views};
+use super::view::{Entry, algorithms, views};
 use crate::record::ResultFile;
 
 /// A `tabular` for the booktabs package; what else is to be known stands in comments.
 pub(super) fn render(result: &ResultFile) -> String {
     let algorithms = algorithms(&result.cells);
-    let mut text = "% Needs \\usepackage{booktabs}.\n".to_owned();
-    text += &format!(
-        "\\begin{{tabular}}{{ll{}}}\n\\toprule\nModel &",
-        "r".repeat(algorithms.len())
-    );
-    for name in &algorithms {
-        text += &format!(" & {}", escape(name));
-    }
-    text += " \\\\\n";
+    let mut lines = vec![
+        "% Needs \\usepackage{booktabs}.".to_owned(),
+        format!("\\begin{{tabular}}{{ll{}}}", "r".repeat(algorithms.len())),
+        "\\toprule".to_owned(),
+    ];
+    let header = algorithms.iter().map(|name| escape(name));
+    lines.push(line("Model", "", header));
     for view in views(result) {
-        text += "\\midrule\n";
+        lines.push("\\midrule".to_owned());
         for note in std::iter::once(&view.sources).chain(&view.notes) {
-            text += &format!("% {}: {}\n", view.model.name, note.replace('\n', " "));
+            let note = note.replace('\n', " ");
+            lines.push(format!("% {}: {note}", view.model.name));
         }
         for (i, row) in view.rows.iter().enumerate() {
-            if view.is_refused() && i > 0 {
-                break;
-            }
-            let label = if view.is_refused() { "" } else { row.label };
             // Name and size share the first column, so that it stays narrow.
             let model = match i {
                 0 => escape(&view.model.name),
                 1 => format!("({})", view.size()),
                 _ => String::new(),
             };
-            text += &format!("{model} & {}", escape(label));
-            for entry in &row.entries {
-                text += &match entry.best {
-                    true => format!(" & \\textbf{{{}}}", entry.text),
-                    false => format!(" & {}", entry.text),
-                };
-            }
-            text += " \\\\\n";
+            lines.push(line(&model, row.label, row.entries.iter().map(entry)));
         }
     }
-    text += "\\bottomrule\n\\end{tabular}\n";
-    text
+    lines.extend(["\\bottomrule".to_owned(), "\\end{tabular}\n".to_owned()]);
+    lines.join("\n")
+}
+
+fn line(model: &str, label: &str, entries: impl Iterator<Item = String>) -> String {
+    let fields = [model.to_owned(), escape(label)].into_iter().chain(entries);
+    fields.collect::<Vec<_>>().join(" & ") + " \\\\"
+}
+
+fn entry(entry: &Entry) -> String {
+    if entry.best {
+        format!("\\textbf{{{}}}", entry.text)
+    } else {
+        entry.text.clone()
+    }
 }
 
 /// Text with the characters that mean something to LaTeX made harmless.

@@ -1,52 +1,55 @@
 //! One table in Markdown, laid out like those of the papers.
 
-use super::view::{algorithms, views};
+use super::view::{Entry, algorithms, views};
 use crate::record::ResultFile;
 
 /// The table, and a list of what else is to be known.
 pub(super) fn render(result: &ResultFile) -> String {
     let views = views(result);
     let algorithms = algorithms(&result.cells);
-    let mut text = "| Model | |".to_owned();
-    for name in &algorithms {
-        text += &format!(" {} |", escape(name));
-    }
-    text += "\n|---|---|";
-    text += &"--:|".repeat(algorithms.len());
-    text.push('\n');
+    let header = algorithms.iter().map(|name| escape(name));
+    let mut lines = vec![
+        line("Model", "", header),
+        format!("|---|---|{}", "--:|".repeat(algorithms.len())),
+    ];
     for view in &views {
         for (i, row) in view.rows.iter().enumerate() {
-            if view.is_refused() && i > 0 {
-                break;
-            }
-            let label = if view.is_refused() { "" } else { row.label };
             let model = match i {
                 0 => format!("{} ({})", escape(&view.model.name), view.size()),
                 _ => String::new(),
             };
-            text += &format!("| {model} | {label} |");
-            for entry in &row.entries {
-                text += &match entry.best {
-                    true => format!(" **{}** |", entry.text),
-                    false => format!(" {} |", entry.text),
-                };
-            }
-            text.push('\n');
+            lines.push(line(&model, row.label, row.entries.iter().map(entry)));
         }
     }
-    text.push('\n');
+    lines.push(String::new());
     for view in &views {
-        let mut notes = view.notes.clone();
-        if !view.is_refused() {
-            notes.insert(0, view.sources.clone());
-        }
-        text += &format!(
-            "- {}: {}\n",
+        let notes: Vec<&str> = std::iter::once(&view.sources)
+            .chain(&view.notes)
+            .map(String::as_str)
+            .collect();
+        lines.push(format!(
+            "- {}: {}",
             escape(&view.model.name),
             escape(&notes.join("; "))
-        );
+        ));
     }
-    text
+    lines.join("\n") + "\n"
+}
+
+fn line(model: &str, label: &str, entries: impl Iterator<Item = String>) -> String {
+    let fields = [model.to_owned(), label.to_owned()]
+        .into_iter()
+        .chain(entries);
+    let line = fields.fold("|".to_owned(), |line, field| line + " " + &field + " |");
+    line.replace("|  |", "| |")
+}
+
+fn entry(entry: &Entry) -> String {
+    if entry.best {
+        format!("**{}**", entry.text)
+    } else {
+        entry.text.clone()
+    }
 }
 
 /// Keeps text from ending a table cell.

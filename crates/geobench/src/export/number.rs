@@ -1,22 +1,23 @@
 //! Numbers for people.
 
-/// Digits of a row of values: enough that the smallest shows three significant ones, within
-/// `most` decimals.
-pub(crate) fn decimals(values: impl IntoIterator<Item = f64>, most: usize) -> usize {
+/// Decimals with which to show a row of values: enough that the smallest shows three significant
+/// digits, within `most`.
+pub(crate) fn decimals(values: impl IntoIterator<Item = f64>, most: u8) -> usize {
     let smallest = values
         .into_iter()
         .filter(|v| *v > 0.0)
         .fold(f64::INFINITY, f64::min);
-    if smallest.is_finite() {
-        (2.0 - smallest.log10().floor()).clamp(0.0, most as f64) as usize
-    } else {
-        0
-    }
+    let shows_three = |decimals: &u8| smallest * 10_f64.powi(i32::from(*decimals)) >= 100.0;
+    usize::from((0..most).find(shows_three).unwrap_or(most))
 }
 
-/// A number with its thousands apart.
-pub(crate) fn grouped(value: u64) -> String {
-    let digits = value.to_string();
+/// A count with its thousands apart.
+pub(crate) fn grouped(count: u64) -> String {
+    group(&count.to_string())
+}
+
+/// A number written with `digits` alone, with its thousands apart.
+pub(crate) fn group(digits: &str) -> String {
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);
     for (i, digit) in digits.chars().enumerate() {
         if i > 0 && (digits.len() - i).is_multiple_of(3) {

@@ -9,17 +9,14 @@ use crate::record::{Cell, ModelRecord, ResultFile};
 /// of a row is set off by colour if `styled`, else by a star.
 pub fn model_table(model: &ModelRecord, cells: &[Cell], styled: bool) -> String {
     let view = ModelView::new(model, cells);
-    let mut text = format!("{}  ({})", model.name, view.size());
+    let mut lines = vec![format!("{}  ({})", model.name, view.size())];
     if !view.is_refused() {
-        text += &format!("  {}\n", view.sources);
-        text += &table(&view, styled);
+        lines[0] += "  ";
+        lines[0] += &view.sources;
+        lines.push(table(&view, styled));
     }
-    text.push('\n');
-    for note in &view.notes {
-        text += &format!("  {note}\n");
-    }
-    text.push('\n');
-    text
+    lines.extend(view.notes.iter().map(|note| format!("  {note}")));
+    lines.join("\n") + "\n\n"
 }
 
 fn table(view: &ModelView<'_>, styled: bool) -> String {

@@ -1,6 +1,6 @@
 //! What every table shows: per model the rows of the papers' tables, a column per algorithm.
 
-use super::number::{decimals, grouped, scientific};
+use super::number::{decimals, group, grouped, scientific};
 use crate::record::{Cell, ModelRecord, ResultFile, Status};
 use crate::statistics::median;
 
@@ -37,7 +37,7 @@ struct Figure {
     label: &'static str,
     of: fn(&Cell) -> Option<f64>,
     /// Most decimals with which it is shown; none if it counts something.
-    decimals: Option<usize>,
+    decimals: Option<u8>,
 }
 
 const MEGABYTE: f64 = 1e6;
@@ -105,10 +105,16 @@ impl<'r> ModelView<'r> {
                     .collect()
             })
             .collect();
+        let mut rows: Vec<Row> = FIGURES.iter().map(|figure| figure.row(&columns)).collect();
+        if model.vertices.is_none() {
+            // Four times the same word says no more than once.
+            rows.truncate(1);
+            rows[0].label = "";
+        }
         Self {
             model,
             sources: sources(columns.first().map_or(&[], Vec::as_slice)),
-            rows: FIGURES.iter().map(|figure| figure.row(&columns)).collect(),
+            rows,
             notes: notes(&cells),
             algorithms,
         }
@@ -153,7 +159,7 @@ impl Figure {
                 Some(value) => Entry {
                     text: match digits {
                         Some(digits) => format!("{value:.digits$}"),
-                        None => grouped(value.round() as u64),
+                        None => group(&format!("{value:.0}")),
                     },
                     best: *value == best && !all_equal,
                     failed: false,

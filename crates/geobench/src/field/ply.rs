@@ -1,5 +1,6 @@
 //! A distance field on its mesh as binary PLY.
 
+use geobench_mesh::VertexId;
 use geobench_mesh::io::PlyWriter;
 
 use super::DistanceField;
@@ -10,7 +11,7 @@ pub(super) fn render(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
     let triangles: Vec<[u32; 3]> = field
         .mesh
         .faces()
-        .map(|face| field.mesh.face_vertices(face).map(|v| v.raw()))
+        .map(|face| field.mesh.face_vertices(face).map(VertexId::raw))
         .collect();
     let colours: Vec<[u8; 3]> = colours(field.distances).collect();
     let remark = format!(

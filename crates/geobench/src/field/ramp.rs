@@ -18,6 +18,7 @@ const RAMP: [[u8; 3]; 9] = [
 const UNREACHED: [u8; 3] = [128, 128, 128];
 
 /// A colour for each distance: the ramp from 0 to the largest finite distance.
+#[allow(clippy::cast_sign_loss)] // Neither distances nor parts of colours are negative.
 pub(super) fn colours(distances: &[f64]) -> impl Iterator<Item = [u8; 3]> {
     let largest = distances
         .iter()

@@ -3,6 +3,8 @@
 //! The binary form (big-endian), because the text form has no way to write infinity that every
 //! reader takes.
 
+use geobench_mesh::VertexId;
+
 use super::DistanceField;
 use super::bytes::append;
 
@@ -26,7 +28,7 @@ pub(super) fn render(field: &DistanceField<'_>) -> Vec<u8> {
     append(&mut bytes, coordinates, f64::to_be_bytes);
     bytes.extend_from_slice(format!("\nPOLYGONS {faces} {}\n", 4 * faces).as_bytes());
     for face in field.mesh.faces() {
-        let [a, b, c] = field.mesh.face_vertices(face).map(|v| v.raw());
+        let [a, b, c] = field.mesh.face_vertices(face).map(VertexId::raw);
         append(&mut bytes, [3, a, b, c], u32::to_be_bytes);
     }
     bytes.extend_from_slice(

@@ -1,0 +1,212 @@
+//! Every wrong input ends with status 2 and one line that says what to do.
+
+use crate::support::{NON_MANIFOLD, Sandbox};
+
+#[test]
+fn wrong_usage() {
+    let sandbox = Sandbox::with_square();
+    for (arguments, message) in [
+        (
+            "rum",
+            "unrecognized subcommand 'rum'; a similar subcommand exists: 'run'; see --help",
+        ),
+        (
+            "run square.off --repeat 0",
+            "invalid value '0' for '--repeat <N>': 0 is not in 1..=1000000; see --help",
+        ),
+        ("run square.off --repeat -3", "-3 is not in 1..=1000000"),
+        (
+            "run square.off --tolerance -1",
+            "a tolerance is a number, 0 or more, such as 1e-9",
+        ),
+        (
+            "run square.off --tolerance nan",
+            "a tolerance is a number, 0 or more, such as 1e-9",
+        ),
+        (
+            "run square.off --algo vtq",
+            "there is no algorithm `vtq`, did you mean `vtp`?; known are",
+        ),
+        (
+            "run square.off --algo mmp{k=1}",
+            "algorithm `mmp` takes no parameters, but `k` is given",
+        ),
+        (
+            "run square.off --algo mmp,,ich",
+            "an algorithm name is missing",
+        ),
+        (
+            "run square.off --source x",
+            "`x` is not a source: give `first`, a vertex number",
+        ),
+        (
+            "run square.off --source -1",
+            "`-1` is not a source: give `first`, a vertex number",
+        ),
+        (
+            "run square.off --source 1,1",
+            "source vertex 1 is named twice",
+        ),
+        (
+            "run square.off --format yaml",
+            "invalid value 'yaml' for '--format <FORMAT>'",
+        ),
+        (
+            "run square.off --check nobody",
+            "--check: there is no algorithm `nobody`",
+        ),
+        (
+            "run square.off --check all",
+            "--check all: name one algorithm",
+        ),
+        ("run square.off --check no.csv", "--check no.csv: "),
+        (
+            "run square.off --color blue",
+            "invalid value 'blue' for '--color <WHEN>'",
+        ),
+        (
+            "run square.off --no-such",
+            "unexpected argument '--no-such' found",
+        ),
+        (
+            "distance square.off -o x.csv",
+            "required arguments were not provided: --source <SRC>",
+        ),
+        (
+            "distance square.off --source 0 --algo all -o x.csv",
+            "name one algorithm",
+        ),
+        ("info", "required arguments were not provided: <MODEL>..."),
+    ] {
+        let found = sandbox.refuse(arguments);
+        assert!(found.contains(message), "{arguments}: {found}");
+    }
+}
+
+#[test]
+fn without_arguments_there_is_help() {
+    let outcome = Sandbox::new().call("");
+    assert_eq!(outcome.code, 2);
+    assert!(outcome.stderr.contains("Usage: geobench"));
+    for command in ["run", "verify", "distance", "info", "gen", "algos"] {
+        assert!(
+            outcome.stderr.contains(&format!("\n  {command} ")),
+            "{command}"
+        );
+    }
+}
+
+#[test]
+fn models_that_are_not_there() {
+    let sandbox = Sandbox::with_square();
+    std::fs::create_dir(sandbox.path("empty")).unwrap();
+    sandbox.write("notes.txt", "");
+    for (arguments, message) in [
+        (
+            "run nope.obj",
+            "nope.obj: no such file or directory; give a mesh file",
+        ),
+        ("verify nope.obj", "nope.obj: no such file or directory"),
+        (
+            "info square.off nope.obj",
+            "nope.obj: no such file or directory",
+        ),
+        (
+            "run empty",
+            "empty: no mesh file (OBJ, PLY, OFF, STL, also .gz) in this directory",
+        ),
+        ("run notes.txt", "notes.txt: not a mesh file by its ending"),
+        (
+            "run gen:spere",
+            "gen:spere: unknown model family `spere`, did you mean",
+        ),
+        (
+            "run gen:sphere,sub=2",
+            "gen:sphere,sub=2: `sphere` has no key `sub`",
+        ),
+    ] {
+        let found = sandbox.refuse(arguments);
+        assert!(found.contains(message), "{arguments}: {found}");
+    }
+}
+
+#[test]
+fn models_that_are_broken() {
+    let sandbox = Sandbox::new();
+    sandbox.write("fan.off", NON_MANIFOLD);
+    sandbox.write("cut.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n");
+    sandbox.write("word.obj", "v 0 0 0\nv 1 zero 0\n");
+    sandbox.write("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n");
+    sandbox.write("none.off", "");
+    for command in [
+        "run --quiet --algo mmp",
+        "verify --quiet",
+        "distance --source 0 -o x.csv",
+    ] {
+        for (model, element) in [
+            ("fan.off", "vertices 0 and 1 in faces 0, 1, 2"),
+            ("cut.off", "line"),
+            ("word.obj", "line 2"),
+            ("index.off", "vertex 7"),
+            ("none.off", "empty"),
+        ] {
+            let found = sandbox.refuse(&format!("{command} {model}"));
+            assert!(found.starts_with(&format!("{model}: ")), "{found}");
+            assert!(found.contains(element), "{element}: {found}");
+        }
+    }
+    assert!(!sandbox.path("x.csv").exists());
+}
+
+#[test]
+fn a_source_that_does_not_exist() {
+    let sandbox = Sandbox::with_square();
+    for command in [
+        "run --quiet --algo mmp",
+        "verify --quiet",
+        "distance -o x.csv",
+    ] {
+        assert_eq!(
+            sandbox.refuse(&format!("{command} square.off --source 4")),
+            "square.off: source vertex 4 does not exist: the model has 4 vertices, numbered from 0"
+        );
+        assert_eq!(
+            sandbox.refuse(&format!("{command} square.off --source random:5")),
+            "square.off: 5 different sources are asked for, but the model has 4 vertices"
+        );
+    }
+}
+
+#[test]
+fn files_that_cannot_be_written_are_found_before_the_work() {
+    let sandbox = Sandbox::with_square();
+    std::fs::create_dir(sandbox.path("d.json")).unwrap();
+    for (file, message) in [
+        (
+            "no/such/r.json",
+            "no/such/r.json: cannot be written: its directory does not exist",
+        ),
+        ("d.json", "d.json: cannot be written: it is a directory"),
+        (
+            "r.xml",
+            "r.xml: the ending says in which form to write results; use .json, .csv, .md or .tex",
+        ),
+        ("r", "r: the ending says in which form"),
+        ("r.csv -o ./r.csv", "./r.csv: given twice as output"),
+    ] {
+        let outcome = sandbox.call(&format!("run square.off -o {file}"));
+        assert_eq!(outcome.code, 2);
+        assert_eq!(outcome.stdout, "", "nothing has run");
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
+    }
+    let found = sandbox.refuse("distance square.off --source 0 -o r.xml");
+    assert!(
+        found.contains("use .csv, .json, .npy, .ply or .vtk"),
+        "{found}"
+    );
+    let found = sandbox.refuse("gen sphere -o r.stl");
+    assert!(
+        found.contains("use .obj or .ply, each also with .gz"),
+        "{found}"
+    );
+}

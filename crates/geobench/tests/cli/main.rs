@@ -1,0 +1,10 @@
+//! The program as its users meet it.
+
+mod algos;
+mod distance;
+mod errors;
+mod generate;
+mod info;
+mod run;
+mod support;
+mod verify;

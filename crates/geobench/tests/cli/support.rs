@@ -1,0 +1,108 @@
+//! Calling the program in a directory of its own.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+/// A triangulated unit square, 4 vertices and 2 faces.
+pub(crate) const SQUARE: &str = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n";
+
+/// Three faces along the edge from vertex 0 to vertex 1.
+pub(crate) const NON_MANIFOLD: &str =
+    "OFF\n5 3 0\n0 0 0\n1 0 0\n0 1 0\n0 -1 0\n0 0 1\n3 0 1 2\n3 1 0 3\n3 0 1 4\n";
+
+/// An empty directory in which the program is called.
+pub(crate) struct Sandbox(TempDir);
+
+/// What a call did.
+pub(crate) struct Outcome {
+    pub(crate) code: i32,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+impl Sandbox {
+    pub(crate) fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    /// With the [`SQUARE`] as `square.off`.
+    pub(crate) fn with_square() -> Self {
+        let sandbox = Self::new();
+        sandbox.write("square.off", SQUARE);
+        sandbox
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub(crate) fn write(&self, name: &str, contents: &str) {
+        let path = self.path(name);
+        fs::create_dir_all(path.parent().unwrap_or(Path::new("."))).unwrap();
+        fs::write(path, contents).unwrap();
+    }
+
+    pub(crate) fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    pub(crate) fn json(&self, name: &str) -> serde_json::Value {
+        serde_json::from_str(&self.read(name)).unwrap()
+    }
+
+    /// The program with the words of `arguments`, ready to be called.
+    pub(crate) fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::cargo_bin("geobench").unwrap();
+        command
+            .current_dir(self.0.path())
+            .env_remove("NO_COLOR")
+            .args(arguments.split_whitespace());
+        command
+    }
+
+    /// Calls the program with the words of `arguments`.
+    pub(crate) fn call(&self, arguments: &str) -> Outcome {
+        let output = self.command(arguments).output().unwrap();
+        Outcome {
+            code: output.status.code().unwrap_or(-1),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
+    /// Calls the program, which is to do all it is asked for, and returns its standard output.
+    pub(crate) fn succeed(&self, arguments: &str) -> String {
+        let outcome = self.call(arguments);
+        assert_eq!(
+            outcome.code, 0,
+            "{arguments}: {}{}",
+            outcome.stdout, outcome.stderr
+        );
+        outcome.stdout
+    }
+
+    /// Calls the program, which is to refuse with status 2 and a single line, and returns that
+    /// without what all errors start with.
+    pub(crate) fn refuse(&self, arguments: &str) -> String {
+        let outcome = self.call(arguments);
+        assert_eq!(
+            outcome.code, 2,
+            "{arguments}: {}{}",
+            outcome.stdout, outcome.stderr
+        );
+        assert_eq!(
+            outcome.stderr.lines().count(),
+            1,
+            "{arguments}: {}",
+            outcome.stderr
+        );
+        let message = outcome.stderr.strip_prefix("geobench: error: ");
+        message
+            .unwrap_or_else(|| panic!("{}", outcome.stderr))
+            .trim_end()
+            .to_owned()
+    }
+}

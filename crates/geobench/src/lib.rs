@@ -27,6 +27,5 @@ pub mod runner;
 #[cfg(test)]
 mod runner_tests;
 pub mod source;
-mod stand_in;
 pub mod statistics;
 pub mod suite;

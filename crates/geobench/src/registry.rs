@@ -7,6 +7,7 @@
 use geobench_ich::Ich;
 use geobench_mesh::Mesh;
 use geobench_mmp::Mmp;
+use geobench_vtp::Vtp;
 use geobench_window::{Counter, Solver};
 
 /// What the suite knows about an algorithm.
@@ -65,7 +66,7 @@ const ALGORITHMS: &[Algorithm] = &[
         summary: "all windows around the nearest vertex cross its triangles together, pruned by rules 1, 2 and 3",
         complexity: "time O(n^2), space O(n)",
         memory_counter: Counter::PeakWindows,
-        build: |mesh| Box::new(crate::stand_in::StandIn(mesh)),
+        build: |mesh| Box::new(Vtp::new(mesh)),
     },
 ];
 

@@ -127,3 +127,83 @@ fn panic_message(panic: &(dyn Any + Send)) -> &str {
         .or_else(|| panic.downcast_ref::<&str>().copied())
         .unwrap_or("no message")
 }
+
+#[cfg(test)]
+mod tests {
+    use geobench_mesh::{TriangleSoup, VertexId};
+    use geobench_window::Counter;
+
+    use super::*;
+    use crate::registry::{self, Algorithm, Selection};
+
+    static PANICS: Algorithm = Algorithm {
+        name: "panics",
+        family: "test",
+        paper: "",
+        exact: true,
+        summary: "",
+        complexity: "",
+        memory_counter: Counter::PeakWindows,
+        build: |_| panic!("no such luck"),
+    };
+
+    fn on_a_triangle<T>(test: impl FnOnce(&mut Bench<'_>) -> T) -> T {
+        let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+        let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, vec![[0, 1, 2]])).unwrap();
+        test(&mut Bench {
+            mesh: &mesh,
+            solvers: Vec::new(),
+        })
+    }
+
+    fn step(algorithm: &Selection, source: u32, purpose: Purpose) -> Step<'_> {
+        Step {
+            model: "triangle",
+            algorithm,
+            source: VertexId::new(source),
+            purpose,
+        }
+    }
+
+    #[test]
+    fn each_purpose_delivers_its_figures_and_the_same_answer() {
+        let algorithm = registry::select("mmp").unwrap()[0];
+        on_a_triangle(|bench| {
+            let mut run = |purpose| bench.execute(&step(&algorithm, 1, purpose)).unwrap();
+            let warm = run(Purpose::WarmUp);
+            let timed = run(Purpose::Time);
+            let counted = run(Purpose::Count);
+            let clocked = run(Purpose::Clock);
+            for observation in [&warm, &timed, &counted, &clocked] {
+                assert_eq!(observation.distances, [3.0, 0.0, 5.0]);
+            }
+            assert!(warm.setup_seconds.is_some() && timed.setup_seconds.is_none());
+            assert!(timed.seconds.is_some() && counted.seconds.is_none());
+            assert!(counted.counters.is_some() && timed.counters.is_none());
+            assert!(clocked.phases.is_some() && timed.phases.is_none());
+        });
+    }
+
+    #[test]
+    fn a_panic_is_a_crash_of_that_cell_alone() {
+        let panics = Selection { algorithm: &PANICS };
+        let mmp = registry::select("mmp").unwrap()[0];
+        on_a_triangle(|bench| {
+            for purpose in [Purpose::Time, Purpose::Count] {
+                let failure = bench.execute(&step(&panics, 0, purpose)).unwrap_err();
+                assert_eq!(failure.status, Status::Crashed);
+                assert_eq!(failure.message, "the algorithm panicked: no such luck");
+            }
+            assert!(bench.execute(&step(&mmp, 0, Purpose::Time)).is_ok());
+        });
+    }
+
+    #[test]
+    fn a_source_that_does_not_exist_is_refused() {
+        let mmp = registry::select("mmp").unwrap()[0];
+        on_a_triangle(|bench| {
+            let failure = bench.execute(&step(&mmp, 3, Purpose::Time)).unwrap_err();
+            assert_eq!(failure.status, Status::Refused);
+        });
+    }
+}

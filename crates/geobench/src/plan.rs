@@ -61,6 +61,17 @@ impl Plan {
         })
     }
 
+    /// Number of runs of all cells together, as far as it can be counted.
+    pub fn runs(&self) -> usize {
+        self.runs_per_model().saturating_mul(self.models.len())
+    }
+
+    /// Number of runs of all cells of one model, as far as it can be counted.
+    pub fn runs_per_model(&self) -> usize {
+        let cells = self.sources.count().saturating_mul(self.algorithms.len());
+        cells.saturating_mul(self.runs_per_cell())
+    }
+
     /// Runs that a cell takes: warm-ups, timed ones, a counted one and a clocked one.
     pub const fn runs_per_cell(&self) -> usize {
         self.warmup + self.repeat + 2

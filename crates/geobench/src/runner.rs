@@ -165,7 +165,7 @@ pub fn run(
         if let Err(refusal) = done {
             record = model.record();
             cells = refused(plan, &record.name, &refusal.message);
-            listener.skipped(cells.len() * plan.runs_per_cell());
+            listener.skipped(plan.runs_per_model());
         }
         listener.model_done(&record, &cells)?;
         outcome.models.push(record);
@@ -174,12 +174,13 @@ pub fn run(
     Ok(outcome)
 }
 
-/// The cells of a model that cannot be used, or that does not have the sources asked for.
+/// The cells of a model that cannot be used, or that does not have the sources asked for. Random
+/// sources, which nobody knows then and which may be any number, have one cell together.
 fn refused(plan: &Plan, model: &str, message: &str) -> Vec<Cell> {
     let sources: Vec<Option<u32>> = match &plan.sources {
         SourceSpec::First => vec![Some(0)],
         SourceSpec::List(list) => list.iter().copied().map(Some).collect(),
-        SourceSpec::Random { count, .. } => vec![None; *count],
+        SourceSpec::Random { .. } => vec![None],
     };
     sources
         .iter()
@@ -207,7 +208,7 @@ fn run_model(
             .collect(),
         Err(error) => {
             let cells = refused(plan, &model.name, &format!("{}: {error}", model.path));
-            listener.skipped(cells.len() * plan.runs_per_cell());
+            listener.skipped(plan.runs_per_model());
             cells
         }
     }

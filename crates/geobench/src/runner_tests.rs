@@ -30,10 +30,7 @@ fn runs_are_interleaved_and_the_reference_goes_first() {
             "clock mmp 0",
         ]
     );
-    assert_eq!(
-        plan.cells().count() * plan.runs_per_cell(),
-        rehearsal.log.len()
-    );
+    assert_eq!(plan.runs(), rehearsal.log.len());
 }
 
 #[test]
@@ -143,6 +140,19 @@ fn a_source_that_does_not_exist_is_refused() {
     assert_eq!(
         outcome.cells[0].message.as_deref(),
         Some("cow.obj: source vertex 4 does not exist: the model has 4 vertices, numbered from 0")
+    );
+}
+
+#[test]
+fn any_number_of_random_sources_is_refused_at_once() {
+    let plan = plan(&["cow"], "mmp,vtp", "random:999999999999999");
+    let outcome = rehearse(&plan, &mut Rehearsal::default());
+    assert_eq!(outcome.cells.len(), 2);
+    assert!(
+        outcome
+            .cells
+            .iter()
+            .all(|c| c.status == Status::Refused && c.source.is_none())
     );
 }
 

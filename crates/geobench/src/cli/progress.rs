@@ -7,7 +7,11 @@ use crate::runner::{Purpose, Step};
 /// A progress bar that moves between runs. It has no clock of its own, so nothing is drawn while
 /// a run is being timed.
 #[derive(Debug)]
-pub(super) struct Progress(ProgressBar);
+pub(super) struct Progress {
+    bar: ProgressBar,
+    /// Runs that have started or will not happen.
+    started: u64,
+}
 
 impl Progress {
     /// A bar over `runs` runs, or none unless `shown`.
@@ -21,46 +25,45 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("[{bar:30}] {pos}/{len} {wide_msg}") {
             bar.set_style(style.progress_chars("=> "));
         }
-        Self(bar)
+        Self { bar, started: 0 }
     }
 
     /// Shows that a model is being loaded.
     pub(super) fn loading(&self, model: &str) {
-        self.0.set_message(format!("loading {model}"));
-        self.0.tick();
+        self.bar.set_message(format!("loading {model}"));
+        self.bar.force_draw();
     }
 
     /// Shows the run that is about to start.
-    pub(super) fn step(&self, step: &Step<'_>) {
+    pub(super) fn step(&mut self, step: &Step<'_>) {
         let purpose = match step.purpose {
             Purpose::WarmUp => "warming up",
             Purpose::Time => "timing",
             Purpose::Count => "counting",
-            Purpose::Clock => "clocking phases",
+            Purpose::Clock => "clocking phases of",
         };
-        self.0.set_message(format!(
-            "{}: {purpose} {}",
-            step.model,
-            step.algorithm.label()
-        ));
-        self.0.inc(1);
-        // The bar limits how often it draws; the last thing before a run must be drawn.
-        self.0.tick();
+        let algorithm = step.algorithm.label();
+        self.bar
+            .set_message(format!("{}: {purpose} {algorithm}", step.model));
+        self.bar.set_position(self.started);
+        // The bar limits how often it draws, but this may be what stands there for minutes.
+        self.bar.force_draw();
+        self.started += 1;
     }
 
     /// Moves over runs that do not happen.
-    pub(super) fn skip(&self, runs: usize) {
-        self.0.inc(runs as u64);
+    pub(super) fn skip(&mut self, runs: usize) {
+        self.started = self.started.saturating_add(runs as u64);
     }
 
     /// Does `work`, which writes to the terminal, with the bar out of the way.
     pub(super) fn suspend<T>(&self, work: impl FnOnce() -> T) -> T {
-        self.0.suspend(work)
+        self.bar.suspend(work)
     }
 }
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
     }
 }

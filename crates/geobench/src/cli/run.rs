@@ -29,10 +29,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     }
     let now = now();
     let mut listener = Reporter {
-        progress: Progress::new(
-            plan.cells().count() * plan.runs_per_cell(),
-            !options.quiet && !options.no_progress,
-        ),
+        progress: Progress::new(plan.runs(), !options.quiet && !options.no_progress),
         format: options.format,
         styled: terminal.styled,
         outputs,

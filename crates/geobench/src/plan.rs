@@ -4,7 +4,8 @@ use crate::model::ModelRef;
 use crate::registry::Selection;
 use crate::source::SourceSpec;
 
-/// A benchmark: every algorithm on every model from every source.
+/// A benchmark: a cell for every algorithm on every model from every source. How many there are is
+/// known before any model is loaded.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The models, with unique names.
@@ -34,33 +35,7 @@ pub enum Reference {
     Files(crate::expected::Expected),
 }
 
-/// Place of a cell in a plan. The cells of a plan are known before any model is loaded, so that
-/// they can be counted, split between machines and skipped when already done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CellKey {
-    /// Place in [`Plan::models`].
-    pub model: usize,
-    /// Place among the sources of that model.
-    pub source: usize,
-    /// Place in [`Plan::algorithms`].
-    pub algorithm: usize,
-}
-
 impl Plan {
-    /// Every cell, in the order of the run.
-    pub fn cells(&self) -> impl Iterator<Item = CellKey> {
-        let (sources, algorithms) = (self.sources.count(), self.algorithms.len());
-        (0..self.models.len()).flat_map(move |model| {
-            (0..sources).flat_map(move |source| {
-                (0..algorithms).map(move |algorithm| CellKey {
-                    model,
-                    source,
-                    algorithm,
-                })
-            })
-        })
-    }
-
     /// Number of runs of all cells together, as far as it can be counted.
     pub fn runs(&self) -> usize {
         self.runs_per_model().saturating_mul(self.models.len())

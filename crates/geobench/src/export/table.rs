@@ -10,7 +10,7 @@ use crate::record::{Cell, ModelRecord, ResultFile};
 pub fn model_table(model: &ModelRecord, cells: &[Cell], styled: bool) -> String {
     let view = ModelView::new(model, cells);
     let mut lines = vec![format!("{}  ({})", model.name, view.size())];
-    if !view.is_refused() {
+    if !view.refused {
         lines[0] += "  ";
         lines[0] += &view.sources;
         lines.push(table(&view, styled));
@@ -58,7 +58,8 @@ fn cell(entry: &Entry, styled: bool, starred: bool) -> TableCell {
 pub fn footnote(result: &ResultFile, styled: bool) -> String {
     let runs = result.cells.iter().map(|c| c.time.samples.len()).max();
     let times = match runs {
-        None | Some(0) => String::new(),
+        // There is no figure at all.
+        None | Some(0) => return String::new(),
         Some(1) => "time of one run; ".to_owned(),
         Some(runs) => format!("time: median of {runs} runs; "),
     };

@@ -12,6 +12,8 @@ pub(super) struct ModelView<'r> {
     /// Names of the algorithms.
     pub(super) algorithms: Vec<&'r str>,
     pub(super) rows: Vec<Row>,
+    /// Whether there is no figure because the model or its sources cannot be used.
+    pub(super) refused: bool,
     /// What else a reader must know about these figures.
     pub(super) notes: Vec<String>,
 }
@@ -106,7 +108,8 @@ impl<'r> ModelView<'r> {
             })
             .collect();
         let mut rows: Vec<Row> = FIGURES.iter().map(|figure| figure.row(&columns)).collect();
-        if model.vertices.is_none() {
+        let refused = cells.iter().all(|cell| cell.status == Status::Refused);
+        if refused {
             // Four times the same word says no more than once.
             rows.truncate(1);
             rows[0].label = "";
@@ -117,12 +120,8 @@ impl<'r> ModelView<'r> {
             rows,
             notes: notes(&cells),
             algorithms,
+            refused,
         }
-    }
-
-    /// Whether there is no figure because the model could not be used.
-    pub(super) fn is_refused(&self) -> bool {
-        self.model.vertices.is_none()
     }
 
     /// Number of vertices and faces.

@@ -325,3 +325,61 @@ impl io::Write for HashWriter<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FACE: &str = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+    fn names(arguments: &[String]) -> Vec<String> {
+        let models = collect(arguments).unwrap();
+        models.into_iter().map(|model| model.name).collect()
+    }
+
+    #[test]
+    fn names_are_short_where_they_can_be_and_always_unique() {
+        let root = tempfile::tempdir().unwrap();
+        let path = |name: &str| root.path().join(name).display().to_string();
+        for name in ["a.off", "b.off", "b.off.gz", "b.txt"] {
+            fs::write(path(name), FACE).unwrap();
+        }
+        assert_eq!(
+            names(&[path("a.off"), "gen:cube,n=2".into()]),
+            ["a", "cube,n=2"]
+        );
+        assert_eq!(
+            names(&[path("a.off"), path("a.off")]),
+            [path("a.off"), format!("{} #2", path("a.off"))]
+        );
+        assert_eq!(
+            names(&[path("")]),
+            ["a".to_owned(), path("b.off"), path("b.off.gz")]
+        );
+    }
+
+    #[test]
+    fn a_file_is_hashed_as_it_lies_on_the_disk() {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("abc");
+        fs::write(&path, "abc").unwrap();
+        // The example of FIPS 180-2.
+        assert_eq!(
+            hash_file(&path).unwrap(),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+        );
+    }
+
+    #[test]
+    fn a_generated_model_is_hashed_by_its_data() {
+        let load = |spec: &str| ModelRef::generated(spec).unwrap().load().unwrap().record;
+        let plain = load("gen:cube,n=2");
+        assert_eq!(plain.path, "gen:cube,n=2,side=1");
+        assert_eq!(plain.sha256, load("gen:cube,side=1,n=2").sha256);
+        assert_ne!(plain.sha256, load("gen:cube,n=2,side=2").sha256);
+        assert_eq!(
+            (plain.vertices, plain.faces, plain.genus),
+            (Some(26), Some(48), Some(0))
+        );
+    }
+}

@@ -215,6 +215,9 @@ fn notes(cells: &[&Cell]) -> Vec<String> {
             .filter(|c| c.algorithm != reference)
             .collect();
         if others.is_empty() {
+            if cells.iter().all(|cell| cell.algorithm == reference) {
+                notes.push(format!("not checked: {reference} is its own reference"));
+            }
             continue;
         }
         let largest = others

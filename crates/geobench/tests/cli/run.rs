@@ -233,6 +233,15 @@ fn stored_distances_are_a_reference() {
 }
 
 #[test]
+fn an_algorithm_alone_is_not_said_to_be_checked() {
+    let sandbox = Sandbox::with_square();
+    let table = sandbox.succeed("run square.off --algo ich --repeat 1");
+    assert!(table.contains("not checked: ich is its own reference"));
+    let table = sandbox.succeed("run square.off --algo ich --repeat 1 --check vtp");
+    assert!(table.contains("checked against vtp"));
+}
+
+#[test]
 fn without_a_model_the_built_in_suite_runs() {
     let sandbox = Sandbox::new();
     let csv = sandbox.succeed("run --algo ich --repeat 1 --warmup 0 --format csv");

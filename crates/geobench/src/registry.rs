@@ -4,9 +4,9 @@
 //! solver through [`Algorithm::build`] and the [`Solver`] trait; adding an algorithm is one entry
 //! in the table behind [`algorithms`].
 
-use geobench_ich::Ich;
+use geobench_ich::ich;
 use geobench_mesh::Mesh;
-use geobench_mmp::Mmp;
+use geobench_mmp::mmp;
 use geobench_vtp::Vtp;
 use geobench_window::{Counter, Solver};
 
@@ -46,7 +46,7 @@ const ALGORITHMS: &[Algorithm] = &[
         summary: "windows kept on half-edges, overlaps trimmed at tie points, nearest first",
         complexity: "time O(n^2 log n), space O(n^2)",
         memory_counter: Counter::StoredWindows,
-        build: |mesh| Box::new(<Mmp<'_>>::new(mesh)),
+        build: |mesh| Box::new(mmp(mesh)),
     },
     Algorithm {
         name: "ich",
@@ -56,7 +56,7 @@ const ALGORITHMS: &[Algorithm] = &[
         summary: "windows filtered by vertex distances and not kept, nearest first",
         complexity: "time O(n^2 log n), space O(n)",
         memory_counter: Counter::PeakWindows,
-        build: |mesh| Box::new(<Ich<'_>>::new(mesh)),
+        build: |mesh| Box::new(ich(mesh)),
     },
     Algorithm {
         name: "vtp",

@@ -42,6 +42,11 @@ impl WindowLists {
         self.waiting
     }
 
+    /// The windows in all lists.
+    pub(crate) fn windows(&self) -> impl Iterator<Item = &Window> {
+        self.buffers.iter().flatten()
+    }
+
     pub(crate) fn is_empty(&self, h: HalfEdgeId) -> bool {
         self.heads[h.index()] == [EMPTY; 2]
     }

@@ -135,7 +135,16 @@ impl<'m> Vtp<'m> {
         probe.enter(Phase::Pruning);
         self.prune(h, frame.l, tail, head, probe);
         probe.enter(Phase::Propagation);
-        probe.add(Counter::Parents, self.checked.len() as u64);
+        let parents = self.checked.len() as u64;
+        probe.add(Counter::Parents, parents);
+        if probe.wants_sample(parents) {
+            probe.sample(
+                self.lists
+                    .windows()
+                    .chain(&self.checked)
+                    .map(Window::min_distance),
+            );
+        }
         if let Some(best) = self.best_path(&frame) {
             self.offer(apex, best.distance, probe);
             self.send_children(h, &frame, &best, probe);

@@ -64,6 +64,8 @@ counters! {
     QueuePeak = "queue_peak",
     /// Rounds of a queue that works in batches.
     Iterations = "iterations",
+    /// Most events that one such round was told to take: the greatest K of Xu et al. 2015.
+    KPeak = "k_peak",
     /// Depth of the sequence tree: the most triangles that one window's line of ancestors crossed.
     Levels = "levels",
     /// Times that a vertex sent out windows as a pseudo-source.
@@ -75,9 +77,12 @@ counters! {
 }
 
 /// The counts of one run; a counter that the algorithm does not have is `None`, never 0.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Counters {
     values: [Option<u64>; Counter::ALL.len()],
+    /// Standard deviation of the least distances of the windows on the wavefront, averaged over
+    /// samples at even intervals of the run, in the units of the mesh.
+    pub wavefront_deviation: Option<f64>,
 }
 
 impl Counters {

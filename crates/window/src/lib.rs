@@ -10,6 +10,7 @@ pub mod queue;
 mod solver;
 mod spawn;
 mod tie;
+mod wavefront;
 mod window;
 
 pub use counters::{Counter, Counters};

@@ -7,6 +7,7 @@
 use std::time::{Duration, Instant};
 
 use crate::counters::{Counter, Counters};
+use crate::wavefront::Wavefront;
 
 /// What a solver does at a moment, for [`Phases`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +34,19 @@ pub trait Probe {
         let _ = (counter, value);
     }
 
+    /// `parents` more windows were propagated; returns whether [`sample`](Probe::sample) should be
+    /// called now.
+    #[inline]
+    fn wants_sample(&mut self, parents: u64) -> bool {
+        let _ = parents;
+        false
+    }
+
+    /// Takes a sample of the wavefront, given the least distance of every window on it.
+    fn sample(&mut self, labels: impl Iterator<Item = f64>) {
+        let _ = labels;
+    }
+
     /// Time from now on belongs to `phase`.
     #[inline]
     fn enter(&mut self, phase: Phase) {
@@ -47,6 +61,7 @@ impl Probe for () {}
 #[derive(Clone, Debug, Default)]
 pub struct Count {
     values: [u64; Counter::ALL.len()],
+    wavefront: Wavefront,
 }
 
 impl Count {
@@ -56,6 +71,7 @@ impl Count {
         for &counter in has {
             counters.set(counter, self.values[counter as usize]);
         }
+        counters.wavefront_deviation = self.wavefront.deviation();
         counters
     }
 }
@@ -70,6 +86,15 @@ impl Probe for Count {
     fn raise(&mut self, counter: Counter, value: u64) {
         let count = &mut self.values[counter as usize];
         *count = value.max(*count);
+    }
+
+    #[inline]
+    fn wants_sample(&mut self, parents: u64) -> bool {
+        self.wavefront.advance(parents)
+    }
+
+    fn sample(&mut self, labels: impl Iterator<Item = f64>) {
+        self.wavefront.sample(labels);
     }
 }
 

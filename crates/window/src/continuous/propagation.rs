@@ -122,6 +122,9 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
     ) {
         probe.enter(Phase::Propagation);
         probe.add(Counter::Parents, 1);
+        if probe.wants_sample(1) {
+            probe.sample(self.queue.window_labels());
+        }
         let frame = self.surface.faces().frame(h);
         let [_, _, apex] = self.surface.faces().corners(h);
         let [to_left, to_right] = self.surface.faces().exits(h);

@@ -40,10 +40,16 @@ impl Event {
         Self { place: h.raw(), id }
     }
 
+    /// Whether it is a window's.
+    #[inline]
+    pub const fn is_window(self) -> bool {
+        self.place & VERTEX == 0
+    }
+
     /// What the event is.
     #[inline]
     pub const fn kind(self) -> EventKind {
-        if self.place & VERTEX == 0 {
+        if self.is_window() {
             EventKind::Window(HalfEdgeId::new(self.place), self.id)
         } else {
             EventKind::Vertex(VertexId::new(self.place & !VERTEX))

@@ -28,6 +28,13 @@ impl Discipline for Fifo {
         self.events.pop_front()
     }
 
+    fn window_labels(&self) -> impl Iterator<Item = f64> {
+        self.events
+            .iter()
+            .filter(|(_, event)| event.is_window())
+            .map(|&(label, _)| label)
+    }
+
     fn clear(&mut self) {
         self.events.clear();
     }

@@ -55,6 +55,11 @@ impl<T: Copy> MinHeap<T> {
         self.nodes.is_empty()
     }
 
+    /// All items with their labels, in no order.
+    pub fn iter(&self) -> impl Iterator<Item = &(f64, T)> {
+        self.nodes.iter()
+    }
+
     /// Drops all items, keeping the memory.
     pub fn clear(&mut self) {
         self.nodes.clear();

@@ -25,6 +25,9 @@ pub trait Discipline: Send {
     /// Takes the next event, with its label.
     fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)>;
 
+    /// The labels of all windows that wait, those of outdated entries included.
+    fn window_labels(&self) -> impl Iterator<Item = f64>;
+
     /// Forgets everything, keeping the memory.
     fn clear(&mut self);
 }

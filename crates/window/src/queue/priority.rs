@@ -25,6 +25,13 @@ impl Discipline for Priority {
         self.heap.pop()
     }
 
+    fn window_labels(&self) -> impl Iterator<Item = f64> {
+        self.heap
+            .iter()
+            .filter(|(_, event)| event.is_window())
+            .map(|&(label, _)| label)
+    }
+
     fn clear(&mut self) {
         self.heap.clear();
     }

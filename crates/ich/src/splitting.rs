@@ -1,4 +1,4 @@
-//! The policy of ICH: windows pass a filter, wait, split once at each angle, and are forgotten.
+//! The policy of the CH family: windows pass a filter, wait, split once at each angle, and are forgotten.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Crossing, Policy, Side, Surface};
@@ -7,17 +7,31 @@ use geobench_window::{Counter, Phase, Probe, Window};
 use crate::angle::{Angles, Split};
 use crate::tree::{Guard, Leaves, Lineage, Node};
 
-/// The vertex filter on arrival, and one split at each angle.
+/// Whether a window is dropped on arrival when a path through a known vertex beats all of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VertexFilter {
+    /// As in ICH: theorem 3.2 of Xin and Wang 2009.
+    On,
+    /// As in CH. Branches then end only where they lose their last split, or after as many
+    /// triangles as the mesh has: no shortest path crosses one of them twice.
+    Off,
+}
+
+/// One split at each angle, with or without the vertex filter on arrival.
 #[derive(Clone, Debug)]
 pub struct Splitting {
+    filter: VertexFilter,
+    level_limit: u32,
     leaves: Leaves,
     angles: Angles,
 }
 
 impl Splitting {
     /// Empty records for the angles of `mesh`.
-    pub fn new(mesh: &Mesh) -> Self {
+    pub fn new(mesh: &Mesh, filter: VertexFilter) -> Self {
         Self {
+            filter,
+            level_limit: mesh.face_count() as u32,
             leaves: Leaves::default(),
             angles: Angles::new(mesh.half_edge_count()),
         }
@@ -60,7 +74,7 @@ impl Policy for Splitting {
         &mut self,
         arrival: &Arrival<Lineage>,
         surface: &Surface,
-        queue: &mut impl FnMut(f64, u32, &mut P),
+        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
         probe: &mut P,
     ) -> bool {
         let Arrival {
@@ -69,7 +83,7 @@ impl Policy for Splitting {
             lineage,
             side,
         } = arrival;
-        if surface.beats(*h, window, *side) {
+        if self.filter == VertexFilter::On && surface.beats(*h, window, *side) {
             probe.add(Counter::Filtered, 1);
             return false;
         }
@@ -79,7 +93,7 @@ impl Policy for Splitting {
             window: *window,
             lineage: *lineage,
         });
-        queue(label, slot, probe);
+        queue(*h, label, slot, probe);
         probe.raise(Counter::PeakWindows, self.leaves.len() as u64);
         probe.raise(Counter::Levels, u64::from(lineage.level));
         true
@@ -106,6 +120,9 @@ impl Policy for Splitting {
         lineage: &Lineage,
         surface: &Surface,
     ) -> [Option<Lineage>; 2] {
+        if self.filter == VertexFilter::Off && lineage.level >= self.level_limit {
+            return [None; 2];
+        }
         let child = Lineage {
             level: lineage.level + 1,
             ..*lineage

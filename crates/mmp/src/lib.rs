@@ -17,12 +17,27 @@ use geobench_mesh::Mesh;
 use geobench_window::continuous::Continuous;
 use geobench_window::queue::Priority;
 
-pub use trimming::Trimming;
+pub use trimming::{Carrier, Trimming};
 
-/// MMP on one mesh: windows trimmed on half-edges, least distance first.
+/// An algorithm of the MMP family that takes windows by least distance.
 pub type Mmp<'m> = Continuous<'m, Trimming, Priority>;
 
-/// Sets MMP up for `mesh`; O(faces).
+/// Sets MMP up for `mesh`, with windows on half-edges; O(faces).
 pub fn mmp(mesh: &Mesh) -> Mmp<'_> {
-    Continuous::new(mesh, Trimming::new(mesh), Priority::default())
+    Continuous::new(
+        mesh,
+        Trimming::new(mesh, Carrier::HalfEdge),
+        Priority::default(),
+    )
+}
+
+/// Sets the edge-based variant of MMP up for `mesh`; O(faces).
+///
+/// It stores fewer windows than [`mmp`], and needs more work for each.
+pub fn mmp_edge(mesh: &Mesh) -> Mmp<'_> {
+    Continuous::new(
+        mesh,
+        Trimming::new(mesh, Carrier::Edge),
+        Priority::default(),
+    )
 }

@@ -1,4 +1,6 @@
-//! The windows of one half-edge: sorted, disjoint, trimmed at tie points.
+//! The windows of one half-edge or edge: sorted, disjoint, trimmed at tie points.
+
+use std::ops::Range;
 
 use geobench_window::{Window, tie_points};
 
@@ -16,15 +18,39 @@ const SLIVER: f64 = 1e-10;
 /// Set in a tag while the window waits in the queue.
 const QUEUED: u32 = 1 << 31;
 
-/// A window on its half-edge.
+/// Set in the id of a window that travels against the half-edge whose frame its list uses.
+const REVERSED: u32 = 1 << 30;
+
+/// Which way a window crosses the edge of its list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Direction {
+    /// From below the edge to above it, as in the frame of a window of its own half-edge.
+    Forward,
+    /// The other way, from a source above the edge.
+    Reverse,
+}
+
+impl Direction {
+    /// The direction of the window with this id.
+    pub(crate) fn of(id: u32) -> Self {
+        if id & REVERSED == 0 {
+            Self::Forward
+        } else {
+            Self::Reverse
+        }
+    }
+}
+
+/// A window in its list.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stored {
     window: Window,
-    /// The number by which the queue knows the window, unique on its half-edge, and [`QUEUED`].
+    /// The id by which the queue knows the window, unique in its list, and [`QUEUED`].
     tag: u32,
 }
 
-/// The windows of one half-edge in ascending order, with disjoint intervals. Gaps are normal.
+/// The windows of one half-edge, or of both half-edges of an edge in the frame of one of them, in
+/// ascending order, with disjoint intervals. Gaps are normal.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WindowList {
     windows: Vec<Stored>,
@@ -85,13 +111,19 @@ pub(crate) struct Inserter {
 }
 
 impl Inserter {
-    /// Inserts `new` into `list`, whose half-edge has length `l`.
+    /// Inserts `new`, which crosses in `direction`, into `list`, whose edge has length `l`.
     ///
     /// Each stored window that `new` meets is split at the tie points inside the common range, of
     /// which there may be two, and each part goes to the window that is shorter at its middle.
     /// Ranges that nobody held go to `new`. Takes O(log k + m) for m windows met among k, and the
     /// moving of the windows behind them.
-    pub(crate) fn insert(&mut self, list: &mut WindowList, new: &Window, l: f64) {
+    pub(crate) fn insert(
+        &mut self,
+        list: &mut WindowList,
+        new: &Window,
+        direction: Direction,
+        l: f64,
+    ) {
         self.to_queue.clear();
         (self.new_pieces, self.trimmed, self.removed) = (0, 0, 0);
         let first = list.windows.partition_point(|s| s.window.b1 <= new.b0);
@@ -102,7 +134,7 @@ impl Inserter {
         self.share_out(&list.windows[first..first + met], new, SLIVER * l);
         self.segments.retain(|s| s.end - s.start > SLIVER * l);
         if self.segments.iter().any(|s| s.owner == Owner::New) {
-            self.replace(list, first..first + met, new);
+            self.replace(list, first..first + met, new, direction);
         }
     }
 
@@ -146,7 +178,13 @@ impl Inserter {
     }
 
     /// Puts the segments in the place of the windows `range` of `list`.
-    fn replace(&mut self, list: &mut WindowList, range: std::ops::Range<usize>, new: &Window) {
+    fn replace(
+        &mut self,
+        list: &mut WindowList,
+        range: Range<usize>,
+        new: &Window,
+        direction: Direction,
+    ) {
         self.pieces.clear();
         let met = &list.windows[range.clone()];
         let mut segments = std::mem::take(&mut self.segments);
@@ -161,7 +199,7 @@ impl Inserter {
                         ..*new
                     };
                     self.new_pieces += 1;
-                    self.queue_piece(window);
+                    self.queue_piece(window, direction);
                 }
                 Owner::Old(i) => {
                     let first_piece = last_old != Some(i);
@@ -177,12 +215,16 @@ impl Inserter {
     }
 
     /// Stores a window that has to be propagated.
-    fn queue_piece(&mut self, window: Window) {
-        self.next_id = (self.next_id + 1) & !QUEUED;
-        self.to_queue.push((window.min_distance(), self.next_id));
+    fn queue_piece(&mut self, window: Window, direction: Direction) {
+        self.next_id = (self.next_id + 1) & !(QUEUED | REVERSED);
+        let id = match direction {
+            Direction::Forward => self.next_id,
+            Direction::Reverse => self.next_id | REVERSED,
+        };
+        self.to_queue.push((window.min_distance(), id));
         self.pieces.push(Stored {
             window,
-            tag: self.next_id | QUEUED,
+            tag: id | QUEUED,
         });
     }
 
@@ -206,7 +248,7 @@ impl Inserter {
                 tag: old.tag,
             });
         } else {
-            self.queue_piece(window);
+            self.queue_piece(window, Direction::of(old.tag));
         }
     }
 }
@@ -236,10 +278,14 @@ mod tests {
         }
     }
 
+    fn insert(inserter: &mut Inserter, list: &mut WindowList, new: &Window) {
+        inserter.insert(list, new, Direction::Forward, 1.0);
+    }
+
     fn insert_all(windows: &[Window]) -> WindowList {
         let (mut list, mut inserter) = (WindowList::default(), Inserter::default());
         for w in windows {
-            inserter.insert(&mut list, w, 1.0);
+            insert(&mut inserter, &mut list, w);
         }
         list
     }
@@ -292,7 +338,7 @@ mod tests {
             let (mut list, mut inserter) = (WindowList::default(), Inserter::default());
             let mut queue = Vec::new();
             for w in &windows {
-                inserter.insert(&mut list, w, 1.0);
+                insert(&mut inserter, &mut list, w);
                 queue.extend_from_slice(&inserter.to_queue);
             }
             // The last entry of an id is the one that counts; older ids are gone from the list.
@@ -328,11 +374,11 @@ mod tests {
     #[test]
     fn a_propagated_window_is_cut_but_not_queued_again() {
         let (mut list, mut inserter) = (WindowList::default(), Inserter::default());
-        inserter.insert(&mut list, &window(0.0, 1.0, 0.2, -1.0, 0.0), 1.0);
+        insert(&mut inserter, &mut list, &window(0.0, 1.0, 0.2, -1.0, 0.0));
         let id = inserter.to_queue[0].1;
         assert!(list.take(id).is_some());
         assert!(list.take(id).is_none());
-        inserter.insert(&mut list, &window(0.0, 0.5, 0.2, -0.5, 0.0), 1.0);
+        insert(&mut inserter, &mut list, &window(0.0, 0.5, 0.2, -0.5, 0.0));
         assert_eq!(
             (inserter.new_pieces, inserter.trimmed, inserter.removed),
             (1, 1, 0)
@@ -343,9 +389,9 @@ mod tests {
     #[test]
     fn a_waiting_window_whose_nearest_point_is_lost_is_queued_again() {
         let (mut list, mut inserter) = (WindowList::default(), Inserter::default());
-        inserter.insert(&mut list, &window(0.0, 1.0, 0.2, -1.0, 0.0), 1.0);
+        insert(&mut inserter, &mut list, &window(0.0, 1.0, 0.2, -1.0, 0.0));
         let (label, id) = inserter.to_queue[0];
-        inserter.insert(&mut list, &window(0.0, 0.5, 0.2, -0.5, 0.0), 1.0);
+        insert(&mut inserter, &mut list, &window(0.0, 0.5, 0.2, -0.5, 0.0));
         assert!(
             list.take(id).is_none(),
             "the old entry of the queue is void"

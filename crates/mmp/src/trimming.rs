@@ -1,20 +1,29 @@
-//! The policy of MMP: every window is kept on its half-edge, where it is the shortest.
+//! The policy of MMP: every window is kept where it is the shortest.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Crossing, Policy, Surface};
 use geobench_window::{Counter, Probe, Window};
 
-use crate::list::{Inserter, WindowList};
+use crate::list::{Direction, Inserter, WindowList};
 
-/// Windows stored on half-edges, those of one half-edge trimmed against each other.
-///
-/// Windows that cross an edge in opposite directions do not meet; [the edge-based variant]
-/// (Liu 2013) would store fewer.
-///
-/// [the edge-based variant]: https://doi.org/10.1016/j.cad.2012.11.005
+/// Which windows are trimmed against each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Carrier {
+    /// Those of one half-edge: windows that cross an edge in opposite directions do not meet
+    /// (Surazhsky et al. 2005).
+    HalfEdge,
+    /// Those of both half-edges of an edge (Liu, "Exact geodesic metric in 2-manifold triangle
+    /// meshes using edge-based data structures", 2013). A window that loses a point of the edge to
+    /// one that comes from the other side is of no use beyond it, and is not stored there.
+    Edge,
+}
+
+/// Every window is stored where it is the shortest of those on its half-edge or edge.
 #[derive(Clone, Debug)]
 pub struct Trimming {
-    /// The windows about to enter the face of each half-edge.
+    carrier: Carrier,
+    /// The windows about to enter the face of each half-edge; with [`Carrier::Edge`] those of both
+    /// half-edges of an edge stand with the one of lower number, in its frame.
     lists: Vec<WindowList>,
     inserter: Inserter,
     stored: usize,
@@ -22,11 +31,20 @@ pub struct Trimming {
 
 impl Trimming {
     /// Empty lists for the half-edges of `mesh`.
-    pub fn new(mesh: &Mesh) -> Self {
+    pub fn new(mesh: &Mesh, carrier: Carrier) -> Self {
         Self {
+            carrier,
             lists: vec![WindowList::default(); mesh.half_edge_count()],
             inserter: Inserter::default(),
             stored: 0,
+        }
+    }
+
+    /// The half-edge whose list holds the windows of `h`, and how they cross there.
+    fn place(&self, h: HalfEdgeId, surface: &Surface) -> (HalfEdgeId, Direction) {
+        match (self.carrier, surface.faces().twin(h)) {
+            (Carrier::Edge, Some(twin)) if twin < h => (twin, Direction::Reverse),
+            _ => (h, Direction::Forward),
         }
     }
 }
@@ -55,17 +73,28 @@ impl Policy for Trimming {
         &mut self,
         arrival: &Arrival<()>,
         surface: &Surface,
-        queue: &mut impl FnMut(f64, u32, &mut P),
+        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
         probe: &mut P,
     ) -> bool {
-        let h = arrival.h;
-        let list = &mut self.lists[h.index()];
+        let l = surface.faces().length(arrival.h);
+        let (place, direction) = self.place(arrival.h, surface);
+        let window = match direction {
+            Direction::Forward => arrival.window,
+            Direction::Reverse => arrival.window.reversed(l),
+        };
+        let list = &mut self.lists[place.index()];
         let inserter = &mut self.inserter;
         let before = list.len();
-        inserter.insert(list, &arrival.window, surface.faces().length(h));
+        inserter.insert(list, &window, direction, l);
         self.stored = self.stored + list.len() - before;
         for &(label, id) in &inserter.to_queue {
-            queue(label, id, probe);
+            // One of the other direction may have been trimmed and must wait anew.
+            let h = if Direction::of(id) == direction {
+                arrival.h
+            } else {
+                surface.faces().twin(arrival.h).unwrap_or(arrival.h)
+            };
+            queue(h, label, id, probe);
         }
         let kept = inserter.new_pieces > 0;
         probe.add(
@@ -85,10 +114,16 @@ impl Policy for Trimming {
         &mut self,
         h: HalfEdgeId,
         id: u32,
-        _: &Surface,
+        surface: &Surface,
         _: &mut P,
     ) -> Option<(Window, ())> {
-        self.lists[h.index()].take(id).map(|window| (window, ()))
+        let (place, direction) = self.place(h, surface);
+        let window = self.lists[place.index()].take(id)?;
+        let window = match direction {
+            Direction::Forward => window,
+            Direction::Reverse => window.reversed(surface.faces().length(h)),
+        };
+        Some((window, ()))
     }
 
     /// Going round the triangle from the left, a window all of whose rays leave there is done.

@@ -60,14 +60,14 @@ pub trait Policy: Send {
     /// The lineage of windows that start from `v`.
     fn root(&self, v: VertexId, surface: &Surface) -> Self::Lineage;
 
-    /// A window arrives at a half-edge. Stores what is worth keeping of it, and calls `queue` with a
-    /// label and a number for everything that must wait for its turn. Returns whether anything of
-    /// the window is left.
+    /// A window arrives at a half-edge. Stores what is worth keeping of it, and calls `queue` with
+    /// the half-edge, a label and a number for everything that must wait for its turn. Returns
+    /// whether anything of the window is left.
     fn arrive<P: Probe>(
         &mut self,
         arrival: &Arrival<Self::Lineage>,
         surface: &Surface,
-        queue: &mut impl FnMut(f64, u32, &mut P),
+        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
         probe: &mut P,
     ) -> bool;
 

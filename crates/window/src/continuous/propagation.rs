@@ -78,8 +78,8 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
     /// Hands a window that has reached a half-edge to the policy; returns whether any of it is left.
     fn arrive<P: Probe>(&mut self, arrival: &Arrival<W::Lineage>, probe: &mut P) -> bool {
         probe.enter(Phase::Pruning);
-        let mut push = |label: f64, id: u32, probe: &mut P| {
-            self.queue.push(label, Event::window(arrival.h, id), probe);
+        let mut push = |h: HalfEdgeId, label: f64, id: u32, probe: &mut P| {
+            self.queue.push(label, Event::window(h, id), probe);
         };
         let kept = self.policy.arrive(arrival, &self.surface, &mut push, probe);
         probe.enter(Phase::Management);

@@ -1,0 +1,215 @@
+//! The same surface described otherwise has the same distances.
+
+use geobench_oracle::{Geometry, Model, Random, distances, rounded};
+use proptest::prelude::*;
+
+use crate::support::{Failures, ROUNDING, exact_runs, mesh_of};
+use crate::surfaces::{config, solid_surface_and_vertices, surface_and_vertices};
+
+/// Every algorithm must find on `disguised`, from `new_source`, the distances that it finds on `model` from `source`;
+/// `number[v]` is what vertex v is called there.
+fn check(
+    model: &Model,
+    source: u32,
+    disguised: &Model,
+    number: &[u32],
+    tolerance: f64,
+) -> Result<(), TestCaseError> {
+    let (mesh, other) = (mesh_of(model), mesh_of(disguised));
+    let mut failures = Failures::default();
+    let runs = exact_runs(&model.name, &mesh);
+    for (mut run, mut again) in runs.into_iter().zip(exact_runs(&disguised.name, &other)) {
+        let plain = run.distances(&[source]);
+        let found = again.distances(&[number[source as usize]]);
+        let found: Vec<_> = number.iter().map(|&v| found[v as usize]).collect();
+        failures.compare_all(|| again.at(&[source]), &found, &plain, tolerance);
+    }
+    failures.result().map_err(TestCaseError::fail)
+}
+
+fn same_numbers(model: &Model) -> Vec<u32> {
+    (0..model.vertex_count as u32).collect()
+}
+
+/// A random order of the numbers below `count`.
+fn shuffled(count: usize, random: &mut Random) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..count as u32).collect();
+    for i in (1..count).rev() {
+        order.swap(i, random.below(i as u32 + 1) as usize);
+    }
+    order
+}
+
+fn positions_of(model: &mut Model) -> &mut Vec<[f64; 3]> {
+    match &mut model.geometry {
+        Geometry::Positions(positions) => positions,
+        Geometry::Lengths(_) => panic!("random surfaces lie in space"),
+    }
+}
+
+proptest! {
+    #![proptest_config(config(512))]
+
+    #[test]
+    fn every_algorithm_matches_the_oracle((model, sources) in surface_and_vertices(2)) {
+        let mesh = mesh_of(&model);
+        let surface = model.surface::<f64>();
+        let mut failures = Failures::default();
+        for mut run in exact_runs(&model.name, &mesh) {
+            for sources in [&sources[..1], &sources[..]] {
+                let expected = rounded(&distances(&surface, sources));
+                let found = run.distances(sources);
+                failures.compare_all(|| run.at(sources), &found, &expected, ROUNDING);
+            }
+        }
+        failures.result().map_err(TestCaseError::fail)?;
+    }
+
+    #[test]
+    fn powers_of_two_scale_bit_for_bit(
+        (model, sources) in surface_and_vertices(1),
+        exponent in -40..40,
+    ) {
+        let factor = f64::from(exponent).exp2();
+        let scaled = model.clone().scaled(factor);
+        let (mesh, other) = (mesh_of(&model), mesh_of(&scaled));
+        let runs = exact_runs(&model.name, &mesh).into_iter();
+        for (mut run, mut again) in runs.zip(exact_runs(&scaled.name, &other)) {
+            let expected: Vec<_> = run.distances(&sources).iter().map(|d| d * factor).collect();
+            prop_assert_eq!(again.distances(&sources), expected, "{}", again.at(&sources));
+        }
+    }
+
+    #[test]
+    fn other_units_change_nothing(
+        (model, sources) in surface_and_vertices(1),
+        factor in prop::sample::select(vec![1e-6, 1e6, 0.0254]),
+    ) {
+        let scaled = model.clone().scaled(factor);
+        let (mesh, other) = (mesh_of(&model), mesh_of(&scaled));
+        let mut failures = Failures::default();
+        let runs = exact_runs(&model.name, &mesh).into_iter();
+        for (mut run, mut again) in runs.zip(exact_runs(&scaled.name, &other)) {
+            let expected: Vec<_> = run.distances(&sources).iter().map(|d| d * factor).collect();
+            let found = again.distances(&sources);
+            failures.compare_all(|| again.at(&sources), &found, &expected, ROUNDING);
+        }
+        failures.result().map_err(TestCaseError::fail)?;
+    }
+
+    #[test]
+    fn rigid_motions_change_nothing(
+        (model, sources) in surface_and_vertices(1),
+        seed in any::<u64>(),
+    ) {
+        let mut random = Random::new(seed);
+        let axis = random.in_ball();
+        let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let [x, y, z] = axis.map(|a| a / length);
+        let (sin, cos) = random.between(0.0, std::f64::consts::TAU).sin_cos();
+        let shift = random.in_ball();
+        let moved = model.clone().moved("turned", |p| {
+            // The formula of Rodrigues.
+            let along = (x * p[0] + y * p[1] + z * p[2]) * (1.0 - cos);
+            let cross = [y * p[2] - z * p[1], z * p[0] - x * p[2], x * p[1] - y * p[0]];
+            let turned = |i: usize| p[i] * cos + cross[i] * sin + [x, y, z][i] * along;
+            [0, 1, 2].map(|i| turned(i) + shift[i])
+        });
+        check(&model, sources[0], &moved, &same_numbers(&model), ROUNDING)?;
+    }
+
+    #[test]
+    fn renumbering_changes_nothing(
+        (model, sources) in surface_and_vertices(1),
+        seed in any::<u64>(),
+    ) {
+        let mut random = Random::new(seed);
+        let number = shuffled(model.vertex_count, &mut random);
+        let mut other = model.clone();
+        other.name += ", renumbered";
+        for (v, &place) in number.iter().enumerate() {
+            positions_of(&mut other)[place as usize] = model.positions().unwrap_or_default()[v];
+        }
+        let order = shuffled(model.triangles.len(), &mut random);
+        other.triangles = order.iter().map(|&t| {
+            let mut triangle = model.triangles[t as usize].map(|v| number[v as usize]);
+            triangle.rotate_left(random.below(3) as usize);
+            triangle
+        }).collect();
+        check(&model, sources[0], &other, &number, ROUNDING)?;
+    }
+
+    #[test]
+    fn reversing_the_orientation_changes_nothing((model, sources) in surface_and_vertices(1)) {
+        let mut other = model.clone();
+        other.name += ", reversed";
+        for triangle in &mut other.triangles {
+            triangle.swap(1, 2);
+        }
+        check(&model, sources[0], &other, &same_numbers(&model), ROUNDING)?;
+    }
+
+    #[test]
+    fn smaller_triangles_on_the_same_surface_change_nothing(
+        (model, sources) in solid_surface_and_vertices(1),
+        parts in 2..4_u32,
+    ) {
+        let finer = model.subdivided(parts);
+        check(&model, sources[0], &finer, &same_numbers(&model), ROUNDING)?;
+    }
+
+    // Cut up, faces of no area put several vertices in one place, at a distance of 0.
+    #[test]
+    fn vertices_in_one_place_change_nothing(
+        (model, sources) in surface_and_vertices(1),
+        parts in 2..4_u32,
+    ) {
+        let finer = model.subdivided(parts);
+        check(&model, sources[0], &finer, &same_numbers(&model), ROUNDING)?;
+    }
+
+    #[test]
+    fn several_sources_give_the_smallest_of_their_distances(
+        (model, sources) in surface_and_vertices(4),
+    ) {
+        let mesh = mesh_of(&model);
+        let mut failures = Failures::default();
+        for mut run in exact_runs(&model.name, &mesh) {
+            let mut nearest = vec![f64::INFINITY; model.vertex_count];
+            for &source in &sources {
+                for (d, other) in nearest.iter_mut().zip(run.distances(&[source])) {
+                    *d = d.min(other);
+                }
+            }
+            let found = run.distances(&sources);
+            failures.compare_all(|| run.at(&sources), &found, &nearest, ROUNDING);
+        }
+        failures.result().map_err(TestCaseError::fail)?;
+    }
+
+    #[test]
+    fn distances_are_a_metric((model, points) in surface_and_vertices(4)) {
+        let mesh = mesh_of(&model);
+        for mut run in exact_runs(&model.name, &mesh) {
+            let fields: Vec<_> = points.iter().map(|&p| run.distances(&[p])).collect();
+            let d = |i: usize, j: usize| fields[i][points[j] as usize];
+            for i in 0..points.len() {
+                prop_assert_eq!(d(i, i), 0.0);
+                for j in 0..points.len() {
+                    let (there, back) = (d(i, j), d(j, i));
+                    prop_assert!(
+                        there == back || (there - back).abs() <= ROUNDING * back,
+                        "{}: {there} to {}, {back} back", run.at(&points[i..=i]), points[j]
+                    );
+                    for k in 0..points.len() {
+                        prop_assert!(
+                            d(i, k) <= (d(i, j) + d(j, k)) * (1.0 + ROUNDING),
+                            "{}: further to {} than over {}",
+                            run.at(&points[i..=i]), points[k], points[j]
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

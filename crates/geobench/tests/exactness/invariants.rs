@@ -1,0 +1,143 @@
+//! What holds on every mesh, whatever its distances are.
+
+use geobench_mesh::VertexId;
+use geobench_oracle::{Model, edge_graph_distances, euclidean_distances, steiner_distances, zoo};
+use geobench_window::Counter;
+
+use crate::support::{Failures, ROUNDING, caught, exact_runs, mesh_of};
+
+/// Runs `check` on every small model of the zoo and gathers what fails.
+fn on_the_zoo(check: impl Fn(&Model, &mut Failures)) {
+    let mut failures = Failures::default();
+    for model in zoo::small() {
+        let mut of_model = Failures::default();
+        let _ = caught(&mut failures, || check(&model, &mut of_model));
+        failures.extend(of_model);
+    }
+    failures.report();
+}
+
+#[test]
+fn distances_lie_between_their_bounds() {
+    on_the_zoo(|model, failures| {
+        let mesh = mesh_of(model);
+        let surface = model.surface::<f64>();
+        let source = model.sources[0];
+        let over_edges = edge_graph_distances(&surface, &[source]);
+        let over_steiner_points = steiner_distances(&surface, &[source], 4);
+        let straight = model.positions().map(|p| euclidean_distances(p, &[source]));
+        for mut run in exact_runs(&model.name, &mesh) {
+            let found = run.distances(&[source]);
+            let furthest = found
+                .iter()
+                .copied()
+                .filter(|d| d.is_finite())
+                .fold(0.0, f64::max);
+            let slack = ROUNDING * furthest;
+            for (v, &d) in found.iter().enumerate() {
+                let above = over_edges[v].min(over_steiner_points[v]);
+                failures.unless(d <= above + slack, || {
+                    format!(
+                        "{}: {d} to {v}, over edges or Steiner points {above}",
+                        run.at(&[source])
+                    )
+                });
+                let below = straight.as_ref().map_or(0.0, |s| s[v]);
+                failures.unless(d >= below - slack, || {
+                    format!("{}: {d} to {v}, through space {below}", run.at(&[source]))
+                });
+            }
+            for h in mesh.half_edges() {
+                let [a, b] = [mesh.tail(h), mesh.head(h)];
+                let [at_a, at_b] = [a, b].map(|v| found[v.index()]);
+                let same = at_a == at_b || (at_a - at_b).abs() <= mesh.length(h) + slack;
+                failures.unless(same, || {
+                    format!(
+                        "{}: {at_a} at {a} and {at_b} at {b}, an edge apart",
+                        run.at(&[source])
+                    )
+                });
+            }
+        }
+    });
+}
+
+#[test]
+fn a_solver_that_was_used_answers_as_a_fresh_one() {
+    on_the_zoo(|model, failures| {
+        let mesh = mesh_of(model);
+        let mut used = exact_runs(&model.name, &mesh);
+        for sources in [
+            &model.sources[..1],
+            &model.sources[..],
+            &model.sources[1..2],
+        ] {
+            for (used, mut fresh) in used.iter_mut().zip(exact_runs(&model.name, &mesh)) {
+                let same = used.distances(sources) == fresh.distances(sources);
+                failures.unless(same, || format!("{}: other bits", fresh.at(sources)));
+            }
+        }
+    });
+}
+
+#[test]
+fn observation_changes_no_answer_and_counts_add_up() {
+    on_the_zoo(|model, failures| {
+        let mesh = mesh_of(model);
+        let source = [model.sources[0]];
+        let id = [VertexId::new(source[0])];
+        for mut run in exact_runs(&model.name, &mesh) {
+            let plain = run.distances(&source);
+            let (Ok((counted, counters)), Ok((clocked, _))) =
+                (run.solver().count(&id), run.solver().clock(&id))
+            else {
+                failures.unless(false, || format!("{}: refused", run.at(&source)));
+                continue;
+            };
+            let same = plain == counted.distances && plain == clocked.distances;
+            failures.unless(same, || {
+                format!("{}: other bits when observed", run.at(&source))
+            });
+            // Each counter is at most the next one, where an algorithm has both.
+            for (small, large) in [
+                (Counter::Kept, Counter::Children),
+                (Counter::Children, Counter::Propagated),
+                (Counter::StoredWindows, Counter::PeakWindows),
+                (Counter::QueuePeak, Counter::QueuePushes),
+                (Counter::Prime, Counter::Propagated),
+                (Counter::Secondary, Counter::Propagated),
+            ] {
+                if let (Some(a), Some(b)) = (counters.get(small), counters.get(large)) {
+                    failures.unless(a <= b, || {
+                        format!(
+                            "{}: {} is {a}, {} is {b}",
+                            run.at(&source),
+                            small.key(),
+                            large.key()
+                        )
+                    });
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn a_source_that_does_not_exist_is_refused() {
+    let model = zoo::octahedron();
+    let mesh = mesh_of(&model);
+    for mut run in exact_runs(&model.name, &mesh) {
+        assert!(
+            run.solver().solve(&[VertexId::new(6)]).is_err(),
+            "{}",
+            run.algorithm
+        );
+        assert!(run.solver().solve(&[]).is_err(), "{}", run.algorithm);
+        assert_eq!(
+            run.distances(&[0, 0]),
+            run.distances(&[0]),
+            "{}",
+            run.algorithm
+        );
+    }
+}

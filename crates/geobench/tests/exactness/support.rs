@@ -1,0 +1,219 @@
+//! Meshes, solvers and comparisons for all tests of the suite.
+
+use std::any::Any;
+use std::fmt::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::registry::{Algorithm, algorithms};
+use geobench_mesh::{Mesh, TriangleSoup, VertexId};
+use geobench_oracle::{Geometry, Model};
+use geobench_window::Solver;
+
+/// A difference that rounding explains; what all but the hardest comparisons are held to.
+pub(crate) const ROUNDING: f64 = 1e-12;
+
+/// The difference from an independent program that no answer may exceed.
+pub(crate) const AGREEMENT: f64 = 1e-9;
+
+/// The algorithms that claim to be exact.
+pub(crate) fn exact_algorithms() -> Vec<&'static Algorithm> {
+    algorithms().iter().filter(|a| a.exact).collect()
+}
+
+/// An algorithm at work on a mesh that has a name.
+pub(crate) struct Run<'m> {
+    /// The name of the algorithm.
+    pub(crate) algorithm: &'static str,
+    model: &'m str,
+    solver: Box<dyn Solver + 'm>,
+}
+
+/// Every exact algorithm, set up for `mesh`.
+pub(crate) fn exact_runs<'m>(model: &'m str, mesh: &'m Mesh) -> Vec<Run<'m>> {
+    let algorithms = exact_algorithms().into_iter();
+    algorithms.map(|a| Run::new(a, model, mesh)).collect()
+}
+
+impl<'m> Run<'m> {
+    /// Sets `algorithm` up for `mesh`.
+    pub(crate) fn new(algorithm: &Algorithm, model: &'m str, mesh: &'m Mesh) -> Self {
+        Self {
+            algorithm: algorithm.name,
+            model,
+            solver: (algorithm.build)(mesh),
+        }
+    }
+
+    /// The solver itself.
+    pub(crate) fn solver(&mut self) -> &mut (dyn Solver + 'm) {
+        self.solver.as_mut()
+    }
+
+    /// The distances from the nearest of `sources`.
+    ///
+    /// # Panics
+    ///
+    /// When the solver refuses or panics, saying where.
+    pub(crate) fn distances(&mut self, sources: &[u32]) -> Vec<f64> {
+        let ids: Vec<_> = sources.iter().copied().map(VertexId::new).collect();
+        let answer = catch_unwind(AssertUnwindSafe(|| self.solver.solve(&ids)));
+        let complaint = match answer {
+            Ok(Ok(solution)) => return solution.distances,
+            Ok(Err(refused)) => refused.to_string(),
+            Err(panic) => format!("panic: {}", panic_message(panic.as_ref())),
+        };
+        panic!("{}: {complaint}", self.at(sources));
+    }
+
+    /// Where a failure happened.
+    pub(crate) fn at(&self, sources: &[u32]) -> String {
+        format!("{}, {}, from {sources:?}", self.model, self.algorithm)
+    }
+}
+
+fn panic_message(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref::<&str>().copied())
+        .unwrap_or("without a message")
+}
+
+/// The product's mesh of a test model.
+///
+/// # Panics
+///
+/// When it is refused, saying why.
+pub(crate) fn mesh_of(model: &Model) -> Mesh {
+    let triangles = model.triangles.clone();
+    let built = match &model.geometry {
+        Geometry::Positions(positions) => {
+            Mesh::from_soup(TriangleSoup::new(positions.clone(), triangles))
+        }
+        Geometry::Lengths(lengths) => Mesh::from_lengths(model.vertex_count, &triangles, lengths),
+    };
+    match built {
+        Ok((mesh, _)) => mesh,
+        Err(refused) => panic!("{}: {refused}", model.name),
+    }
+}
+
+/// What went wrong, gathered so that one run tells everything.
+#[derive(Default)]
+pub(crate) struct Failures {
+    lines: Vec<String>,
+}
+
+impl Failures {
+    /// Notes `line` unless `holds`.
+    pub(crate) fn unless(&mut self, holds: bool, line: impl FnOnce() -> String) {
+        if !holds {
+            self.lines.push(line());
+        }
+    }
+
+    /// Notes where two fields differ by more than `tolerance` of the expected value, at the worst of these vertices.
+    ///
+    /// Values are allowed the rounding of the largest one, so that two vertices in one place,
+    /// at a distance of 0, may be told a distance of 1e-17 apart.
+    pub(crate) fn compare(
+        &mut self,
+        at: impl Fn() -> String,
+        found: &[f64],
+        expected: impl IntoIterator<Item = (usize, f64)>,
+        tolerance: f64,
+    ) {
+        let furthest = found
+            .iter()
+            .copied()
+            .filter(|d| d.is_finite())
+            .fold(0.0, f64::max);
+        let floor = 1e-15 * furthest;
+        let mut worst = (0.0, None);
+        let mut count = 0;
+        for (vertex, expected) in expected {
+            let Some(&found) = found.get(vertex) else {
+                self.lines.push(format!("{}: no vertex {vertex}", at()));
+                return;
+            };
+            let difference = (found - expected).abs();
+            // Written so that NaN is a failure; two infinities are equal.
+            if found == expected || difference <= (tolerance * expected).max(floor) {
+                continue;
+            }
+            count += 1;
+            let size = if difference.is_nan() {
+                f64::INFINITY
+            } else {
+                difference / expected
+            };
+            if worst.1.is_none() || size > worst.0 {
+                worst = (size, Some((vertex, found, expected)));
+            }
+        }
+        if let (size, Some((vertex, found, expected))) = worst {
+            self.lines.push(format!(
+                "{}: {count} vertices differ, the worst is {vertex}: {found} instead of {expected}, by {size:.1e}",
+                at()
+            ));
+        }
+    }
+
+    /// Compares two whole fields.
+    pub(crate) fn compare_all(
+        &mut self,
+        at: impl Fn() -> String,
+        found: &[f64],
+        expected: &[f64],
+        tolerance: f64,
+    ) {
+        self.unless(found.len() == expected.len(), || {
+            format!(
+                "{}: {} distances for {} vertices",
+                at(),
+                found.len(),
+                expected.len()
+            )
+        });
+        self.compare(at, found, expected.iter().copied().enumerate(), tolerance);
+    }
+
+    /// Adds what another list holds.
+    pub(crate) fn extend(&mut self, other: Self) {
+        self.lines.extend(other.lines);
+    }
+
+    /// Fails the test if anything was noted.
+    pub(crate) fn report(self) {
+        if let Err(text) = self.result() {
+            panic!("{text}");
+        }
+    }
+
+    /// All that was noted, if anything was.
+    pub(crate) fn result(self) -> Result<(), String> {
+        const SHOWN: usize = 60;
+        if self.lines.is_empty() {
+            return Ok(());
+        }
+        let mut text = format!("{} failures:", self.lines.len());
+        for line in self.lines.iter().take(SHOWN) {
+            let _ = write!(text, "\n  {line}");
+        }
+        if self.lines.len() > SHOWN {
+            let _ = write!(text, "\n  and {} more", self.lines.len() - SHOWN);
+        }
+        Err(text)
+    }
+}
+
+/// What `f` returns; if it panics, what it said joins the failures, so that the other checks still run.
+pub(crate) fn caught<T>(failures: &mut Failures, f: impl FnOnce() -> T) -> Option<T> {
+    match catch_unwind(AssertUnwindSafe(f)) {
+        Ok(value) => Some(value),
+        Err(panic) => {
+            failures
+                .lines
+                .push(panic_message(panic.as_ref()).to_owned());
+            None
+        }
+    }
+}

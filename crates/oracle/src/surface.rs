@@ -1,0 +1,253 @@
+//! Triangles glued along edges, each unfolded into the frame of each of its sides.
+
+use std::collections::HashMap;
+use std::f64::consts::PI;
+
+use crate::scalar::Scalar;
+
+/// Height of a triangle without area, as a fraction of its longest side.
+///
+/// Such a triangle is raised by less than any rounding error, so that the surface stays the same
+/// to every digit kept, yet a line still has two sides on which to pass its vertices.
+const LIFT: f64 = 1.0 / (1_u128 << 120) as f64 / (1_u64 << 40) as f64;
+
+/// Side `3 * triangle + corner`, in its own frame: tail at the origin, head at `(length, 0)`, the third vertex
+/// of its triangle at `apex`, above.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Side<S> {
+    pub(crate) tail: usize,
+    pub(crate) twin: Option<usize>,
+    pub(crate) length: S,
+    pub(crate) apex: [S; 2],
+}
+
+/// A surface of triangles, with every number in the precision of `S`.
+#[derive(Clone, Debug)]
+pub struct Surface<S> {
+    pub(crate) sides: Vec<Side<S>>,
+    /// The sides that leave each vertex, in no order.
+    pub(crate) leaving: Vec<Vec<usize>>,
+    bends: Vec<bool>,
+}
+
+/// The side after `side` around its triangle.
+pub(crate) const fn next(side: usize) -> usize {
+    side - side % 3 + (side + 1) % 3
+}
+
+/// The side before `side` around its triangle.
+pub(crate) const fn prev(side: usize) -> usize {
+    side - side % 3 + (side + 2) % 3
+}
+
+impl<S: Scalar> Surface<S> {
+    /// The surface of `triangles` between points of space. Triangles may have no area; vertices
+    /// may be isolated; several fans may meet in a vertex.
+    ///
+    /// # Panics
+    ///
+    /// When a triangle names a vertex that does not exist, or two triangles run through an edge in
+    /// the same direction (an edge that is not manifold, or triangles oriented differently).
+    pub fn from_positions(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
+        Self::new(positions.len(), triangles, |t| {
+            let corners = triangles[t].map(|v| positions[v as usize].map(S::from_f64));
+            let sides = [0, 1, 2].map(|k| minus(corners[(k + 1) % 3], corners[k]));
+            let lengths = sides.map(norm);
+            // The same area for all three frames: where it is mere rounding, only then do they agree.
+            let twice_area = raised(norm(cross(sides[0], sides[1])), lengths);
+            [0, 1, 2].map(|k| {
+                let x = -dot(sides[(k + 2) % 3], sides[k]) / lengths[k];
+                (lengths[k], [x, twice_area / lengths[k]])
+            })
+        })
+    }
+
+    /// The surface of `triangles` whose sides have these lengths: `lengths[t][k]` is the side from
+    /// corner `k` of triangle `t` to the next corner. The surface need not fit into space.
+    ///
+    /// # Panics
+    ///
+    /// As [`from_positions`](Self::from_positions).
+    pub fn from_lengths(vertex_count: usize, triangles: &[[u32; 3]], lengths: &[[S; 3]]) -> Self {
+        Self::new(vertex_count, triangles, |t| {
+            let twice_area = raised(heron(lengths[t]), lengths[t]);
+            [0, 1, 2].map(|k| {
+                let [l, lb, la] = [0, 1, 2].map(|i| lengths[t][(k + i) % 3]);
+                let x = (l * l + (la - lb) * (la + lb)) / (l + l);
+                (l, [x, twice_area / l])
+            })
+        })
+    }
+
+    fn new(
+        vertex_count: usize,
+        triangles: &[[u32; 3]],
+        frames: impl Fn(usize) -> [(S, [S; 2]); 3],
+    ) -> Self {
+        let mut by_ends = HashMap::new();
+        let mut leaving = vec![Vec::new(); vertex_count];
+        for (t, triangle) in triangles.iter().enumerate() {
+            for k in 0..3 {
+                let ends = (triangle[k] as usize, triangle[(k + 1) % 3] as usize);
+                let earlier = by_ends.insert(ends, 3 * t + k);
+                assert!(
+                    earlier.is_none(),
+                    "edge {ends:?} is used twice in this direction"
+                );
+                leaving[ends.0].push(3 * t + k);
+            }
+        }
+        let mut sides = Vec::with_capacity(3 * triangles.len());
+        for (t, triangle) in triangles.iter().enumerate() {
+            for (k, (length, apex)) in frames(t).into_iter().enumerate() {
+                let (tail, head) = (triangle[k] as usize, triangle[(k + 1) % 3] as usize);
+                sides.push(Side {
+                    tail,
+                    twin: by_ends.get(&(head, tail)).copied(),
+                    length,
+                    apex,
+                });
+            }
+        }
+        let mut surface = Self {
+            sides,
+            leaving,
+            bends: Vec::new(),
+        };
+        surface.bends = (0..vertex_count)
+            .map(|v| surface.can_bend(v) || surface.is_beside_thin_triangle(v))
+            .collect();
+        surface
+    }
+
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.leaving.len()
+    }
+
+    /// Whether a shortest path may turn at `vertex`: several fans meet there, or a fan has more
+    /// than a full turn (more than half a turn if it is open). Also taken to be so at the
+    /// corners of triangles with hardly any area, where lines pass too close to aim past.
+    ///
+    /// # Panics
+    ///
+    /// When there is no such vertex.
+    pub fn bends_at(&self, vertex: u32) -> bool {
+        self.bends[vertex as usize]
+    }
+
+    /// Whether `vertex` lies on an edge with one triangle only.
+    ///
+    /// # Panics
+    ///
+    /// When there is no such vertex.
+    pub fn is_boundary(&self, vertex: u32) -> bool {
+        let open = |side: usize| self.sides[side].twin.is_none();
+        let leaving = &self.leaving[vertex as usize];
+        leaving.iter().any(|&side| open(side) || open(prev(side)))
+    }
+
+    fn is_beside_thin_triangle(&self, vertex: usize) -> bool {
+        self.leaving[vertex].iter().any(|&side| {
+            let triangle = [side, next(side), prev(side)];
+            let lengths = triangle.map(|s| self.sides[s].length);
+            let longest = lengths[0].max(lengths[1]).max(lengths[2]);
+            let twice_area = lengths[0] * self.sides[side].apex[1];
+            twice_area < S::from_f64(S::THIN) * longest * longest
+        })
+    }
+
+    fn can_bend(&self, vertex: usize) -> bool {
+        let mut unseen = self.leaving[vertex].clone();
+        let mut fans = 0;
+        while let Some(&any) = unseen.first() {
+            let (fan, open) = self.fan(any);
+            unseen.retain(|side| !fan.contains(side));
+            fans += 1;
+            if self.exceeds_straight(&fan, open) {
+                return true;
+            }
+        }
+        fans > 1
+    }
+
+    /// The sides that leave a vertex within one fan, and whether the fan is open.
+    fn fan(&self, start: usize) -> (Vec<usize>, bool) {
+        let mut fan = vec![start];
+        let mut side = start;
+        while let Some(onward) = self.sides[prev(side)].twin {
+            if onward == start {
+                return (fan, false);
+            }
+            fan.push(onward);
+            side = onward;
+        }
+        side = start;
+        while let Some(twin) = self.sides[side].twin {
+            side = next(twin);
+            fan.push(side);
+        }
+        (fan, true)
+    }
+
+    /// Whether the angles of a fan sum to more than 2π, or more than π for an open one.
+    ///
+    /// The sum in f64 tells the number of turns; the product of the directions as complex numbers
+    /// tells what is beyond them, in the full precision of `S`.
+    fn exceeds_straight(&self, fan: &[usize], open: bool) -> bool {
+        let limit = if open { PI } else { 2.0 * PI };
+        let mut sum = 0.0;
+        let mut product = [S::from_f64(if open { -1.0 } else { 1.0 }), S::zero()];
+        for &side in fan {
+            let [x, y] = self.sides[side].apex;
+            sum += y.to_f64().atan2(x.to_f64());
+            let reach = self.sides[prev(side)].length;
+            let (x, y) = (x / reach, y / reach);
+            let [re, im] = product;
+            product = [re * x - im * y, re * y + im * x];
+        }
+        let excess = sum - limit;
+        if excess.abs() > 0.1 {
+            return excess > 0.0;
+        }
+        product[1].to_f64().atan2(product[0].to_f64()) > S::SADDLE_SLACK
+    }
+}
+
+/// Twice the area of a triangle, by Kahan's stable form of Heron's formula.
+fn heron<S: Scalar>([a, b, c]: [S; 3]) -> S {
+    let longest = a.max(b).max(c);
+    let shortest = a.min(b).min(c);
+    let middle = a.min(b).max(a.max(b).min(c));
+    let product = (longest + (middle + shortest))
+        * (shortest - (longest - middle))
+        * (shortest + (longest - middle))
+        * (longest + (middle - shortest));
+    product.max(S::zero()).sqrt() * S::from_f64(0.5)
+}
+
+/// Twice the area of a triangle with these sides, at least that of the lowest one allowed.
+fn raised<S: Scalar>(twice_area: S, [a, b, c]: [S; 3]) -> S {
+    let longest = a.max(b).max(c);
+    twice_area.max(S::from_f64(LIFT) * longest * longest)
+}
+
+fn minus<S: Scalar>(a: [S; 3], b: [S; 3]) -> [S; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot<S: Scalar>(a: [S; 3], b: [S; 3]) -> S {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross<S: Scalar>(a: [S; 3], b: [S; 3]) -> [S; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn norm<S: Scalar>(a: [S; 3]) -> S {
+    dot(a, a).sqrt()
+}

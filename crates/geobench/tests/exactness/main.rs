@@ -9,7 +9,6 @@ mod disguises;
 mod formulas;
 mod invariants;
 mod models;
-mod registry;
 mod support;
 mod surfaces;
 mod zoo;

@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
-use crate::registry::Algorithm;
+use geobench::registry::Algorithm;
 use geobench_mesh::{Mesh, io as mesh_io};
 use geobench_oracle::Random;
 use rayon::prelude::*;

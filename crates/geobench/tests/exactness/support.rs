@@ -4,7 +4,7 @@ use std::any::Any;
 use std::fmt::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::registry::{Algorithm, algorithms};
+use geobench::registry::{Algorithm, algorithms};
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_oracle::{Geometry, Model};
 use geobench_window::Solver;

@@ -10,6 +10,11 @@ use crate::mesh::{Mesh, VertexFlags};
 /// excess of δ lengthens a path by at most about δ²/2 of itself.
 const SADDLE_SLACK: f64 = 1e-8;
 
+/// Height of a face, relative to its longest edge, below which its corners send windows of their
+/// own. A ray that passes a corner of such a face closer than rounding resolves may be taken to
+/// pass on the wrong side, and the face then spans the difference with no area to show for it.
+const SLIVER_HEIGHT: f64 = 1e-7;
+
 /// Builds the mesh of manifold, consistently oriented `triangles`.
 ///
 /// `lengths[t][k]` is the length of the edge from corner `k` of triangle `t` to the next corner,
@@ -45,7 +50,21 @@ pub(crate) fn build(
         flags: vec![VertexFlags::default(); vertex_count],
     };
     link_fans(&mut mesh);
+    mark_slivers(&mut mesh);
     mesh
+}
+
+/// Flags the corners of faces of next to no area.
+fn mark_slivers(mesh: &mut Mesh) {
+    for (face, lengths) in mesh.lengths.chunks_exact(3).enumerate() {
+        let longest = lengths[0].max(lengths[1]).max(lengths[2]);
+        let twice_area = lengths[0] * mesh.apexes[3 * face][1];
+        if twice_area < SLIVER_HEIGHT * longest * longest {
+            for v in &mesh.tails[3 * face..3 * face + 3] {
+                mesh.flags[v.index()].beside_sliver = true;
+            }
+        }
+    }
 }
 
 /// Orders the half-edges around every vertex, and derives its angle and flags.

@@ -31,6 +31,7 @@ pub(crate) struct VertexFlags {
     pub(crate) boundary: bool,
     pub(crate) saddle: bool,
     pub(crate) pinched: bool,
+    pub(crate) beside_sliver: bool,
 }
 
 /// Stands in `twins` at a boundary half-edge.
@@ -165,11 +166,19 @@ impl Mesh {
         self.flags[v.index()].pinched
     }
 
-    /// Whether a shortest path may turn at `v`, so that windows must start from it anew: at a
-    /// saddle, and at a pinched vertex, where it may pass from one fan into another.
+    /// Whether `v` is a corner of a face so thin (its height below 1e-7 of its longest edge) that
+    /// rounding may decide on which side of `v` a ray passes.
+    #[inline]
+    pub fn is_beside_sliver(&self, v: VertexId) -> bool {
+        self.flags[v.index()].beside_sliver
+    }
+
+    /// Whether windows must start anew from `v` when a path reaches it: at a saddle, where a
+    /// shortest path may turn; at a pinched vertex, where it may pass from one fan into another;
+    /// and beside slivers, where a whole angle of rays can be lost between two triangles.
     #[inline]
     pub fn is_pseudo_source(&self, v: VertexId) -> bool {
         let flags = self.flags[v.index()];
-        flags.saddle || flags.pinched
+        flags.saddle || flags.pinched || flags.beside_sliver
     }
 }

@@ -182,7 +182,9 @@ impl<'m> Vtp<'m> {
             }
         }
         probe.add(Counter::Filtered, dropped);
-        probe.add(Counter::Kept, self.checked.len() as u64);
+        // Only windows that start from the vertex behind the edge have their source there.
+        let children = self.checked.iter().filter(|w| w.source() != behind).count();
+        probe.add(Counter::Kept, children as u64);
     }
 
     /// The shortest path of the checked windows to the apex; notes their separating abscissae.

@@ -8,11 +8,14 @@ use geobench_window::{Window, tie_points};
 /// one wins ties, so that a window that comes twice is not stored twice.
 const MARGIN: f64 = 1.0 - 1e-12;
 
-/// Width, relative to the edge, below which what trimming leaves of a window is dropped.
+/// Width below which what trimming leaves of a window is dropped, as a fraction of the edge or of
+/// the distance of the source, whichever is less.
 ///
 /// Windows that meet along a ray overlap by rounding, and trimming then leaves slivers of 1e-17 to
 /// 1e-11 of an edge, a third of all windows on scans, while true windows are wider than 1e-9. The
 /// bent paths along the neighbours of a sliver are as short as its own to far below rounding.
+/// Only where a source stands on the edge, behind a face of no area, do rays of all directions pass
+/// through as little as that; hence the distance of the source.
 const SLIVER: f64 = 1e-10;
 
 /// Set in a tag while the window waits in the queue.
@@ -131,15 +134,22 @@ impl Inserter {
             .iter()
             .take_while(|s| s.window.b0 < new.b1)
             .count();
-        self.share_out(&list.windows[first..first + met], new, SLIVER * l);
-        self.segments.retain(|s| s.end - s.start > SLIVER * l);
+        let met_windows = &list.windows[first..first + met];
+        self.share_out(met_windows, new, l);
+        self.segments.retain(|s| {
+            let owner = match s.owner {
+                Owner::New => new,
+                Owner::Old(i) => &met_windows[i].window,
+            };
+            !is_sliver(owner, s.start, s.end, l)
+        });
         if self.segments.iter().any(|s| s.owner == Owner::New) {
             self.replace(list, first..first + met, new, direction);
         }
     }
 
     /// Divides the ranges of `met` and `new` between them.
-    fn share_out(&mut self, met: &[Stored], new: &Window, sliver: f64) {
+    fn share_out(&mut self, met: &[Stored], new: &Window, l: f64) {
         self.segments.clear();
         let mut covered = new.b0;
         for (i, stored) in met.iter().enumerate() {
@@ -148,11 +158,14 @@ impl Inserter {
             let (lo, hi) = (w.b0.max(new.b0), w.b1.min(new.b1));
             self.grant(covered, w.b0, Owner::New);
             self.grant(w.b0, lo, old);
+            // Ranges that matter to neither are not worth a trim.
+            let matters = |start, end| {
+                start < end && !(is_sliver(w, start, end, l) && is_sliver(new, start, end, l))
+            };
             let mut start = lo;
-            if hi - lo > sliver {
-                let ties = tie_points(w, new);
-                for &tie in ties.as_slice() {
-                    if start + sliver < tie && tie < hi - sliver {
+            if matters(lo, hi) {
+                for &tie in tie_points(w, new).as_slice() {
+                    if matters(start, tie) && matters(tie, hi) {
                         self.grant(start, tie, shorter(w, new, start, tie, old));
                         start = tie;
                     }
@@ -251,6 +264,14 @@ impl Inserter {
             self.queue_piece(window, Direction::of(old.tag));
         }
     }
+}
+
+/// Whether hardly any ray of `w` passes between `start` and `end`; see [`SLIVER`].
+#[inline]
+fn is_sliver(w: &Window, start: f64, end: f64, l: f64) -> bool {
+    let width = end - start;
+    let beside = (start - w.px).max(w.px - end).max(0.0);
+    width <= SLIVER * l && width <= SLIVER * (beside + w.py.abs())
 }
 
 /// Which of a stored and a new window is shorter in the middle of a range without a tie.
@@ -399,6 +420,16 @@ mod tests {
         let again: Vec<_> = inserter.to_queue.iter().filter(|q| q.0 > label).collect();
         assert_eq!(again.len(), 1);
         assert_eq!(again[0].0, window(0.5, 1.0, 0.2, -1.0, 0.0).min_distance());
+    }
+
+    /// The fan of a source that stands on the edge passes through no width at all; when such windows
+    /// were dropped as slivers, vertices behind flat faces came out twice as far.
+    #[test]
+    fn a_window_of_a_source_on_the_edge_is_no_sliver_however_narrow() {
+        let whole = window(0.0, 1.0, 0.5, -1.0, 1.0);
+        let fan = window(0.0, 1e-14, 0.0, -1e-20, 0.0);
+        assert_eq!(insert_all(&[whole, fan]).len(), 2);
+        assert_eq!(insert_all(&[fan]).len(), 1);
     }
 
     /// Windows that meet along a ray overlap by rounding. When the splinters of such overlaps were

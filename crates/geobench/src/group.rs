@@ -330,7 +330,7 @@ impl Entry<'_> {
         let counters = self.counters.unwrap_or_default();
         let count = |counter| counters.get(counter);
         cell.memory = Memory {
-            papers_bytes: count(self.algorithm.algorithm.memory_counter)
+            papers_bytes: count(self.algorithm.algorithm().memory_counter)
                 .map(|windows| windows * PAPERS_WINDOW_BYTES),
             windows_peak_bytes: count(Counter::PeakWindows)
                 .zip(count(Counter::WindowBytes))

@@ -35,11 +35,11 @@ impl Workplace for InProcess {
     }
 }
 
-/// The algorithms that are set up for a mesh, by name. They stay set up for the next run, as they
+/// The algorithms that are set up for a mesh, by label. They stay set up for the next run, as they
 /// would in a program that asks for one source after another.
 struct Bench<'m> {
     mesh: &'m Mesh,
-    solvers: Vec<(&'static str, Box<dyn Solver + 'm>)>,
+    solvers: Vec<(String, Box<dyn Solver + 'm>)>,
 }
 
 impl Executor for Bench<'_> {
@@ -57,7 +57,7 @@ impl Executor for Bench<'_> {
             }),
             Err(panic) => {
                 self.solvers
-                    .retain(|(name, _)| *name != step.algorithm.label());
+                    .retain(|(label, _)| label != step.algorithm.label());
                 Err(Failure {
                     status: Status::Crashed,
                     message: format!("the algorithm panicked: {}", panic_message(&*panic)),
@@ -70,15 +70,15 @@ impl Executor for Bench<'_> {
 impl Bench<'_> {
     /// A run with the solver that is set up, or is set up now.
     fn solve(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
-        let name = step.algorithm.label();
+        let label = step.algorithm.label();
         let mut setup = None;
-        let known = self.solvers.iter().position(|(n, _)| *n == name);
+        let known = self.solvers.iter().position(|(l, _)| l == label);
         let place = known.unwrap_or(self.solvers.len());
         if place == self.solvers.len() {
             let start = Instant::now();
             let solver = step.algorithm.build(self.mesh);
             setup = Some(start.elapsed());
-            self.solvers.push((name, solver));
+            self.solvers.push((label.to_owned(), solver));
         }
         let solver = &mut self.solvers[place].1;
         let sources = [step.source];
@@ -134,7 +134,7 @@ mod tests {
     use geobench_window::Counter;
 
     use super::*;
-    use crate::registry::{self, Algorithm, Selection};
+    use crate::registry::{self, Algorithm, Selection, Values};
 
     static PANICS: Algorithm = Algorithm {
         name: "panics",
@@ -143,8 +143,11 @@ mod tests {
         exact: true,
         summary: "",
         complexity: "",
+        keeps: "",
+        choose: "",
         memory_counter: Counter::PeakWindows,
-        build: |_| panic!("no such luck"),
+        parameters: &[],
+        build: |_, _| panic!("no such luck"),
     };
 
     fn on_a_triangle<T>(test: impl FnOnce(&mut Bench<'_>) -> T) -> T {
@@ -167,7 +170,7 @@ mod tests {
 
     #[test]
     fn each_purpose_delivers_its_figures_and_the_same_answer() {
-        let algorithm = registry::select("mmp").unwrap()[0];
+        let algorithm = registry::select_one("mmp").unwrap();
         on_a_triangle(|bench| {
             let mut run = |purpose| bench.execute(&step(&algorithm, 1, purpose)).unwrap();
             let warm = run(Purpose::WarmUp);
@@ -186,8 +189,8 @@ mod tests {
 
     #[test]
     fn a_panic_is_a_crash_of_that_cell_alone() {
-        let panics = Selection { algorithm: &PANICS };
-        let mmp = registry::select("mmp").unwrap()[0];
+        let panics = Selection::new(&PANICS, Values::default());
+        let mmp = registry::select_one("mmp").unwrap();
         on_a_triangle(|bench| {
             for purpose in [Purpose::Time, Purpose::Count] {
                 let failure = bench.execute(&step(&panics, 0, purpose)).unwrap_err();
@@ -200,7 +203,7 @@ mod tests {
 
     #[test]
     fn a_source_that_does_not_exist_is_refused() {
-        let mmp = registry::select("mmp").unwrap()[0];
+        let mmp = registry::select_one("mmp").unwrap();
         on_a_triangle(|bench| {
             let failure = bench.execute(&step(&mmp, 3, Purpose::Time)).unwrap_err();
             assert_eq!(failure.status, Status::Refused);

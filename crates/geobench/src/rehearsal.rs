@@ -111,10 +111,11 @@ pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
     Plan {
         models: models.iter().map(|name| ModelRef::named(name)).collect(),
         reference: Reference::Algorithm(
-            *algorithms
+            algorithms
                 .iter()
                 .find(|a| a.label() == "mmp")
-                .unwrap_or(&algorithms[0]),
+                .unwrap_or(&algorithms[0])
+                .clone(),
         ),
         algorithms,
         sources: sources.parse().unwrap(),

@@ -36,7 +36,7 @@ fn runs_are_interleaved_and_the_reference_goes_first() {
 #[test]
 fn a_reference_that_is_not_measured_runs_once() {
     let mut plan = plan(&["horse"], "vtp", "0");
-    plan.reference = Reference::Algorithm(registry::select("ich").unwrap()[0]);
+    plan.reference = Reference::Algorithm(registry::select_one("ich").unwrap());
     plan.warmup = 0;
     plan.repeat = 1;
     let mut rehearsal = Rehearsal::default();

@@ -157,7 +157,7 @@ pub(super) struct DistanceOptions {
     pub(super) source: SourceSpec,
 
     /// The algorithm
-    #[arg(long, value_name = "A", default_value = "vtp", value_parser = one_algorithm)]
+    #[arg(long, value_name = "A", default_value = "vtp", value_parser = registry::select_one)]
     pub(super) algo: Selection,
 
     /// File to write, by its ending: .csv, .json, .npy, .ply or .vtk
@@ -208,13 +208,6 @@ pub(super) struct Algorithms(pub(super) Vec<Selection>);
 
 fn algorithms(list: &str) -> Result<Algorithms, registry::SelectError> {
     registry::select(list).map(Algorithms)
-}
-
-fn one_algorithm(name: &str) -> Result<Selection, String> {
-    match registry::select(name).map_err(|e| e.to_string())?[..] {
-        [one] => Ok(one),
-        _ => Err("name one algorithm".to_owned()),
-    }
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

@@ -15,7 +15,7 @@ use crate::in_process::InProcess;
 use crate::output::OutputFile;
 use crate::plan::{Plan, Reference};
 use crate::record::{Cell, ModelRecord, ResultFile, SCHEMA, Status};
-use crate::registry::{self, Selection};
+use crate::registry::{self, SelectError, Selection};
 use crate::runner::{self, Listener, Step};
 use crate::{host, model, suite};
 
@@ -118,7 +118,7 @@ fn reference(check: Option<&str>, algorithms: &[Selection]) -> anyhow::Result<Re
     let Some(check) = check else {
         let usual = algorithms.iter().find(|a| a.label() == "mmp");
         return Ok(match usual.or(algorithms.first()) {
-            Some(selection) => Reference::Algorithm(*selection),
+            Some(selection) => Reference::Algorithm(selection.clone()),
             None => Reference::None,
         });
     };
@@ -138,11 +138,9 @@ fn reference(check: Option<&str>, algorithms: &[Selection]) -> anyhow::Result<Re
         }
         return Ok(Reference::Files(Expected::File(path.to_owned())));
     }
-    match registry::select(check) {
-        Ok(selected) => match selected[..] {
-            [one] => Ok(Reference::Algorithm(one)),
-            _ => bail!("--check {check}: name one algorithm"),
-        },
+    match registry::select_one(check) {
+        Ok(one) => Ok(Reference::Algorithm(one)),
+        Err(error @ SelectError::Several { .. }) => bail!("--check: {error}"),
         Err(error) => bail!("--check: {error}; also `none`, `file` or a .csv file"),
     }
 }

@@ -22,7 +22,7 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     let models = models(&options.models)?;
     let mut algorithms = options.algo.0.clone();
     // The reference goes first, so that its answer is there for the others.
-    let reference = registry::select(REFERENCE)?[0];
+    let reference = registry::select_one(REFERENCE)?;
     algorithms.retain(|a| a.label() != REFERENCE);
     algorithms.insert(0, reference);
 

@@ -57,7 +57,7 @@ fn wrong_usage() {
         ),
         (
             "run square.off --check all",
-            "--check all: name one algorithm",
+            "algorithms; name one algorithm",
         ),
         ("run square.off --check no.csv", "--check no.csv: "),
         (

@@ -40,7 +40,7 @@ impl<'m> Run<'m> {
         Self {
             algorithm: algorithm.name,
             model,
-            solver: (algorithm.build)(mesh),
+            solver: algorithm.build_default(mesh),
         }
     }
 

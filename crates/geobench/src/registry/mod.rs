@@ -1,0 +1,26 @@
+//! Every algorithm of the suite, in one table, and how users ask for them.
+//!
+//! This is the only place that knows which algorithms exist. The rest of the program reaches a
+//! solver through [`Selection::build`] and the [`Solver`](geobench_window::Solver) trait. The
+//! table has a file for each family; adding an algorithm is one entry in one of these files, and
+//! adding a family is a file and a line in [`algorithms`].
+
+mod algorithm;
+mod ch;
+mod mmp;
+mod parameter;
+mod select;
+mod vtp;
+
+use std::sync::LazyLock;
+
+pub use algorithm::Algorithm;
+pub use parameter::{Allowed, Numbers, Parameter, Value, Values};
+pub use select::{SelectError, Selection, select, select_one};
+
+/// Every algorithm, in the order in which tables show them.
+pub fn algorithms() -> &'static [Algorithm] {
+    static ALL: LazyLock<Vec<Algorithm>> =
+        LazyLock::new(|| [mmp::FAMILY, ch::FAMILY, vtp::FAMILY].concat());
+    &ALL
+}

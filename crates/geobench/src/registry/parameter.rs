@@ -1,0 +1,337 @@
+//! What can be set of an algorithm, and to what.
+
+use std::fmt;
+use std::ops::RangeInclusive;
+
+/// Something that can be set of an algorithm. A number, one of a few words, or either.
+///
+/// ```
+/// use geobench::registry::{Parameter, Value};
+///
+/// const KMAX: Parameter = Parameter::integer("kmax", 20_000, 1..=1_000_000, "greatest batch");
+/// const WIDTH: Parameter = Parameter::real("width", 1.0, 0.01..=100.0, "width of a bucket");
+/// const LIMIT: Parameter = Parameter::real("limit", 0.5, 0.0..=1.0, "drops what is below")
+///     .or_words(&["none"])
+///     .with_default(Value::Word("none"));
+/// const ORDER: Parameter = Parameter::word("order", &["fifo", "nearest"], "who comes first");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// The key by which users set it, in lower case.
+    pub name: &'static str,
+    /// Its value where none is given.
+    pub default: Value,
+    /// The values it can take.
+    pub allowed: Allowed,
+    /// What it is, in one line.
+    pub meaning: &'static str,
+}
+
+/// A value of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// A whole number.
+    Integer(u64),
+    /// A finite number.
+    Real(f64),
+    /// One of the words that the parameter knows.
+    Word(&'static str),
+}
+
+/// The values that a parameter can take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Allowed {
+    /// The numbers.
+    pub numbers: Numbers,
+    /// The words, which can be given in any letter case.
+    pub words: &'static [&'static str],
+}
+
+/// The numbers that a parameter can take; both ends of a range are in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Numbers {
+    /// None: it takes words only.
+    None,
+    /// Whole numbers in this range.
+    Integers(u64, u64),
+    /// Numbers in this range.
+    Reals(f64, f64),
+}
+
+impl Parameter {
+    /// A parameter that is a whole number in `range`.
+    pub const fn integer(
+        name: &'static str,
+        default: u64,
+        range: RangeInclusive<u64>,
+        meaning: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            default: Value::Integer(default),
+            allowed: Allowed {
+                numbers: Numbers::Integers(*range.start(), *range.end()),
+                words: &[],
+            },
+            meaning,
+        }
+    }
+
+    /// A parameter that is a number in `range`.
+    pub const fn real(
+        name: &'static str,
+        default: f64,
+        range: RangeInclusive<f64>,
+        meaning: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            default: Value::Real(default),
+            allowed: Allowed {
+                numbers: Numbers::Reals(*range.start(), *range.end()),
+                words: &[],
+            },
+            meaning,
+        }
+    }
+
+    /// A parameter that is one of `words`, of which there is at least one; the first is the
+    /// default.
+    pub const fn word(
+        name: &'static str,
+        words: &'static [&'static str],
+        meaning: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            default: Value::Word(words[0]),
+            allowed: Allowed {
+                numbers: Numbers::None,
+                words,
+            },
+            meaning,
+        }
+    }
+
+    /// The same, but one of `words` can stand instead of a number.
+    #[must_use]
+    pub const fn or_words(mut self, words: &'static [&'static str]) -> Self {
+        self.allowed.words = words;
+        self
+    }
+
+    /// The same with another default.
+    #[must_use]
+    pub const fn with_default(mut self, default: Value) -> Self {
+        self.default = default;
+        self
+    }
+
+    /// The value that `text` means, if the parameter can take it.
+    pub fn parse(&self, text: &str) -> Option<Value> {
+        let word = |w: &&&str| w.eq_ignore_ascii_case(text);
+        if let Some(word) = self.allowed.words.iter().find(word) {
+            return Some(Value::Word(word));
+        }
+        match self.allowed.numbers {
+            Numbers::None => None,
+            Numbers::Integers(least, most) => text
+                .parse()
+                .ok()
+                .filter(|n| (least..=most).contains(n))
+                .map(Value::Integer),
+            Numbers::Reals(least, most) => text
+                .parse()
+                .ok()
+                .filter(|x| (least..=most).contains(x))
+                .map(Value::Real),
+        }
+    }
+}
+
+impl fmt::Display for Value {
+    /// As it is written in labels: the shortest form that reads back as the same value.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Integer(n) => write!(f, "{n}"),
+            Self::Real(x) => {
+                let (plain, scientific) = (x.to_string(), format!("{x:e}"));
+                f.write_str(if scientific.len() < plain.len() {
+                    &scientific
+                } else {
+                    &plain
+                })
+            }
+            Self::Word(word) => f.write_str(word),
+        }
+    }
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.numbers {
+            Numbers::None => {}
+            Numbers::Integers(least, most) => {
+                write!(f, "a whole number from {least} to {most}")?;
+            }
+            Numbers::Reals(least, most) => write!(
+                f,
+                "a number from {} to {}",
+                Value::Real(least),
+                Value::Real(most)
+            )?,
+        }
+        for (i, word) in self.words.iter().enumerate() {
+            let or = i > 0 || self.numbers != Numbers::None;
+            write!(f, "{}`{word}`", if or { " or " } else { "" })?;
+        }
+        Ok(())
+    }
+}
+
+/// Values of the parameters of an algorithm. A parameter that is not mentioned has its default.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Values {
+    /// Those that differ from the defaults, in the order of the table.
+    given: Vec<(&'static str, Value)>,
+}
+
+impl Values {
+    /// Those of `given` that are not the defaults, in the order of `parameters`.
+    pub(super) fn new(parameters: &[Parameter], given: &[(&Parameter, Value)]) -> Self {
+        let find = |p: &Parameter| {
+            let (_, value) = given.iter().find(|(g, _)| g.name == p.name)?;
+            (*value != p.default).then_some((p.name, *value))
+        };
+        Self {
+            given: parameters.iter().filter_map(find).collect(),
+        }
+    }
+
+    /// The value of `parameter`.
+    pub fn get(&self, parameter: &Parameter) -> Value {
+        self.given
+            .iter()
+            .find(|(name, _)| *name == parameter.name)
+            .map_or(parameter.default, |(_, value)| *value)
+    }
+
+    /// The value of a parameter that is a whole number; `None` if a word stands instead.
+    pub fn integer_or_word(&self, parameter: &Parameter) -> Option<u64> {
+        match self.get(parameter) {
+            Value::Integer(n) => Some(n),
+            Value::Real(_) | Value::Word(_) => None,
+        }
+    }
+
+    /// The value of a parameter that is a number; `None` if a word stands instead.
+    pub fn real_or_word(&self, parameter: &Parameter) -> Option<f64> {
+        match self.get(parameter) {
+            Value::Real(x) => Some(x),
+            Value::Integer(_) | Value::Word(_) => None,
+        }
+    }
+
+    /// The value of a parameter that is always a whole number.
+    ///
+    /// # Panics
+    ///
+    /// If the parameter is of another kind, which no user can bring about.
+    pub fn integer(&self, parameter: &Parameter) -> u64 {
+        self.integer_or_word(parameter)
+            .unwrap_or_else(|| panic!("`{}` is not always a whole number", parameter.name))
+    }
+
+    /// The value of a parameter that is always a number.
+    ///
+    /// # Panics
+    ///
+    /// If the parameter is of another kind, which no user can bring about.
+    pub fn real(&self, parameter: &Parameter) -> f64 {
+        self.real_or_word(parameter)
+            .unwrap_or_else(|| panic!("`{}` is not always a number", parameter.name))
+    }
+
+    /// The word that a parameter is set to; `None` if it is a number.
+    pub fn word(&self, parameter: &Parameter) -> Option<&'static str> {
+        match self.get(parameter) {
+            Value::Word(word) => Some(word),
+            Value::Integer(_) | Value::Real(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for Values {
+    /// The way in which they are asked for, `{key=value,...}`; nothing if all are the defaults.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, (name, value)) in self.given.iter().enumerate() {
+            write!(f, "{}{name}={value}", if i == 0 { '{' } else { ',' })?;
+        }
+        f.write_str(if self.given.is_empty() { "" } else { "}" })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const K: Parameter = Parameter::integer("k", 5, 1..=9, "");
+    const WIDTH: Parameter = Parameter::real("width", 1.0, 0.0..=1e9, "");
+    const LIMIT: Parameter = Parameter::real("limit", 0.5, 0.0..=1.0, "")
+        .or_words(&["none"])
+        .with_default(Value::Word("none"));
+    const ORDER: Parameter = Parameter::word("order", &["fifo", "nearest"], "");
+
+    #[test]
+    fn values_within_bounds_are_read() {
+        assert_eq!(K.parse("9"), Some(Value::Integer(9)));
+        assert_eq!(WIDTH.parse("1e-6"), Some(Value::Real(1e-6)));
+        assert_eq!(LIMIT.parse("NONE"), Some(Value::Word("none")));
+        assert_eq!(LIMIT.parse("1"), Some(Value::Real(1.0)));
+        assert_eq!(ORDER.parse("nearest"), Some(Value::Word("nearest")));
+        for (parameter, text) in [
+            (K, "0"),
+            (K, "10"),
+            (K, "1.5"),
+            (K, "-1"),
+            (K, "99999999999999999999999"),
+            (K, "none"),
+            (WIDTH, "inf"),
+            (WIDTH, "nan"),
+            (WIDTH, "-1"),
+            (LIMIT, "nine"),
+            (ORDER, "1"),
+            (ORDER, ""),
+        ] {
+            assert_eq!(parameter.parse(text), None, "{} = {text}", parameter.name);
+        }
+    }
+
+    #[test]
+    fn values_are_written_as_short_as_can_be() {
+        let text = |x| Value::Real(x).to_string();
+        assert_eq!(text(1e-6), "1e-6");
+        assert_eq!(text(0.5), "0.5");
+        assert_eq!(text(20_000.0), "2e4");
+        assert_eq!(text(1.0), "1");
+        assert_eq!(K.allowed.to_string(), "a whole number from 1 to 9");
+        assert_eq!(LIMIT.allowed.to_string(), "a number from 0 to 1 or `none`");
+        assert_eq!(ORDER.allowed.to_string(), "`fifo` or `nearest`");
+    }
+
+    #[test]
+    fn what_is_not_given_has_its_default() {
+        let all = [K, WIDTH, LIMIT];
+        let values = Values::new(
+            &all,
+            &[(&LIMIT, Value::Real(0.25)), (&K, Value::Integer(5))],
+        );
+        assert_eq!(values.to_string(), "{limit=0.25}");
+        assert_eq!(values.integer(&K), 5);
+        assert_eq!(values.real(&WIDTH), 1.0);
+        assert_eq!(values.real_or_word(&LIMIT), Some(0.25));
+        assert_eq!(Values::default().real_or_word(&LIMIT), None);
+        assert_eq!(Values::default().word(&ORDER), Some("fifo"));
+        assert_eq!(Values::default().to_string(), "");
+    }
+}

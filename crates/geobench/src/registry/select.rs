@@ -1,0 +1,295 @@
+//! How users ask for algorithms.
+
+use geobench_mesh::Mesh;
+use geobench_window::Solver;
+
+use super::{Algorithm, Parameter, Value, Values, algorithms};
+
+/// An algorithm that a user asked for, with the values of its parameters.
+#[derive(Clone, Debug)]
+pub struct Selection {
+    algorithm: Algorithm,
+    values: Values,
+    label: String,
+}
+
+impl Selection {
+    /// The algorithm with these values.
+    pub fn new(algorithm: &Algorithm, values: Values) -> Self {
+        Self {
+            algorithm: *algorithm,
+            label: format!("{}{values}", algorithm.name),
+            values,
+        }
+    }
+
+    /// The algorithm.
+    pub const fn algorithm(&self) -> &Algorithm {
+        &self.algorithm
+    }
+
+    /// The name under which its results are shown and stored: that of the algorithm, followed by
+    /// the parameters that do not have their defaults, as in `fwp-mmp{kmax=5000}`. The same
+    /// algorithm with the same values has the same label however it was asked for.
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// Sets the algorithm up for `mesh`.
+    pub fn build<'m>(&self, mesh: &'m Mesh) -> Box<dyn Solver + 'm> {
+        (self.algorithm.build)(mesh, &self.values)
+    }
+}
+
+/// Why a list of algorithms was not understood.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SelectError {
+    /// The list, or one place in it, is empty.
+    #[error("an algorithm name is missing in `{list}`; give names separated by commas")]
+    Empty {
+        /// The list as it was given.
+        list: String,
+    },
+    /// Several algorithms are asked for where there is room for one.
+    #[error("`{list}` asks for {count} algorithms; name one algorithm")]
+    Several {
+        /// The list as it was given.
+        list: String,
+        /// How many it asks for.
+        count: usize,
+    },
+    /// No algorithm, family or group has this name.
+    #[error("there is no algorithm `{name}`{}; known are {known}", did_you_mean(suggestion.as_deref()))]
+    Unknown {
+        /// The name asked for.
+        name: String,
+        /// The nearest known name, if one is near.
+        suggestion: Option<String>,
+        /// All names that would be understood.
+        known: String,
+    },
+    /// The parameters are not of the form `{key=value,...}`.
+    #[error("`{item}` is not understood: parameters are written `name{{key=value,...}}`")]
+    Malformed {
+        /// The item as it was given.
+        item: String,
+    },
+    /// The algorithm has no parameters at all.
+    #[error("algorithm `{name}` takes no parameters, but `{key}` is given")]
+    NoParameters {
+        /// The algorithm.
+        name: String,
+        /// The parameter.
+        key: String,
+    },
+    /// The algorithm has parameters, but not this one.
+    #[error("algorithm `{name}` has no parameter `{key}`{}; it has {known}", did_you_mean(suggestion.as_deref()))]
+    UnknownParameter {
+        /// The algorithm.
+        name: String,
+        /// The parameter asked for.
+        key: String,
+        /// The nearest parameter that it has, if one is near.
+        suggestion: Option<String>,
+        /// All parameters that it has.
+        known: String,
+    },
+    /// A parameter is given twice.
+    #[error("algorithm `{name}`: parameter `{key}` is given twice")]
+    Twice {
+        /// The algorithm.
+        name: String,
+        /// The parameter.
+        key: String,
+    },
+    /// The parameter cannot have this value.
+    #[error("algorithm `{name}`: `{value}` is not a value of `{key}`, which is {allowed}")]
+    Value {
+        /// The algorithm.
+        name: String,
+        /// The parameter.
+        key: String,
+        /// What was given.
+        value: String,
+        /// What can be given.
+        allowed: String,
+    },
+}
+
+fn did_you_mean(suggestion: Option<&str>) -> String {
+    suggestion.map_or_else(String::new, |name| format!(", did you mean `{name}`?"))
+}
+
+/// The algorithms that a comma-separated list of names, families, `exact` and `all` asks for, in
+/// any letter case, in the order in which they are first named; each once, unless with other
+/// values of its parameters.
+///
+/// # Errors
+///
+/// Names the first item that is not understood, with what would be.
+pub fn select(list: &str) -> Result<Vec<Selection>, SelectError> {
+    let mut chosen: Vec<Selection> = Vec::new();
+    for item in split_outside_braces(list) {
+        for selection in matches(item, list)? {
+            if chosen.iter().all(|c| c.label != selection.label) {
+                chosen.push(selection);
+            }
+        }
+    }
+    Ok(chosen)
+}
+
+/// The one algorithm that `name` asks for.
+///
+/// # Errors
+///
+/// As [`select`], and when there are several.
+pub fn select_one(name: &str) -> Result<Selection, SelectError> {
+    let mut selected = select(name)?;
+    match (selected.len(), selected.pop()) {
+        (1, Some(one)) => Ok(one),
+        (count, _) => Err(SelectError::Several {
+            list: name.to_owned(),
+            count,
+        }),
+    }
+}
+
+/// What one item of a list asks for.
+fn matches(item: &str, list: &str) -> Result<Vec<Selection>, SelectError> {
+    let (name, settings) = split_parameters(item)?;
+    if name.is_empty() {
+        return Err(SelectError::Empty { list: list.into() });
+    }
+    let found: Vec<_> = algorithms()
+        .iter()
+        .filter(|a| match name.as_str() {
+            "all" => true,
+            "exact" => a.exact,
+            _ => a.name == name || a.family == name,
+        })
+        .collect();
+    if found.is_empty() {
+        return Err(unknown(name));
+    }
+    found.iter().map(|a| with_settings(a, &settings)).collect()
+}
+
+/// `algorithm` with the values that `settings` gives to the parameters of these names.
+fn with_settings(
+    algorithm: &Algorithm,
+    settings: &[(String, &str)],
+) -> Result<Selection, SelectError> {
+    let name = || algorithm.name.to_owned();
+    let mut given: Vec<(&Parameter, Value)> = Vec::new();
+    for (key, text) in settings {
+        let Some(parameter) = algorithm.parameters.iter().find(|p| p.name == key) else {
+            return Err(unknown_parameter(algorithm, key));
+        };
+        let Some(value) = parameter.parse(text) else {
+            return Err(SelectError::Value {
+                name: name(),
+                key: key.clone(),
+                value: (*text).to_owned(),
+                allowed: parameter.allowed.to_string(),
+            });
+        };
+        if given.iter().any(|(other, _)| other.name == parameter.name) {
+            return Err(SelectError::Twice {
+                name: name(),
+                key: key.clone(),
+            });
+        }
+        given.push((parameter, value));
+    }
+    let values = Values::new(algorithm.parameters, &given);
+    Ok(Selection::new(algorithm, values))
+}
+
+/// Splits at the commas that are not inside `{}`.
+fn split_outside_braces(list: &str) -> impl Iterator<Item = &str> {
+    let mut depth = 0_i32;
+    list.split(move |c| {
+        match c {
+            '{' => depth = depth.saturating_add(1),
+            '}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        c == ',' && depth <= 0
+    })
+    .map(str::trim)
+}
+
+/// Keys in lower case with their values as written.
+type Settings<'i> = Vec<(String, &'i str)>;
+
+/// The name of one item in lower case, and its parameters.
+fn split_parameters(item: &str) -> Result<(String, Settings<'_>), SelectError> {
+    let malformed = || SelectError::Malformed { item: item.into() };
+    let Some((name, rest)) = item.split_once('{') else {
+        if item.contains(['}', '=']) {
+            return Err(malformed());
+        }
+        return Ok((item.to_lowercase(), Vec::new()));
+    };
+    let body = rest.strip_suffix('}').ok_or_else(malformed)?;
+    let settings = body
+        .split(',')
+        .filter(|_| !body.trim().is_empty())
+        .map(|pair| match pair.split_once('=') {
+            Some((key, value))
+                if !key.trim().is_empty()
+                    && !value.trim().is_empty()
+                    && !pair.contains(['{', '}']) =>
+            {
+                Ok((key.trim().to_lowercase(), value.trim()))
+            }
+            _ => Err(malformed()),
+        })
+        .collect::<Result<_, _>>()?;
+    Ok((name.trim().to_lowercase(), settings))
+}
+
+fn unknown(name: String) -> SelectError {
+    let mut known: Vec<&str> = algorithms().iter().map(|a| a.name).collect();
+    for algorithm in algorithms() {
+        if !known.contains(&algorithm.family) {
+            known.push(algorithm.family);
+        }
+    }
+    known.extend(["exact", "all"]);
+    SelectError::Unknown {
+        suggestion: nearest(&name, &known),
+        name,
+        known: known.join(", "),
+    }
+}
+
+fn unknown_parameter(algorithm: &Algorithm, key: &str) -> SelectError {
+    let known: Vec<&str> = algorithm.parameters.iter().map(|p| p.name).collect();
+    let (name, key) = (algorithm.name.to_owned(), key.to_owned());
+    if known.is_empty() {
+        return SelectError::NoParameters { name, key };
+    }
+    SelectError::UnknownParameter {
+        suggestion: nearest(&key, &known),
+        name,
+        key,
+        known: known.join(", "),
+    }
+}
+
+/// The one of `known` that a mistyped `name` is likely to mean.
+pub(crate) fn nearest(name: &str, known: &[&str]) -> Option<String> {
+    known
+        .iter()
+        .map(|k| (strsim::damerau_levenshtein(name, k), *k))
+        .filter(|(distance, k)| *distance <= 1 + k.len() / 4)
+        .min()
+        .map(|(_, k)| k.to_owned())
+}
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;

@@ -1,0 +1,203 @@
+use geobench_mesh::{Mesh, TriangleSoup, VertexId};
+use geobench_window::Counter;
+
+use super::*;
+use crate::registry::Numbers;
+
+/// The names that scripts may rely on, from the command-line contract.
+const PROMISED: &str = "ch ich1 ich mmp mmp-edge fwp-mmp fwp-ch lc-mmp lc-ch ftp opftp vtp opvtp \
+    vtp-exhaustive vtp-trimming vtp-mmp vtp-ch edge-based vtp-no-rule1 vtp-no-rules23 vtp-fast \
+    pvtp window-vtp dijkstra fmm fmm-untidy heat svg avtp";
+
+fn names(list: &str) -> Vec<String> {
+    let selected = select(list).unwrap();
+    selected.iter().map(|s| s.label().to_owned()).collect()
+}
+
+#[test]
+fn names_are_unique_and_promised() {
+    for (i, algorithm) in algorithms().iter().enumerate() {
+        let name = algorithm.name;
+        assert!(
+            PROMISED.split_whitespace().any(|promised| promised == name),
+            "`{name}` is not one of the promised names"
+        );
+        assert!(
+            algorithms()[..i].iter().all(|a| a.name != name),
+            "`{name}` stands twice in the table"
+        );
+        assert_eq!(name, name.to_lowercase());
+        assert!(algorithms().iter().all(|a| a.name != algorithm.family));
+        for fact in [
+            algorithm.paper,
+            algorithm.summary,
+            algorithm.complexity,
+            algorithm.keeps,
+            algorithm.choose,
+        ] {
+            assert!(!fact.is_empty(), "`{name}` lacks a fact");
+        }
+    }
+}
+
+/// Every value that a parameter can be told to have at its bounds, as a user writes it.
+fn extremes(parameter: &Parameter) -> Vec<String> {
+    let words = parameter.allowed.words.iter().map(|w| (*w).to_owned());
+    let numbers = match parameter.allowed.numbers {
+        Numbers::None => vec![],
+        Numbers::Integers(least, most) => vec![least.to_string(), most.to_string()],
+        Numbers::Reals(least, most) => vec![least.to_string(), most.to_string()],
+    };
+    words.chain(numbers).collect()
+}
+
+#[test]
+fn every_algorithm_solves_with_every_extreme_of_its_parameters() {
+    let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+    let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, vec![[0, 1, 2]])).unwrap();
+    let check = |item: &str| {
+        let mut solver = select_one(item).unwrap().build(&mesh);
+        let solution = solver.solve(&[VertexId::new(1)]).unwrap();
+        assert_eq!(solution.distances, [3.0, 0.0, 5.0], "{item}");
+    };
+    for algorithm in algorithms() {
+        check(algorithm.name);
+        for (i, parameter) in algorithm.parameters.iter().enumerate() {
+            let name = parameter.name;
+            assert_eq!(name, name.to_lowercase());
+            assert!(algorithm.parameters[..i].iter().all(|p| p.name != name));
+            assert!(!parameter.meaning.is_empty());
+            let default = parameter.default.to_string();
+            assert_eq!(parameter.parse(&default), Some(parameter.default), "{name}");
+            for value in extremes(parameter) {
+                check(&format!("{}{{{name}={value}}}", algorithm.name));
+            }
+        }
+    }
+}
+
+#[test]
+fn names_families_and_groups_in_any_case() {
+    assert_eq!(names("vtp,mmp"), ["vtp", "mmp"]);
+    assert_eq!(names(" VTP , Ich "), ["vtp", "ich"]);
+    assert!(names("vtp-family").contains(&"vtp".to_owned()));
+    assert!(!names("vtp-family").contains(&"mmp".to_owned()));
+    assert_eq!(names("all").len(), algorithms().len());
+    assert_eq!(names("ich,all").len(), algorithms().len());
+    assert_eq!(names("ich,all")[0], "ich");
+    assert_eq!(names("mmp,MMP,mmp{}"), ["mmp"]);
+    assert!(matches!(
+        select_one("mmp,vtp"),
+        Err(SelectError::Several { count: 2, .. })
+    ));
+}
+
+#[test]
+fn an_unknown_name_brings_the_nearest_one() {
+    let message = select("vtq").unwrap_err().to_string();
+    assert!(message.starts_with("there is no algorithm `vtq`, did you mean `vtp`?"));
+    assert!(message.contains("known are mmp, "));
+    assert!(matches!(
+        select("a-b-c-d"),
+        Err(SelectError::Unknown {
+            suggestion: None,
+            ..
+        })
+    ));
+}
+
+#[test]
+fn lists_that_are_not_understood() {
+    for item in [
+        "mmp{",
+        "mmp}",
+        "mmp{x}",
+        "mmp{=1}",
+        "mmp{a=}",
+        "mmp{a=1}x",
+        "mmp=1",
+    ] {
+        assert!(
+            matches!(select(item), Err(SelectError::Malformed { .. })),
+            "{item}"
+        );
+    }
+    for list in ["", ",", "mmp,", "mmp,,vtp", "{a=1}"] {
+        assert!(
+            matches!(select(list), Err(SelectError::Empty { .. })),
+            "{list}"
+        );
+    }
+}
+
+const NO_ONE: Algorithm = Algorithm {
+    name: "no-one",
+    family: "test",
+    paper: "",
+    exact: true,
+    summary: "",
+    complexity: "",
+    keeps: "",
+    choose: "",
+    memory_counter: Counter::PeakWindows,
+    parameters: &[
+        Parameter::integer("kmax", 20_000, 1..=1_000_000, ""),
+        Parameter::real("bucket", 1.0, 0.01..=100.0, ""),
+        Parameter::word("order", &["fifo", "nearest"], ""),
+    ],
+    build: |_, _| unreachable!("never built"),
+};
+
+/// What becomes of `no-one` with these settings.
+fn set(item: &str) -> Result<String, String> {
+    let (_, settings) = split_parameters(item).unwrap();
+    let selection = with_settings(&NO_ONE, &settings).map_err(|e| e.to_string())?;
+    Ok(selection.label().to_owned())
+}
+
+#[test]
+fn a_label_is_the_same_however_values_are_written() {
+    assert_eq!(set("no-one").unwrap(), "no-one");
+    assert_eq!(set("no-one{kmax=20000,bucket=1.0}").unwrap(), "no-one");
+    assert_eq!(
+        set("no-one{ORDER=Nearest, bucket = 2.50 ,kmax=05000}").unwrap(),
+        "no-one{kmax=5000,bucket=2.5,order=nearest}"
+    );
+}
+
+#[test]
+fn parameters_are_refused_with_what_would_be_right() {
+    for (item, message) in [
+        (
+            "no-one{kmx=1}",
+            "algorithm `no-one` has no parameter `kmx`, did you mean `kmax`?; it has kmax, bucket, order",
+        ),
+        (
+            "no-one{kmax=0}",
+            "algorithm `no-one`: `0` is not a value of `kmax`, which is a whole number from 1 to 1000000",
+        ),
+        (
+            "no-one{bucket=wide}",
+            "algorithm `no-one`: `wide` is not a value of `bucket`, which is a number from 0.01 to 100",
+        ),
+        (
+            "no-one{order=last}",
+            "algorithm `no-one`: `last` is not a value of `order`, which is `fifo` or `nearest`",
+        ),
+        (
+            "no-one{kmax=1,KMAX=2}",
+            "algorithm `no-one`: parameter `kmax` is given twice",
+        ),
+    ] {
+        assert_eq!(set(item).unwrap_err(), message);
+    }
+    // Where several algorithms are meant, all must know the parameter.
+    assert_eq!(
+        select("mmp{k=5},vtp").unwrap_err(),
+        SelectError::NoParameters {
+            name: "mmp".into(),
+            key: "k".into()
+        }
+    );
+    assert!(select("all{k=5}").is_err());
+}

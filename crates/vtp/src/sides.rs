@@ -13,6 +13,8 @@ pub(crate) struct BestPath {
     pub(crate) entry: f64,
     /// Image of the window's (pseudo-)source.
     pub(crate) source: [f64; 2],
+    /// Bound on what rounding does to lengths on the edge.
+    pub(crate) slack: f64,
 }
 
 /// Limits within which a window may go on.
@@ -44,11 +46,16 @@ impl BestPath {
             is_clearly_right(w.source(), [w.b1, 0.0], self.source)
                 && is_clearly_left(self.source, [s, 0.0], w.source())
         };
-        let left = w.b0 < s && !(s < sp.min(w.b1) && crossed_left());
-        let right = w.b1 > s && !(s > sp.max(w.b0) && crossed_right());
+        let (left_limit, right_limit) = (sp.min(w.b1), sp.max(w.b0));
+        // A source that stands on the edge, behind a face of no area, sends rays of all directions
+        // through less width than rounding moves S by; it is not cut so close to S.
+        let slack = if w.py < -self.slack { 0.0 } else { self.slack };
+        let (cut_left, cut_right) = (s < left_limit - slack, s > right_limit + slack);
+        let left = w.b0 < s + slack && !(cut_left && crossed_left());
+        let right = w.b1 > s - slack && !(cut_right && crossed_right());
         Sides {
-            left: left.then(|| w.b1.min(sp).min(s)),
-            right: right.then(|| w.b0.max(sp).max(s)),
+            left: left.then_some(if cut_left { s } else { left_limit }),
+            right: right.then_some(if cut_right { s } else { right_limit }),
         }
     }
 }
@@ -72,6 +79,7 @@ mod tests {
             distance: 1.0,
             entry,
             source,
+            slack: 1e-12,
         }
     }
 

@@ -13,6 +13,9 @@ use crate::lists::{Arrival, WindowLists};
 use crate::pairs::{Edge, push_checked};
 use crate::sides::BestPath;
 
+/// [`BestPath::slack`] as a fraction of the half-edge.
+const SLACK: f64 = 1e-12;
+
 /// VTP on one mesh: order-free secondary merges, rules 1, 2 and 3 on every list.
 #[derive(Clone, Debug)]
 pub struct Vtp<'m> {
@@ -206,6 +209,7 @@ impl<'m> Vtp<'m> {
                 distance,
                 entry,
                 source: [w.px, w.py],
+                slack: SLACK * frame.l,
             }
         })
     }

@@ -238,29 +238,68 @@ pub struct Check {
 
 /// Counters as a map from name to count or `null`, in the order of their table.
 mod counters_as_map {
+    use serde::de::Error;
+
     use super::{BTreeMap, Counter, Counters, Deserialize, Deserializer, SerializeMap, Serializer};
 
     pub(super) fn serialize<S: Serializer>(
         counters: &Counters,
         serializer: S,
     ) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(Counter::ALL.len()))?;
+        let mut map = serializer.serialize_map(Some(Counter::ALL.len() + 1))?;
         for (counter, count) in counters.iter() {
             map.serialize_entry(counter.key(), &count)?;
         }
+        let deviation = counters.wavefront_deviation;
+        map.serialize_entry(Counters::WAVEFRONT_DEVIATION, &deviation)?;
         map.end()
+    }
+
+    /// What stands for a counter in a file.
+    #[derive(Clone, Copy, Deserialize)]
+    #[serde(untagged)]
+    enum Figure {
+        Count(u64),
+        Real(f64),
     }
 
     pub(super) fn deserialize<'de, D: Deserializer<'de>>(
         deserializer: D,
     ) -> Result<Counters, D::Error> {
-        let map = BTreeMap::<String, Option<u64>>::deserialize(deserializer)?;
+        let map = BTreeMap::<String, Option<Figure>>::deserialize(deserializer)?;
+        let figure = |key| map.get(key).copied().flatten();
         let mut counters = Counters::default();
         for &counter in Counter::ALL {
-            if let Some(Some(count)) = map.get(counter.key()) {
-                counters.set(counter, *count);
+            match figure(counter.key()) {
+                Some(Figure::Count(count)) => counters.set(counter, count),
+                Some(Figure::Real(_)) => return Err(D::Error::custom("a count is not whole")),
+                None => {}
             }
         }
+        counters.wavefront_deviation =
+            figure(Counters::WAVEFRONT_DEVIATION).map(|figure| match figure {
+                Figure::Count(count) => count as f64,
+                Figure::Real(real) => real,
+            });
         Ok(counters)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counters_are_read_as_they_were_written() {
+        let mut cell = Cell::new("m", "a");
+        cell.counters.set(Counter::Propagated, u64::MAX);
+        for deviation in [None, Some(0.1 + 0.2), Some(3.0)] {
+            cell.counters.wavefront_deviation = deviation;
+            let text = serde_json::to_string(&cell).unwrap();
+            assert_eq!(serde_json::from_str::<Cell>(&text).unwrap(), cell);
+        }
+        let text = serde_json::to_string(&cell).unwrap();
+        let half = text.replace("\"kept\":null", "\"kept\":0.5");
+        assert!(serde_json::from_str::<Cell>(&half).is_err());
     }
 }

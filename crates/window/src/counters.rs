@@ -80,12 +80,19 @@ counters! {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Counters {
     values: [Option<u64>; Counter::ALL.len()],
-    /// Standard deviation of the least distances of the windows on the wavefront, averaged over
-    /// samples at even intervals of the run, in the units of the mesh.
+    /// The figure that [`Self::WAVEFRONT_DEVIATION_DEFINITION`] defines.
     pub wavefront_deviation: Option<f64>,
 }
 
 impl Counters {
+    /// The name of [`wavefront_deviation`](Self::wavefront_deviation) in result files.
+    pub const WAVEFRONT_DEVIATION: &str = "wavefront_deviation";
+
+    /// Its definition in words.
+    pub const WAVEFRONT_DEVIATION_DEFINITION: &str = "Standard deviation of the least distances of \
+        the windows on the wavefront, averaged over samples at even intervals of the run, in the \
+        units of the mesh.";
+
     /// The count of `counter`, if the algorithm has it.
     pub const fn get(&self, counter: Counter) -> Option<u64> {
         self.values[counter as usize]

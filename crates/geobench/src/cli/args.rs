@@ -55,7 +55,7 @@ pub(super) enum Command {
     Gen(GenOptions),
     /// Show counts, defects, genus and anisotropy of models
     Info(InfoOptions),
-    /// List the algorithms
+    /// List the algorithms with their papers, costs, uses and parameters
     Algos(AlgosOptions),
 }
 
@@ -190,6 +190,14 @@ pub(super) struct InfoOptions {
 
 #[derive(Args, Debug)]
 pub(super) struct AlgosOptions {
+    /// Algorithms by name, by family, or exact, or all; separated by commas
+    #[arg(value_name = "LIST", default_value = "all", value_parser = algorithms)]
+    pub(super) list: Algorithms,
+
+    /// List the counters of result files instead, each with its definition
+    #[arg(long)]
+    pub(super) counters: bool,
+
     /// How to list them
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
     pub(super) format: AlgosFormat,

@@ -4,6 +4,7 @@
 use std::fmt::Display;
 
 use csv::Writer;
+use geobench_window::Counters;
 
 use crate::record::{Cell, ResultFile};
 
@@ -53,6 +54,10 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             .iter()
             .map(|(counter, count)| (format!("counters_{}", counter.key()), text(count))),
     );
+    columns.push((
+        format!("counters_{}", Counters::WAVEFRONT_DEVIATION),
+        text(cell.counters.wavefront_deviation),
+    ));
     columns.extend(
         [
             ("memory_papers_bytes", text(cell.memory.papers_bytes)),

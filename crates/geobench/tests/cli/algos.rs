@@ -18,7 +18,47 @@ fn every_algorithm_is_listed() {
         assert!(names.contains(&name));
         assert!(text.contains(name));
     }
-    for field in ["family", "paper", "exact", "summary", "complexity"] {
+    for field in [
+        "family",
+        "paper",
+        "exact",
+        "summary",
+        "complexity",
+        "keeps",
+        "choose",
+        "parameters",
+    ] {
         assert!(!json[0][field].is_null(), "{field}");
+        if let Some(fact) = json[0][field].as_str() {
+            assert!(text.contains(fact), "{field}");
+        }
     }
+}
+
+#[test]
+fn a_part_of_the_list_can_be_asked_for() {
+    let sandbox = Sandbox::new();
+    let text = sandbox.succeed("algos ich");
+    assert!(text.contains("Xin, Wang 2009"));
+    assert!(!text.contains("Mitchell"));
+    assert!(sandbox.refuse("algos ihc").contains("did you mean `ich`?"));
+}
+
+#[test]
+fn every_counter_is_defined() {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed("run square.off --repeat 1 --quiet -o r.json");
+    let counters = sandbox.json("r.json")["cells"][0]["counters"].clone();
+    let listed: serde_json::Value =
+        serde_json::from_str(&sandbox.succeed("algos --counters --format json")).unwrap();
+    let text = sandbox.succeed("algos --counters");
+    for counter in listed.as_array().unwrap() {
+        let name = counter["name"].as_str().unwrap();
+        assert!(counters.get(name).is_some(), "{name}");
+        assert!(text.contains(name), "{name}");
+    }
+    assert_eq!(
+        listed.as_array().unwrap().len(),
+        counters.as_object().unwrap().len()
+    );
 }

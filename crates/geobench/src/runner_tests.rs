@@ -81,7 +81,7 @@ fn a_crash_costs_one_cell() {
         alter: Some(crash_ich),
         ..Rehearsal::default()
     };
-    let outcome = rehearse(&plan(&["horse", "cow"], "all", "0"), &mut rehearsal);
+    let outcome = rehearse(&plan(&["horse", "cow"], "mmp,ich,vtp", "0"), &mut rehearsal);
     let statuses: Vec<_> = outcome.cells.iter().map(|c| c.status.name()).collect();
     assert_eq!(statuses, ["ok", "crashed", "ok", "ok", "crashed", "ok"]);
     assert!(

@@ -33,13 +33,19 @@ fn result(outcome: Outcome) -> ResultFile {
 
 /// Two models, one of them with a wrong answer, and a refused one.
 fn mixed() -> ResultFile {
-    let mut good = rehearse(&plan(&["horse"], "all", "0"), &mut Rehearsal::default());
+    let mut good = rehearse(
+        &plan(&["horse"], "mmp,ich,vtp", "0"),
+        &mut Rehearsal::default(),
+    );
     let mut spoilt = Rehearsal {
         alter: Some(spoil_vtp),
         refuse: vec!["broken_mesh"],
         ..Rehearsal::default()
     };
-    let bad = rehearse(&plan(&["cow|2", "broken_mesh"], "all", "3"), &mut spoilt);
+    let bad = rehearse(
+        &plan(&["cow|2", "broken_mesh"], "mmp,ich,vtp", "3"),
+        &mut spoilt,
+    );
     good.models.extend(bad.models);
     good.cells.extend(bad.cells);
     result(good)

@@ -9,6 +9,15 @@
 //! number of windows, O(n²) in the worst case and about n^1.5 in practice.
 //!
 //! Time is O(n² log n) for n faces in the worst case.
+//!
+//! # A limit
+//!
+//! Where vertices lie in one place, joined by faces of no area that are cut into several, distances
+//! behind them can come out too long. Such a vertex stands on an edge of a further face, and its
+//! window holds rays of all directions at that one point, while a window that comes along the edge
+//! ties with it there and beyond without having these rays: trimming compares the distances on the
+//! edge, and cannot tell which of the two must go on. The CH and VTP families, which do not compare
+//! along the edge, are not affected; nor are single faces of no area.
 
 mod list;
 mod trimming;

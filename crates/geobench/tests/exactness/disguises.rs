@@ -1,6 +1,8 @@
 //! The same surface described otherwise has the same distances.
 
+use geobench::registry::Algorithm;
 use geobench_oracle::{Geometry, Model, Random, distances, rounded};
+use geobench_window::Counter;
 use proptest::prelude::*;
 
 use crate::support::{Failures, ROUNDING, exact_runs, mesh_of};
@@ -14,17 +16,26 @@ fn check(
     disguised: &Model,
     number: &[u32],
     tolerance: f64,
+    included: impl Fn(&Algorithm) -> bool,
 ) -> Result<(), TestCaseError> {
     let (mesh, other) = (mesh_of(model), mesh_of(disguised));
     let mut failures = Failures::default();
     let runs = exact_runs(&model.name, &mesh);
     for (mut run, mut again) in runs.into_iter().zip(exact_runs(&disguised.name, &other)) {
+        if !included(run.algorithm) {
+            continue;
+        }
         let plain = run.distances(&[source]);
         let found = again.distances(&[number[source as usize]]);
         let found: Vec<_> = number.iter().map(|&v| found[v as usize]).collect();
         failures.compare_all(|| again.at(&[source]), &found, &plain, tolerance);
     }
     failures.result().map_err(TestCaseError::fail)
+}
+
+/// Whether an algorithm stores windows and trims them against each other.
+fn trims(algorithm: &Algorithm) -> bool {
+    algorithm.memory_counter == Counter::StoredWindows
 }
 
 fn same_numbers(model: &Model) -> Vec<u32> {
@@ -115,7 +126,7 @@ proptest! {
             let turned = |i: usize| p[i] * cos + cross[i] * sin + [x, y, z][i] * along;
             [0, 1, 2].map(|i| turned(i) + shift[i])
         });
-        check(&model, sources[0], &moved, &same_numbers(&model), ROUNDING)?;
+        check(&model, sources[0], &moved, &same_numbers(&model), ROUNDING, |_| true)?;
     }
 
     #[test]
@@ -136,7 +147,7 @@ proptest! {
             triangle.rotate_left(random.below(3) as usize);
             triangle
         }).collect();
-        check(&model, sources[0], &other, &number, ROUNDING)?;
+        check(&model, sources[0], &other, &number, ROUNDING, |_| true)?;
     }
 
     #[test]
@@ -146,7 +157,7 @@ proptest! {
         for triangle in &mut other.triangles {
             triangle.swap(1, 2);
         }
-        check(&model, sources[0], &other, &same_numbers(&model), ROUNDING)?;
+        check(&model, sources[0], &other, &same_numbers(&model), ROUNDING, |_| true)?;
     }
 
     #[test]
@@ -155,17 +166,18 @@ proptest! {
         parts in 2..4_u32,
     ) {
         let finer = model.subdivided(parts);
-        check(&model, sources[0], &finer, &same_numbers(&model), ROUNDING)?;
+        check(&model, sources[0], &finer, &same_numbers(&model), ROUNDING, |_| true)?;
     }
 
-    // Cut up, faces of no area put several vertices in one place, at a distance of 0.
+    // Cut up, faces of no area put several vertices in one place, at a distance of 0. Trimming
+    // cannot always tell the windows of such vertices apart: the crate geobench-mmp says why.
     #[test]
     fn vertices_in_one_place_change_nothing(
         (model, sources) in surface_and_vertices(1),
         parts in 2..4_u32,
     ) {
         let finer = model.subdivided(parts);
-        check(&model, sources[0], &finer, &same_numbers(&model), ROUNDING)?;
+        check(&model, sources[0], &finer, &same_numbers(&model), ROUNDING, |a| !trims(a))?;
     }
 
     #[test]

@@ -130,14 +130,14 @@ fn a_source_that_does_not_exist_is_refused() {
         assert!(
             run.solver().solve(&[VertexId::new(6)]).is_err(),
             "{}",
-            run.algorithm
+            run.algorithm.name
         );
-        assert!(run.solver().solve(&[]).is_err(), "{}", run.algorithm);
+        assert!(run.solver().solve(&[]).is_err(), "{}", run.algorithm.name);
         assert_eq!(
             run.distances(&[0, 0]),
             run.distances(&[0]),
             "{}",
-            run.algorithm
+            run.algorithm.name
         );
     }
 }

@@ -1,4 +1,32 @@
 //! Half-edge triangle meshes for geodesic distances: files, validation, generators.
+//!
+//! A model comes in as a [`TriangleSoup`], from a file ([`io::read`]) or a generator
+//! ([`generate::generate`]), in the numbering of the file and at the full precision of its
+//! numbers. [`Mesh::from_soup`] finds every [`Defect`] in one pass, repairs the orientation where
+//! that is possible, and builds a [`Mesh`], or refuses with the elements named:
+//!
+//! ```
+//! use geobench_mesh::{Mesh, TriangleSoup};
+//!
+//! let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+//! // The second triangle is the wrong way round.
+//! let soup = TriangleSoup::new(positions, vec![[0, 1, 2], [0, 3, 2]]);
+//! let (mesh, report) = Mesh::from_soup(soup)?;
+//! assert_eq!(report.defects.len(), 1);
+//! assert_eq!(mesh.face_count(), 2);
+//! # Ok::<(), geobench_mesh::InvalidMesh>(())
+//! ```
+//!
+//! A shortest path sees a surface from within: all that counts are the lengths of edges and how
+//! faces hang together. So a mesh holds for every half-edge its length and, in a frame of its own,
+//! the position of the third vertex of its face, and can be built from lengths alone
+//! ([`Mesh::from_lengths`]), for surfaces that do not fit into space. Half-edges are numbered
+//! `3 * face + corner`, which leaves the twin as the only link to store. A mesh never changes.
+//!
+//! Surfaces need not be closed, connected or manifold at every vertex: boundaries are ordinary,
+//! components that no path reaches are infinitely far, and a vertex in which several fans of faces
+//! meet (*pinched*) lets paths through. Edges with more than two faces, and surfaces that cannot be
+//! oriented, are refused.
 
 mod build;
 mod defect;

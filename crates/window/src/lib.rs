@@ -1,4 +1,23 @@
 //! Windows on half-edges: their geometry, and what every solver shares.
+//!
+//! A *window* is a cone of straight paths from a source, or from a vertex at which paths turn (a
+//! *pseudo-source*), through an interval of a half-edge. Unfolded into the plane of the frame of
+//! that half-edge, all faces that the paths have crossed lie flat, and the source has an image
+//! below the edge: a [`Window`] is that image, the interval, and the distance σ up to the
+//! pseudo-source. Crossing a triangle turns it into up to two windows on the other edges
+//! ([`left_child`], [`right_child`]) and offers a distance to the vertex between them
+//! ([`apex_distance`]). Every exact algorithm of this suite consists of such crossings; they differ
+//! in the windows that they can prove useless, and in the order in which they take the others.
+//!
+//! * The kernels are small pure functions: [`separating_abscissa`], the two children, the apex
+//!   distance, [`tie_points`], the vertex filter ([`is_beaten_from_ends`], [`is_beaten_across`]),
+//!   [`spawn_window`]. None of them takes a square root or an angle that it can do without, and all
+//!   tolerances are relative, so that a model in millimetres gives the same digits as in metres.
+//! * [`Faces`] lays the mesh out for crossing, and gives the [`Frame`] of a half-edge.
+//! * [`continuous`] is the frame of the algorithms that take one window at a time: a policy under a
+//!   [discipline](queue::Discipline).
+//! * [`Solver`] is all that a runner sees. What an algorithm implements is [`Propagate`]: one run,
+//!   generic over a [`Probe`] that observes nothing (and costs nothing), counts, or clocks.
 
 pub mod continuous;
 mod counters;

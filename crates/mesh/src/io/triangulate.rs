@@ -12,7 +12,8 @@
 //!
 //! The polygon's normal is its vector area (Newell), which is that of the best-fitting plane of a
 //! slightly warped polygon. Polygons whose corners do not exist, are not finite, or have no area
-//! together become fans, for validation to judge; self-intersecting ones are cut somehow. The
+//! together become fans, for validation to judge, and so do those that repeat a corner, from that
+//! corner on, so that a triangle names it twice; self-intersecting ones are cut somehow. The
 //! triangles always number two less than the corners and have the orientation of the polygon.
 
 /// Twice the area, as a share of the polygon's squared extent, up to which a triangle counts as
@@ -23,9 +24,17 @@ const FLAT: f64 = 1e-12;
 ///
 /// Takes O(k) time for k corners if the fan will do, and O(k²) at worst.
 pub(super) fn triangulate(positions: &[[f64; 3]], corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
-    let fan = (1..corners.len().saturating_sub(1)).map(|i| [0, i, i + 1]);
+    let k = corners.len();
+    let fan_from = |first: usize| {
+        (1..k.saturating_sub(1)).map(move |i| [0, i, i + 1].map(|j| (first + j) % k))
+    };
+    let fan = fan_from(0);
     let name = |t: [usize; 3]| t.map(|i| corners[i]);
-    if corners.len() > 3
+    if k > 3
+        && let Some(repeated) = repeated_corner(corners)
+    {
+        triangles.extend(fan_from(repeated).map(name));
+    } else if k > 3
         && let Some(polygon) = Polygon::new(positions, corners)
         && fan.clone().any(|t| polygon.turn(t) <= FLAT)
     {
@@ -33,6 +42,24 @@ pub(super) fn triangulate(positions: &[[f64; 3]], corners: &[u32], triangles: &m
     } else {
         triangles.extend(fan.map(name));
     }
+}
+
+/// The place of a corner that stands more than once in the list.
+fn repeated_corner(corners: &[u32]) -> Option<usize> {
+    if let [a, b, c, d] = corners {
+        // By far the most common polygon.
+        return if a == c || a == b || a == d {
+            Some(0)
+        } else if b == d || b == c {
+            Some(1)
+        } else {
+            (c == d).then_some(2)
+        };
+    }
+    let mut sorted: Vec<_> = corners.iter().zip(0..).collect();
+    sorted.sort_unstable();
+    let pair = sorted.windows(2).find(|pair| pair[0].0 == pair[1].0)?;
+    Some(pair[0].1)
 }
 
 /// A polygon scaled to extent 1, with its unit normal.
@@ -222,6 +249,29 @@ mod tests {
         let (sum, whole) = (areas.sum::<f64>(), area(polygon));
         assert!((sum - whole).abs() < 1e-9 * whole, "{sum} of {whole}");
         triangles
+    }
+
+    /// The face `0 1 2 1` was cut into two sound-looking triangles, and its repeat went unnamed.
+    #[test]
+    fn a_repeated_corner_stays_visible() {
+        let positions = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [0.0, 1.0, 0.0],
+        ];
+        for corners in [
+            &[0, 1, 2, 1][..],
+            &[0, 1, 2, 2],
+            &[0, 1, 2, 3, 1],
+            &[3, 0, 1, 0, 2, 1],
+        ] {
+            let mut triangles = Vec::new();
+            triangulate(&positions, corners, &mut triangles);
+            assert_eq!(triangles.len(), corners.len() - 2);
+            let repeats = |t: &[u32; 3]| t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+            assert!(triangles.iter().any(repeats), "{corners:?}: {triangles:?}");
+        }
     }
 
     #[test]

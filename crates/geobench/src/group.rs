@@ -309,6 +309,7 @@ impl Entry<'_> {
         unchecked: Option<&str>,
     ) -> Cell {
         let mut cell = Cell {
+            group: plan.group.name.clone(),
             source: Some(source.raw()),
             ..Cell::new(&model.name, self.algorithm.label())
         };

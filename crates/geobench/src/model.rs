@@ -144,7 +144,7 @@ fn search(directory: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
 }
 
 /// Models of the same name are called by their whole path, and numbered if that is the same too.
-fn make_names_unique(models: &mut [ModelRef]) {
+pub(crate) fn make_names_unique(models: &mut [ModelRef]) {
     let mut uses = HashMap::<String, usize>::new();
     for model in models.iter() {
         *uses.entry(model.name.clone()).or_default() += 1;

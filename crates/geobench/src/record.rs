@@ -26,7 +26,11 @@ pub struct ResultFile {
     pub started: String,
     /// When it finished, RFC 3339 in UTC; in a file written on the way, when that was written.
     pub finished: String,
-    /// The models, in the order of the run.
+    /// The groups of cells, in the order of the run; one without a name unless a suite file says
+    /// otherwise.
+    #[serde(default)]
+    pub groups: Vec<GroupRecord>,
+    /// The models, in the order of the run, each once.
     pub models: Vec<ModelRecord>,
     /// What was measured, in the order of the run.
     pub cells: Vec<Cell>,
@@ -62,6 +66,31 @@ pub struct Host {
     pub kernel: Option<String>,
     /// Load average over one minute when the run started.
     pub load_start: Option<f64>,
+}
+
+/// A group of cells that are shown together.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GroupRecord {
+    /// Its name, unique within the file; null if there is but one group and it has none.
+    pub name: Option<String>,
+    /// What it is to show.
+    pub shows: Option<String>,
+    /// The rows of its tables, by name; the usual ones if empty.
+    pub rows: Vec<String>,
+    /// The algorithm to which the others are compared in a table of ratios, if there is to be one.
+    pub ratios_to: Option<String>,
+}
+
+impl GroupRecord {
+    /// The group of a run that was not asked for groups.
+    pub const fn unnamed() -> Self {
+        Self {
+            name: None,
+            shows: None,
+            rows: Vec::new(),
+            ratios_to: None,
+        }
+    }
 }
 
 /// A model. One that could not be used has its name and path, and little else.
@@ -124,6 +153,9 @@ pub struct Cell {
     pub phases: Phases,
     /// How the answer compares with the reference.
     pub check: Check,
+    /// Name of the group; null if that has none.
+    #[serde(default)]
+    pub group: Option<String>,
 }
 
 impl Cell {
@@ -141,6 +173,7 @@ impl Cell {
             memory: Memory::default(),
             phases: Phases::default(),
             check: Check::default(),
+            group: None,
         }
     }
 }

@@ -5,7 +5,7 @@ use geobench_window::{Counter, Counters};
 use crate::memory::Peaks;
 use crate::model::ModelRef;
 use crate::plan::{Plan, Reference};
-use crate::record::{ModelRecord, Phases, Status};
+use crate::record::{GroupRecord, ModelRecord, Phases, Status};
 use crate::registry;
 use crate::runner::{
     Executor, Failure, Listener, Observation, Outcome, Purpose, Refusal, Step, Workplace, run,
@@ -109,6 +109,7 @@ impl Executor for Rehearsal {
 pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
     let algorithms = registry::select(algorithms).unwrap();
     Plan {
+        group: GroupRecord::unnamed(),
         models: models.iter().map(|name| ModelRef::named(name)).collect(),
         reference: Reference::Algorithm(
             algorithms

@@ -186,6 +186,7 @@ fn refused(plan: &Plan, model: &str, message: &str) -> Vec<Cell> {
         .iter()
         .flat_map(|&source| plan.algorithms.iter().map(move |a| (source, a)))
         .map(|(source, algorithm)| Cell {
+            group: plan.group.name.clone(),
             source,
             status: Status::Refused,
             message: Some(message.to_owned()),

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::export::Format;
+use crate::export::{self, Format};
 use crate::registry::{self, Selection};
 use crate::source::SourceSpec;
+use crate::suite::{self, MOST_RUNS};
 
 /// How models are named, for the help of every command that takes some.
 const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .gz), a directory (searched \
@@ -62,30 +63,31 @@ pub(super) enum Command {
 #[derive(Args, Debug)]
 #[command(after_help = MODELS_HELP)]
 pub(super) struct RunOptions {
-    /// Models; without any, a built-in suite of generated ones
+    /// Models; without any, those of the suite file, or a built-in suite of generated ones
     #[arg(value_name = "MODEL")]
     pub(super) models: Vec<String>,
 
-    /// Algorithms by name, by family, or exact, or all; separated by commas
-    #[arg(long, value_name = "LIST", default_value = "exact", value_parser = algorithms)]
-    pub(super) algo: Algorithms,
+    /// Suite file: models, algorithms and settings in groups; options given beside it come before
+    /// what it says
+    #[arg(long, value_name = "SUITE.toml")]
+    pub(super) config: Option<PathBuf>,
 
-    /// Sources: first, a vertex number, a list of numbers, or random:N[,seed=S]
-    #[arg(
-        long,
-        value_name = "SPEC",
-        default_value = "first",
-        allow_negative_numbers = true
-    )]
-    pub(super) source: SourceSpec,
+    /// Algorithms by name, by family, or exact, or all; separated by commas; with parameters as
+    /// name{key=value,...} [default: exact]
+    #[arg(long, value_name = "LIST", value_parser = algorithms)]
+    pub(super) algo: Option<Algorithms>,
 
-    /// Timed runs of each cell
-    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub(super) repeat: u32,
+    /// Sources: first, a vertex number, a list of numbers, or random:N[,seed=S] [default: first]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
+    pub(super) source: Option<SourceSpec>,
 
-    /// Untimed runs of each cell before those
-    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = clap::value_parser!(u32).range(..=1_000_000))]
-    pub(super) warmup: u32,
+    /// Timed runs of each cell [default: 5]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_RUNS)))]
+    pub(super) repeat: Option<u32>,
+
+    /// Untimed runs of each cell before those [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(..=i64::from(MOST_RUNS)))]
+    pub(super) warmup: Option<u32>,
 
     /// What answers must agree with: an algorithm, none, file (MODEL.sSOURCE.csv beside the model
     /// or in a folder named expected there or beside its folder), or the path of such a file
@@ -93,9 +95,14 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "REF")]
     pub(super) check: Option<String>,
 
-    /// Largest relative difference that passes
-    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
-    pub(super) tolerance: f64,
+    /// Largest relative difference that passes [default: 1e-9]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = tolerance)]
+    pub(super) tolerance: Option<f64>,
+
+    /// Rows of tables: time, propagated and any other counter, generated, valid, ...; separated by
+    /// commas [default: time, propagations and two measures of memory]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = row)]
+    pub(super) rows: Option<Vec<String>>,
 
     /// What goes to standard output
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = Format::Table)]
@@ -219,10 +226,11 @@ fn algorithms(list: &str) -> Result<Algorithms, registry::SelectError> {
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-        _ => Err("a tolerance is a number, 0 or more, such as 1e-9".to_owned()),
-    }
+    suite::tolerance(text.parse().ok())
+}
+
+fn row(name: &str) -> Result<String, export::UnknownFigure> {
+    export::figure(name).map(|figure| figure.key.to_owned())
 }
 
 #[cfg(test)]

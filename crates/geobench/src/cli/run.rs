@@ -3,33 +3,41 @@
 use std::path::Path;
 use std::time::SystemTime;
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 
 use super::Verdict;
 use super::args::RunOptions;
 use super::progress::Progress;
 use super::terminal::{self, Terminal};
-use crate::expected::Expected;
 use crate::export::{self, Format};
 use crate::in_process::InProcess;
 use crate::output::OutputFile;
 use crate::plan::{Plan, Reference};
-use crate::record::{Cell, ModelRecord, ResultFile, SCHEMA, Status};
-use crate::registry::{self, SelectError, Selection};
+use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, SCHEMA, Status};
 use crate::runner::{self, Listener, Step};
-use crate::{host, model, suite};
+use crate::suite::{self, Plans, Settings, Suite, WantedModel};
+use crate::{host, model};
 
 pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
-    let plan = plan(options)?;
+    let Plans { plans, notes } = plans(options)?;
+    if plans.is_empty() {
+        bail!("there is nothing to run: {}", notes.join("; "));
+    }
     let outputs = outputs(options)?;
     if !host::is_release_build() && !options.quiet {
         terminal::warning(
             "this is not a release build: its times mean little (cargo run --release)",
         );
     }
+    if !options.quiet {
+        for note in &notes {
+            terminal::warning(note);
+        }
+    }
     let now = now();
+    let runs = plans.iter().map(Plan::runs).fold(0, usize::saturating_add);
     let mut listener = Reporter {
-        progress: Progress::new(plan.runs(), !options.quiet && !options.no_progress),
+        progress: Progress::new(runs, !options.quiet && !options.no_progress),
         format: options.format,
         styled: terminal.styled,
         outputs,
@@ -42,11 +50,18 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
                 .collect(),
             started: now.clone(),
             finished: now,
+            groups: Vec::new(),
             models: Vec::new(),
             cells: Vec::new(),
         },
     };
-    let outcome = runner::run(&plan, &mut InProcess, &mut listener)?;
+    let mut verdicts = Vec::new();
+    for plan in &plans {
+        listener.begin(&plan.group)?;
+        let outcome = runner::run(plan, &mut InProcess, &mut listener)?;
+        listener.end(&plan.group)?;
+        verdicts.push(Tally::of(plan, &outcome.cells));
+    }
     let Reporter {
         progress, result, ..
     } = listener;
@@ -56,25 +71,44 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     } else {
         terminal::print(&options.format.render(&result)?)?;
     }
-    Ok(verdict(&plan, &outcome.cells))
+    Ok(verdict(&verdicts))
+}
+
+/// What became of the cells of a plan.
+struct Tally {
+    cells: usize,
+    failed: usize,
+    refused: usize,
+}
+
+impl Tally {
+    fn of(plan: &Plan, cells: &[Cell]) -> Self {
+        let wanted = !matches!(plan.reference, Reference::None);
+        let failed = |cell: &&Cell| match cell.status {
+            Status::Ok => wanted && cell.check.reference.is_none(),
+            Status::Refused => false,
+            _ => true,
+        };
+        let refused = |cell: &&Cell| cell.status == Status::Refused;
+        Self {
+            cells: cells.len(),
+            failed: cells.iter().filter(failed).count(),
+            refused: cells.iter().filter(refused).count(),
+        }
+    }
 }
 
 /// What the cells make of the run: a wrong answer weighs more than an unusable input.
-fn verdict(plan: &Plan, cells: &[Cell]) -> Verdict {
-    let wanted = !matches!(plan.reference, Reference::None);
-    let failed = |cell: &&Cell| match cell.status {
-        Status::Ok => wanted && cell.check.reference.is_none(),
-        Status::Refused => false,
-        _ => true,
-    };
-    let count = cells.iter().filter(failed).count();
-    if count > 0 {
+fn verdict(tallies: &[Tally]) -> Verdict {
+    let sum = |of: fn(&Tally) -> usize| tallies.iter().map(of).sum::<usize>();
+    let failed = sum(|tally| tally.failed);
+    if failed > 0 {
         terminal::error(&format!(
-            "{count} of {} cells failed or could not be checked",
-            cells.len()
+            "{failed} of {} cells failed or could not be checked",
+            sum(|tally| tally.cells)
         ));
         Verdict::Failed
-    } else if cells.iter().any(|cell| cell.status == Status::Refused) {
+    } else if sum(|tally| tally.refused) > 0 {
         Verdict::BadInput
     } else {
         Verdict::Passed
@@ -90,59 +124,27 @@ pub(super) fn models(arguments: &[String]) -> anyhow::Result<Vec<model::ModelRef
     })
 }
 
-fn plan(options: &RunOptions) -> anyhow::Result<Plan> {
-    let models = models(&options.models)?;
-    let algorithms = options.algo.0.clone();
-    let reference = reference(options.check.as_deref(), &algorithms)?;
-    if let Reference::Files(Expected::File(path)) = &reference
-        && (models.len() > 1 || options.source.count() > 1)
-    {
-        bail!(
-            "{}: one file holds the distances from one source in one model, but more are asked for; use --check file",
-            path.display()
-        );
-    }
-    Ok(Plan {
-        models,
-        algorithms,
+/// What the suite file, if there is one, and the options ask for.
+fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
+    let suite = options.config.as_deref().map(Suite::read).transpose()?;
+    let asked = Settings {
+        models: (!options.models.is_empty())
+            .then(|| options.models.iter().map(|m| WantedModel::new(m)).collect()),
+        algorithms: options.algo.clone().map(|algorithms| algorithms.0),
         sources: options.source.clone(),
-        repeat: options.repeat as usize,
-        warmup: options.warmup as usize,
-        reference,
+        repeat: options.repeat,
+        warmup: options.warmup,
         tolerance: options.tolerance,
-    })
-}
-
-/// What `--check` asks for; by default `mmp` if it runs, else the first algorithm.
-fn reference(check: Option<&str>, algorithms: &[Selection]) -> anyhow::Result<Reference> {
-    let Some(check) = check else {
-        let usual = algorithms.iter().find(|a| a.label() == "mmp");
-        return Ok(match usual.or(algorithms.first()) {
-            Some(selection) => Reference::Algorithm(selection.clone()),
-            None => Reference::None,
-        });
+        reference: options
+            .check
+            .as_deref()
+            .map(|check| Reference::parse(check, Path::new("")))
+            .transpose()
+            .context("--check")?,
+        rows: options.rows.clone(),
+        ratios_to: None,
     };
-    if check.eq_ignore_ascii_case("none") {
-        return Ok(Reference::None);
-    }
-    if check.eq_ignore_ascii_case("file") {
-        return Ok(Reference::Files(Expected::BesideModels));
-    }
-    let path = Path::new(check);
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("csv"))
-    {
-        if let Err(error) = std::fs::File::open(path) {
-            bail!("--check {check}: {error}");
-        }
-        return Ok(Reference::Files(Expected::File(path.to_owned())));
-    }
-    match registry::select_one(check) {
-        Ok(one) => Ok(Reference::Algorithm(one)),
-        Err(error @ SelectError::Several { .. }) => bail!("--check: {error}"),
-        Err(error) => bail!("--check: {error}; also `none`, `file` or a .csv file"),
-    }
+    Ok(suite::plans(suite.as_ref(), &asked)?)
 }
 
 fn outputs(options: &RunOptions) -> anyhow::Result<Vec<(Format, OutputFile)>> {
@@ -171,6 +173,27 @@ struct Reporter {
     result: ResultFile,
 }
 
+impl Reporter {
+    /// A group begins.
+    fn begin(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
+        self.result.groups.push(group.clone());
+        self.show(&export::group_heading(group))
+    }
+
+    /// All cells of a group are known.
+    fn end(&self, group: &GroupRecord) -> anyhow::Result<()> {
+        self.show(&export::ratio_table(group, &self.result.cells, self.styled))
+    }
+
+    /// Prints a part of the tables, if tables are what is to be printed.
+    fn show(&self, text: &str) -> anyhow::Result<()> {
+        if self.format == Format::Table && !text.is_empty() {
+            self.progress.suspend(|| terminal::print(text))?;
+        }
+        Ok(())
+    }
+}
+
 impl Listener for Reporter {
     fn loading(&mut self, model: &str) {
         self.progress.loading(model);
@@ -185,13 +208,15 @@ impl Listener for Reporter {
     }
 
     fn model_done(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
-        self.result.models.push(model.clone());
+        if self.result.models.iter().all(|m| m.name != model.name) {
+            self.result.models.push(model.clone());
+        }
         self.result.cells.extend_from_slice(cells);
         self.result.finished = now();
         self.progress.suspend(|| {
             report_failures(cells, self.format);
-            if self.format == Format::Table {
-                terminal::print(&export::model_table(model, cells, self.styled))?;
+            if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
+                terminal::print(&export::model_table(group, model, cells, self.styled))?;
             }
             anyhow::Ok(())
         })?;

@@ -74,6 +74,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             ("check_max_abs", text(cell.check.max_abs)),
             ("check_max_rel", text(cell.check.max_rel)),
             ("check_unreachable", text(cell.check.unreachable)),
+            ("group", text(cell.group.as_ref())),
         ]
         .map(|(name, value)| (name.to_owned(), value)),
     );

@@ -1,36 +1,53 @@
 //! One table in LaTeX, laid out like those of the papers.
 
-use super::view::{Entry, algorithms, views};
+use super::view::{Entry, Section, sections};
 use crate::record::ResultFile;
 
-/// A `tabular` for the booktabs package; what else is to be known stands in comments.
+/// A `tabular` for each group, for the booktabs package; what else is to be known stands in
+/// comments.
 pub(super) fn render(result: &ResultFile) -> String {
-    let algorithms = algorithms(&result.cells);
-    let mut lines = vec![
-        "% Needs \\usepackage{booktabs}.".to_owned(),
+    let mut lines = vec!["% Needs \\usepackage{booktabs}.".to_owned()];
+    for section in sections(result) {
+        tabular(&section, &mut lines);
+    }
+    lines.join("\n")
+}
+
+fn tabular(section: &Section<'_>, lines: &mut Vec<String>) {
+    if let Some(group) = section.group {
+        let texts = [group.name.as_deref(), group.shows.as_deref()];
+        let texts = texts.into_iter().flatten().flat_map(|t| t.trim().lines());
+        lines.extend(texts.map(|text| format!("% {text}")));
+    }
+    let algorithms = &section.algorithms;
+    lines.extend([
         format!("\\begin{{tabular}}{{ll{}}}", "r".repeat(algorithms.len())),
         "\\toprule".to_owned(),
-    ];
+    ]);
     let header = algorithms.iter().map(|name| escape(name));
     lines.push(line("Model", "", header));
-    for view in views(result) {
+    for view in &section.views {
         lines.push("\\midrule".to_owned());
         for note in std::iter::once(&view.sources).chain(&view.notes) {
-            let note = note.replace('\n', " ");
-            lines.push(format!("% {}: {note}", view.model.name));
+            if !note.is_empty() {
+                let note = note.replace('\n', " ");
+                lines.push(format!("% {}: {note}", view.name));
+            }
         }
         for (i, row) in view.rows.iter().enumerate() {
             // Name and size share the first column, so that it stays narrow.
             let model = match i {
-                0 => escape(&view.model.name),
-                1 => format!("({})", view.size()),
+                0 => escape(&view.name),
+                1 => format!("({})", view.size),
                 _ => String::new(),
             };
-            lines.push(line(&model, row.label, row.entries.iter().map(entry)));
+            let entries = algorithms
+                .iter()
+                .map(|name| view.entry(row, name).map_or_else(String::new, entry));
+            lines.push(line(&model, &row.label, entries));
         }
     }
     lines.extend(["\\bottomrule".to_owned(), "\\end{tabular}\n".to_owned()]);
-    lines.join("\n")
 }
 
 fn line(model: &str, label: &str, entries: impl Iterator<Item = String>) -> String {

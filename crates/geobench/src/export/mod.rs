@@ -1,10 +1,12 @@
 //! Results as people and programs read them.
 
 mod csv;
+mod figures;
 mod json;
 mod latex;
 mod markdown;
 pub(crate) mod number;
+mod ratios;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -15,7 +17,8 @@ use std::path::Path;
 use crate::record::ResultFile;
 
 pub use csv::header as csv_header;
-pub use table::{footnote, model_table};
+pub use figures::{Figure, UnknownFigure, figure};
+pub use table::{footnote, group_heading, model_table, ratio_table};
 
 /// A form in which results can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -74,15 +77,7 @@ impl Format {
     /// Only if a number or a text cannot be represented, which the records exclude.
     pub fn render(self, result: &ResultFile) -> anyhow::Result<String> {
         Ok(match self {
-            Self::Table => {
-                let mut text: String = result
-                    .models
-                    .iter()
-                    .map(|model| model_table(model, &result.cells, false))
-                    .collect();
-                text += &footnote(result, false);
-                text
-            }
+            Self::Table => table::render(result),
             Self::Markdown => markdown::render(result),
             Self::Latex => latex::render(result),
             Self::Csv => csv::render(result)?,

@@ -2,18 +2,57 @@
 
 use comfy_table::{Attribute, Cell as TableCell, CellAlignment, Color, Table, presets};
 
-use super::view::{Entry, ModelView};
-use crate::record::{Cell, ModelRecord, ResultFile};
+use super::ratios;
+use super::view::{Entry, ModelView, sections};
+use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile};
 
-/// The table of one model under a line that says which, followed by an empty line. The best value
-/// of a row is set off by colour if `styled`, else by a star.
-pub fn model_table(model: &ModelRecord, cells: &[Cell], styled: bool) -> String {
-    let view = ModelView::new(model, cells);
-    let mut lines = vec![format!("{}  ({})", model.name, view.size())];
+/// What stands above the tables of a group: its name and what it is to show. Nothing for a group
+/// that has neither.
+pub fn group_heading(group: &GroupRecord) -> String {
+    let parts = [group.name.as_deref(), group.shows.as_deref()];
+    let lines: Vec<&str> = parts.into_iter().flatten().map(str::trim).collect();
+    if lines.is_empty() {
+        String::new()
+    } else {
+        lines.join("\n") + "\n\n"
+    }
+}
+
+/// The table of one model of a group, under a line that says which, followed by an empty line.
+/// The best value of a row is set off by colour if `styled`, else by a star.
+pub fn model_table(
+    group: &GroupRecord,
+    model: &ModelRecord,
+    cells: &[Cell],
+    styled: bool,
+) -> String {
+    show(&ModelView::new(group, model, cells), styled)
+}
+
+/// The table of the ratios in a group, if it asks for some; `cells` are all of the group.
+pub fn ratio_table(group: &GroupRecord, cells: &[Cell], styled: bool) -> String {
+    let cells: Vec<&Cell> = cells.iter().filter(|c| c.group == group.name).collect();
+    ratios::view(group, &cells).map_or_else(String::new, |view| show(&view, styled))
+}
+
+/// All tables of `result`.
+pub(super) fn render(result: &ResultFile) -> String {
+    let mut text = String::new();
+    for section in sections(result) {
+        text.extend(section.group.map(group_heading));
+        text.extend(section.views.iter().map(|view| show(view, false)));
+    }
+    text + &footnote(result, false)
+}
+
+fn show(view: &ModelView<'_>, styled: bool) -> String {
+    let mut lines = vec![format!("{}  ({})", view.name, view.size)];
     if !view.refused {
-        lines[0] += "  ";
-        lines[0] += &view.sources;
-        lines.push(table(&view, styled));
+        if !view.sources.is_empty() {
+            lines[0] += "  ";
+            lines[0] += &view.sources;
+        }
+        lines.push(table(view, styled));
     }
     lines.extend(view.notes.iter().map(|note| format!("  {note}")));
     lines.join("\n") + "\n\n"
@@ -32,7 +71,7 @@ fn table(view: &ModelView<'_>, styled: bool) -> String {
     for row in &view.rows {
         let starred = row.entries.iter().any(|entry| entry.best);
         table.add_row(
-            std::iter::once(TableCell::new(row.label))
+            std::iter::once(TableCell::new(&row.label))
                 .chain(row.entries.iter().map(|e| cell(e, styled, starred))),
         );
     }

@@ -1,12 +1,27 @@
 //! What every table shows: per model the rows of the papers' tables, a column per algorithm.
 
+use super::figures::{Figure, Style, figures};
 use super::number::{decimals, group, grouped, scientific};
-use crate::record::{Cell, ModelRecord, ResultFile, Status};
+use super::ratios;
+use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
 use crate::statistics::median;
+
+/// The tables of one group.
+pub(super) struct Section<'r> {
+    /// The group, if it has a name or a text.
+    pub(super) group: Option<&'r GroupRecord>,
+    /// All algorithms of the group, in the order in which they first appear.
+    pub(super) algorithms: Vec<&'r str>,
+    /// One for each model, and one for ratios if they are asked for.
+    pub(super) views: Vec<ModelView<'r>>,
+}
 
 /// The part of a table that belongs to one model.
 pub(super) struct ModelView<'r> {
-    pub(super) model: &'r ModelRecord,
+    /// The model.
+    pub(super) name: String,
+    /// Number of vertices and faces.
+    pub(super) size: String,
     /// What the sources are, in words.
     pub(super) sources: String,
     /// Names of the algorithms.
@@ -20,7 +35,7 @@ pub(super) struct ModelView<'r> {
 
 /// A row of a table.
 pub(super) struct Row {
-    pub(super) label: &'static str,
+    pub(super) label: String,
     /// One entry for each algorithm.
     pub(super) entries: Vec<Entry>,
 }
@@ -34,44 +49,6 @@ pub(super) struct Entry {
     pub(super) failed: bool,
 }
 
-/// A figure of a cell.
-struct Figure {
-    label: &'static str,
-    of: fn(&Cell) -> Option<f64>,
-    /// Most decimals with which it is shown; none if it counts something.
-    decimals: Option<u8>,
-}
-
-const MEGABYTE: f64 = 1e6;
-
-/// The rows of every table.
-const FIGURES: [Figure; 4] = [
-    Figure {
-        label: "Time (s)",
-        of: |cell| cell.time.median,
-        decimals: Some(6),
-    },
-    Figure {
-        label: "Window propagations",
-        of: |cell| {
-            cell.counters
-                .get(geobench_window::Counter::Propagated)
-                .map(|n| n as f64)
-        },
-        decimals: None,
-    },
-    Figure {
-        label: "Peak memory, papers' count (MB)",
-        of: |cell| cell.memory.papers_bytes.map(|n| n as f64 / MEGABYTE),
-        decimals: Some(3),
-    },
-    Figure {
-        label: "Peak memory, measured (MB)",
-        of: |cell| cell.memory.heap_peak_bytes.map(|n| n as f64 / MEGABYTE),
-        decimals: Some(3),
-    },
-];
-
 /// The names of all algorithms in `result`, in the order in which they first appear.
 pub(super) fn algorithms<'r>(cells: impl IntoIterator<Item = &'r Cell>) -> Vec<&'r str> {
     let mut names: Vec<&str> = Vec::new();
@@ -83,19 +60,48 @@ pub(super) fn algorithms<'r>(cells: impl IntoIterator<Item = &'r Cell>) -> Vec<&
     names
 }
 
-/// The parts of all models.
-pub(super) fn views(result: &ResultFile) -> Vec<ModelView<'_>> {
-    result
-        .models
-        .iter()
-        .map(|model| ModelView::new(model, &result.cells))
-        .collect()
+/// The sections of all groups, in the order of the run.
+pub(super) fn sections(result: &ResultFile) -> Vec<Section<'_>> {
+    static ALONE: GroupRecord = GroupRecord::unnamed();
+    let groups = if result.groups.is_empty() {
+        std::slice::from_ref(&ALONE)
+    } else {
+        &result.groups
+    };
+    groups.iter().map(|g| Section::new(g, result)).collect()
+}
+
+impl<'r> Section<'r> {
+    fn new(group: &'r GroupRecord, result: &'r ResultFile) -> Self {
+        let cells: Vec<&Cell> = result
+            .cells
+            .iter()
+            .filter(|c| c.group == group.name)
+            .collect();
+        let models = result
+            .models
+            .iter()
+            .filter(|m| cells.iter().any(|c| c.model == m.name));
+        let views = models.map(|model| ModelView::new(group, model, cells.iter().copied()));
+        Self {
+            group: Some(group).filter(|g| g.name.is_some() || g.shows.is_some()),
+            views: views.chain(ratios::view(group, &cells)).collect(),
+            algorithms: algorithms(cells),
+        }
+    }
 }
 
 impl<'r> ModelView<'r> {
-    /// The part of `model`, to which some of `cells` belong.
-    pub(super) fn new(model: &'r ModelRecord, cells: &'r [Cell]) -> Self {
-        let cells: Vec<&Cell> = cells.iter().filter(|c| c.model == model.name).collect();
+    /// The part of `model` in the table of `group`, to which some of `cells` belong.
+    pub(super) fn new(
+        group: &GroupRecord,
+        model: &ModelRecord,
+        cells: impl IntoIterator<Item = &'r Cell>,
+    ) -> Self {
+        let cells: Vec<&Cell> = cells
+            .into_iter()
+            .filter(|c| c.model == model.name)
+            .collect();
         let algorithms = algorithms(cells.iter().copied());
         let columns: Vec<Vec<&Cell>> = algorithms
             .iter()
@@ -107,15 +113,24 @@ impl<'r> ModelView<'r> {
                     .collect()
             })
             .collect();
-        let mut rows: Vec<Row> = FIGURES.iter().map(|figure| figure.row(&columns)).collect();
+        let mut rows: Vec<Row> = figures(&group.rows)
+            .into_iter()
+            .map(|figure| Row::new(figure, &columns))
+            .collect();
         let refused = cells.iter().all(|cell| cell.status == Status::Refused);
         if refused {
             // Four times the same word says no more than once.
             rows.truncate(1);
-            rows[0].label = "";
+            for row in &mut rows {
+                row.label.clear();
+            }
         }
         Self {
-            model,
+            name: model.name.clone(),
+            size: match (model.vertices, model.faces) {
+                (Some(v), Some(f)) => format!("V: {}, F: {}", grouped(v), grouped(f)),
+                _ => "refused".to_owned(),
+            },
             sources: sources(columns.first().map_or(&[], Vec::as_slice)),
             rows,
             notes: notes(&cells),
@@ -123,51 +138,54 @@ impl<'r> ModelView<'r> {
             refused,
         }
     }
+}
 
-    /// Number of vertices and faces.
-    pub(super) fn size(&self) -> String {
-        match (self.model.vertices, self.model.faces) {
-            (Some(v), Some(f)) => format!("V: {}, F: {}", grouped(v), grouped(f)),
-            _ => "refused".to_owned(),
-        }
+impl ModelView<'_> {
+    /// The entry of an algorithm in a row, if the view has that algorithm.
+    pub(super) fn entry<'s>(&self, row: &'s Row, algorithm: &str) -> Option<&'s Entry> {
+        let place = self.algorithms.iter().position(|name| *name == algorithm)?;
+        row.entries.get(place)
     }
 }
 
-impl Figure {
-    /// The row of this figure; a column holds one cell for each source.
-    fn row(&self, columns: &[Vec<&Cell>]) -> Row {
-        // The figure of several sources is the median, and there is none if one has failed.
-        let values: Vec<Option<f64>> = columns
-            .iter()
-            .map(|cells| {
-                let values: Option<Vec<f64>> = cells
-                    .iter()
-                    .map(|cell| (self.of)(cell).filter(|_| cell.status == Status::Ok))
-                    .collect();
-                median(&values?)
-            })
-            .collect();
+/// The figure of the cells of all sources in a model: the median, and none if one has failed.
+pub(super) fn overall(figure: &Figure, cells: &[&Cell]) -> Option<f64> {
+    let values: Option<Vec<f64>> = cells
+        .iter()
+        .map(|cell| figure.of(cell).filter(|_| cell.status == Status::Ok))
+        .collect();
+    median(&values?)
+}
+
+impl Row {
+    /// The row of a figure; a column holds one cell for each source.
+    fn new(figure: &Figure, columns: &[Vec<&Cell>]) -> Self {
+        let values: Vec<Option<f64>> = columns.iter().map(|c| overall(figure, c)).collect();
         let present = || values.iter().copied().flatten();
         let best = present().fold(f64::INFINITY, f64::min);
         let all_equal = present().all(|v| v == best);
-        let digits = self.decimals.map(|most| decimals(present(), most));
+        let digits = match figure.style {
+            Style::Decimals(most) => decimals(present(), most),
+            Style::Count | Style::Scientific => 0,
+        };
         let entries = columns
             .iter()
             .zip(&values)
             .map(|(cells, value)| match value {
                 Some(value) => Entry {
-                    text: match digits {
-                        Some(digits) => format!("{value:.digits$}"),
-                        None => group(&format!("{value:.0}")),
+                    text: match figure.style {
+                        Style::Count => group(&format!("{value:.0}")),
+                        Style::Decimals(_) => format!("{value:.digits$}"),
+                        Style::Scientific => scientific(*value),
                     },
-                    best: *value == best && !all_equal,
+                    best: figure.less_is_better && *value == best && !all_equal,
                     failed: false,
                 },
                 None => Entry::absent(cells),
             })
             .collect();
-        Row {
-            label: self.label,
+        Self {
+            label: figure.label.clone(),
             entries,
         }
     }

@@ -16,6 +16,7 @@ use std::sync::LazyLock;
 
 pub use algorithm::Algorithm;
 pub use parameter::{Allowed, Numbers, Parameter, Value, Values};
+pub(crate) use select::nearest;
 pub use select::{SelectError, Selection, select, select_one};
 
 /// Every algorithm, in the order in which tables show them.

@@ -59,7 +59,7 @@ fn wrong_usage() {
             "run square.off --check all",
             "algorithms; name one algorithm",
         ),
-        ("run square.off --check no.csv", "--check no.csv: "),
+        ("run square.off --check no.csv", "--check: no.csv: "),
         (
             "run square.off --color blue",
             "invalid value 'blue' for '--color <WHEN>'",

@@ -73,7 +73,7 @@ pub(super) struct RunOptions {
     pub(super) config: Option<PathBuf>,
 
     /// Algorithms by name, by family, or exact, or all; separated by commas; with parameters as
-    /// name{key=value,...} [default: exact]
+    /// name{key=value,...} [default: mmp,ich,fwp-mmp,fwp-ch,vtp]
     #[arg(long, value_name = "LIST", value_parser = algorithms)]
     pub(super) algo: Option<Algorithms>,
 

@@ -10,13 +10,13 @@ use super::args::RunOptions;
 use super::progress::Progress;
 use super::terminal::{self, Terminal};
 use crate::export::{self, Format};
+use crate::host;
 use crate::in_process::InProcess;
 use crate::output::OutputFile;
 use crate::plan::{Plan, Reference};
 use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, SCHEMA, Status};
 use crate::runner::{self, Listener, Step};
 use crate::suite::{self, Plans, Settings, Suite, WantedModel};
-use crate::{host, model};
 
 pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     let Plans { plans, notes } = plans(options)?;
@@ -113,15 +113,6 @@ fn verdict(tallies: &[Tally]) -> Verdict {
     } else {
         Verdict::Passed
     }
-}
-
-/// The models that are named, or the built-in suite.
-pub(super) fn models(arguments: &[String]) -> anyhow::Result<Vec<model::ModelRef>> {
-    Ok(if arguments.is_empty() {
-        model::collect(suite::MODELS)?
-    } else {
-        model::collect(arguments)?
-    })
 }
 
 /// What the suite file, if there is one, and the options ask for.

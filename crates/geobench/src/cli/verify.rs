@@ -4,22 +4,26 @@ use geobench_mesh::VertexId;
 
 use super::Verdict;
 use super::args::VerifyOptions;
-use super::run::models;
 use super::terminal;
 use crate::check::{self, Comparison};
 use crate::expected::{Expected, stored_sources};
 use crate::export::number::scientific;
 use crate::in_process::InProcess;
-use crate::model::ModelRef;
+use crate::model::{self, ModelRef};
 use crate::record::ModelRecord;
 use crate::registry::{self, Selection};
 use crate::runner::{Executor, Purpose, Step, Workplace};
+use crate::suite;
 
 /// The algorithm that all others must agree with, whether it is among those asked for or not.
 const REFERENCE: &str = "mmp";
 
 pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
-    let models = models(&options.models)?;
+    let models = if options.models.is_empty() {
+        model::collect(suite::SMALL_MODELS)?
+    } else {
+        model::collect(&options.models)?
+    };
     let mut algorithms = options.algo.0.clone();
     // The reference goes first, so that its answer is there for the others.
     let reference = registry::select_one(REFERENCE)?;

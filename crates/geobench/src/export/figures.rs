@@ -157,9 +157,12 @@ fn all() -> &'static [Figure] {
             }),
             // MMP kinds store windows; those of the wavefront are those that wait in the queue.
             Figure::computed("peak_wavefront", "Peak wavefront", Count, |c| {
-                match c.counters.get(Counter::StoredWindows) {
-                    Some(_) => count(c, Counter::QueuePeak),
-                    None => count(c, Counter::PeakWindows),
+                let has = |counter| c.counters.get(counter).is_some();
+                match (has(Counter::StoredWindows), has(Counter::Prime)) {
+                    (true, false) => count(c, Counter::QueuePeak),
+                    // The queue holds vertices.
+                    (true, true) => None,
+                    (false, _) => count(c, Counter::PeakWindows),
                 }
             }),
             Figure::computed("prime_share", "Prime share", Decimals(4), |c| {
@@ -190,7 +193,8 @@ fn all() -> &'static [Figure] {
             ),
             Figure::computed("max_rel", "Largest relative difference", Scientific, |c| {
                 c.check.max_rel
-            }),
+            })
+            .informative(),
         ];
         all.extend(Counter::ALL.iter().map(|&counter| Figure {
             key: counter.key(),

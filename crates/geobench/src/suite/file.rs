@@ -79,10 +79,10 @@ impl Suite {
                 value,
             };
             if entry.key == "group" {
-                for group in entry.list()? {
-                    let group = read_group(&group)?;
+                for place in entry.list()? {
+                    let group = read_group(&place)?;
                     if groups.iter().any(|other| other.name == group.name) {
-                        return Err(entry.error(&format!("two are called `{}`", group.name)));
+                        return Err(place.error(&format!("two are called `{}`", group.name)));
                     }
                     groups.push(group);
                 }

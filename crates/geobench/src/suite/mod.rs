@@ -10,7 +10,7 @@ mod document;
 mod file;
 mod plans;
 
-pub use builtin::MODELS;
+pub use builtin::{ALGORITHMS, MODELS, SMALL_MODELS};
 pub use document::SuiteError;
 pub use file::{Suite, SuiteGroup};
 pub use plans::{PlanError, Plans, plans};

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::document::SuiteError;
-use super::{MODELS, Settings, Suite, WantedModel};
+use super::{ALGORITHMS, MODELS, Settings, Suite, WantedModel};
 use crate::model::{self, ModelError, ModelRef};
 use crate::plan::{OneFileForMore, Plan, Reference};
 use crate::record::GroupRecord;
@@ -72,9 +72,11 @@ pub fn plans(suite: Option<&Suite>, asked: &Settings) -> Result<Plans, PlanError
         for wanted in wanted {
             match find(wanted) {
                 Ok(found) => models.extend(found),
-                Err(error @ ModelError::Missing { .. }) if wanted.optional => {
-                    done.notes
-                        .push(format!("group `{}` without {error}", group.name));
+                Err(ModelError::Missing { path, problem }) if wanted.optional => {
+                    done.notes.push(format!(
+                        "group `{}`: the optional model {path} is left out: {problem}",
+                        group.name
+                    ));
                 }
                 Err(error) if wanted.line.is_some() => {
                     return Err(fail(wanted.line, format!("`models`: {error}")).into());
@@ -156,7 +158,9 @@ fn plan(
     Ok(plan)
 }
 
-/// The algorithms that run where none are named: every exact one.
+/// The algorithms that run where none are named.
 fn usual() -> Vec<Selection> {
-    registry::select("exact").unwrap_or_default()
+    let known = |name: &&&str| registry::algorithms().iter().any(|a| a.name == **name);
+    let names: Vec<&str> = ALGORITHMS.iter().filter(known).copied().collect();
+    registry::select(&names.join(",")).unwrap_or_default()
 }

@@ -32,7 +32,7 @@ const TO_COME: &[&str] = &[
 /// Whether an error says no more than that an algorithm is still to come.
 fn waits(error: &str) -> bool {
     let is_named = |name: &&str| error.contains(&format!("there is no algorithm `{name}`"));
-    TO_COME.iter().any(|name| is_named(&name))
+    TO_COME.iter().any(is_named)
 }
 
 #[test]

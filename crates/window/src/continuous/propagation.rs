@@ -43,9 +43,10 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         }
     }
 
-    /// A path of length `d` reaches `v`. Only vertices at which a path may turn have a turn.
+    /// A path of length `d` reaches `v`. Only vertices at which a path may turn have a turn, unless
+    /// the discipline goes by vertices.
     fn offer<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) {
-        if self.surface.offer(v, d) && self.mesh.is_pseudo_source(v) {
+        if self.surface.offer(v, d) && (Q::EVERY_VERTEX || self.mesh.is_pseudo_source(v)) {
             self.queue.push(d, Event::vertex(v), probe);
         }
     }
@@ -138,11 +139,15 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
             apex_distance: d,
         };
         let [left, right] = self.policy.split(&crossing, lineage, &self.surface);
-        if let Some((target, lineage)) = to_left.zip(left) {
+        let to_left = to_left.zip(left);
+        let to_right = to_right.zip(right);
+        let tries = u64::from(to_left.is_some()) + u64::from(to_right.is_some());
+        self.queue.crossed(h, tries, probe);
+        if let Some((target, lineage)) = to_left {
             let child = left_child(&frame, window, sp, window.b1.min(sp));
             self.send(target, child, lineage, Side::Left, probe);
         }
-        if let Some((target, lineage)) = to_right.zip(right) {
+        if let Some((target, lineage)) = to_right {
             let child = right_child(&frame, window, sp, window.b0.max(sp));
             self.send(target, child, lineage, Side::Right, probe);
         }
@@ -168,13 +173,16 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<'_, W, Q> {
             self.surface.offer(s, 0.0);
         }
         for &s in sources {
+            self.queue.start(s);
             self.spawn(s, probe);
         }
         while let Some((label, event)) = self.queue.pop(probe) {
             match event.kind() {
                 EventKind::Vertex(v) => {
                     // A vertex is queued anew whenever it improves; older entries are void.
-                    if self.surface.distance(v) == label {
+                    if self.surface.distance(v) == label
+                        && (!Q::EVERY_VERTEX || self.mesh.is_pseudo_source(v))
+                    {
                         self.spawn(v, probe);
                     }
                 }

@@ -43,6 +43,12 @@ impl<T: Copy> MinHeap<T> {
         Some(least)
     }
 
+    /// The item that [`pop`](Self::pop) would take.
+    #[inline]
+    pub fn peek(&self) -> Option<(f64, T)> {
+        self.nodes.first().copied()
+    }
+
     /// Number of items.
     #[inline]
     pub fn len(&self) -> usize {

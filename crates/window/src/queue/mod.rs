@@ -10,6 +10,8 @@ pub use fifo::Fifo;
 pub use heap::MinHeap;
 pub use priority::Priority;
 
+use geobench_mesh::{HalfEdgeId, VertexId};
+
 use crate::counters::Counter;
 use crate::probe::Probe;
 
@@ -19,11 +21,26 @@ pub trait Discipline: Send {
     /// The counters that this discipline keeps.
     const COUNTERS: &'static [Counter];
 
+    /// Whether it wants the event of every vertex whose distance improves, not only of those at
+    /// which a path may turn.
+    const EVERY_VERTEX: bool = false;
+
+    /// `source` sends out its windows now, without having waited.
+    fn start(&mut self, source: VertexId) {
+        let _ = source;
+    }
+
     /// Adds `event` with its label, a non-negative distance.
     fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P);
 
     /// Takes the next event, with its label.
     fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)>;
+
+    /// A window has crossed the face of `h`, and `tries` children of it were tried.
+    #[inline]
+    fn crossed<P: Probe>(&mut self, h: HalfEdgeId, tries: u64, probe: &mut P) {
+        let _ = (h, tries, probe);
+    }
 
     /// The labels of all windows that wait, those of outdated entries included.
     fn window_labels(&self) -> impl Iterator<Item = f64>;

@@ -1,0 +1,285 @@
+//! Fast wavefront propagation: buckets of labels, taken in rounds.
+
+use geobench_mesh::Mesh;
+use geobench_window::queue::{Discipline, Event, MinHeap};
+use geobench_window::{Counter, Probe};
+
+use crate::arena::Arena;
+use crate::ring::Ring;
+
+/// The most buckets that a ring can have, 3 MB of them. What is further away waits in a heap.
+const MOST_BUCKETS: u64 = 1 << 18;
+
+/// The number of the last bucket; no label of a mesh comes near it.
+const LAST_BUCKET: u64 = 1 << 62;
+
+/// How many events, K, a round of [`Buckets`] takes at least.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BatchSize {
+    /// K starts as the number of events that wait. From round to round it grows by the number of
+    /// events that came to lie beyond the buckets of the round, a sign that the wavefront is
+    /// smooth, and shrinks by those that fell into or before them; it never exceeds `max`.
+    Adaptive {
+        /// K_max.
+        max: u32,
+    },
+    /// Always this many. The paper's figure 10 shows why not: the best number differs by a factor
+    /// of forty between models.
+    Fixed(u32),
+}
+
+/// What can be chosen about [`Buckets`]. Answers do not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BucketOptions {
+    /// Width of a bucket as a multiple of h/√n, for h the mean length of the edges and n the number
+    /// of vertices. One that is not positive, or not finite, puts all events into one bucket.
+    pub width: f64,
+    /// Events for each round; 0 counts as 1.
+    pub batch: BatchSize,
+}
+
+impl Default for BucketOptions {
+    /// The paper's: width 1, K adaptive and at most 20,000.
+    fn default() -> Self {
+        Self {
+            width: 1.0,
+            batch: BatchSize::Adaptive { max: 20_000 },
+        }
+    }
+}
+
+/// The queue of the fast wavefront propagation framework (Xu et al. 2015, section 4).
+///
+/// Labels are divided into buckets of equal width, first in first out, and events are taken in
+/// rounds. A round chooses the buckets from the first non-empty one, P₁, to the first, P_end, by
+/// which they hold at least K events, and takes from each of them what was there before the round;
+/// what comes during the round has its *birth* in it and waits for the next. How K follows the
+/// wavefront is told at [`BatchSize::Adaptive`].
+///
+/// Where the paper leaves a choice: P_end is the last bucket that is counted, and an event is
+/// *beyond* it if its bucket is. A label below P₁, by rounding, counts as P₁'s. An event whose
+/// window has been trimmed, or dropped, since it was queued stays where it is, counts among the K,
+/// and is skipped by the policy; a trimmed window waits under its new label too.
+///
+/// # Cost
+///
+/// O(1) for each event, whatever the number of buckets. They form a ring from P₁ on, of as many
+/// slots as the wavefront is wide; a label more than 262,144 buckets further up, which only a width far
+/// below the paper's or an edge of thousands of times the mean length can bring, waits in a heap,
+/// at O(log k). An event takes 24 bytes, a slot 12.
+#[derive(Clone, Debug)]
+pub struct Buckets {
+    batch: BatchSize,
+    buckets_per_length: f64,
+    arena: Arena,
+    ring: Ring,
+    /// Events whose buckets the ring may not reach; all beyond it.
+    far: MinHeap<Event>,
+    round: Round,
+}
+
+/// The round under way.
+#[derive(Clone, Copy, Debug, Default)]
+struct Round {
+    /// Counts from 1, and on from 0 after 2³² rounds; 0 before the first one.
+    number: u32,
+    /// K.
+    size: i64,
+    /// The bucket that is being emptied, P₂.
+    current: u64,
+    /// The last one to be emptied, P_end.
+    end: u64,
+    /// Events that came into a bucket up to `end`.
+    near: i64,
+    /// Events that came beyond it.
+    beyond: i64,
+}
+
+impl Buckets {
+    /// Empty buckets whose width suits `mesh`; O(edges).
+    pub fn new(mesh: &Mesh, options: BucketOptions) -> Self {
+        let width = options.width * mean_edge_length(mesh) / (mesh.vertex_count() as f64).sqrt();
+        let per_length = width.recip();
+        let usable = width > 0.0 && per_length.is_finite();
+        Self {
+            batch: options.batch,
+            buckets_per_length: if usable { per_length } else { 0.0 },
+            arena: Arena::default(),
+            ring: Ring::new(),
+            far: MinHeap::default(),
+            round: Round::default(),
+        }
+    }
+
+    /// The bucket that holds `label`. Labels in order have buckets in order.
+    #[inline]
+    fn bucket(&self, label: f64) -> u64 {
+        ((label * self.buckets_per_length) as u64).min(LAST_BUCKET)
+    }
+
+    fn len(&self) -> usize {
+        self.arena.len() + self.far.len()
+    }
+
+    /// Puts an event into a bucket that is not below the ring's first.
+    #[inline]
+    fn put(&mut self, bucket: u64, label: f64, event: Event, birth: u32) {
+        if bucket - self.ring.first() < MOST_BUCKETS {
+            let slot = self.ring.occupy(bucket);
+            slot.len += 1;
+            self.arena.append(&mut slot.chain, label, event, birth);
+        } else {
+            self.far.push(label, event);
+        }
+    }
+
+    /// Takes an event of bucket P₂ that is older than the round.
+    #[inline]
+    fn take(&mut self) -> Option<(f64, Event)> {
+        let bucket = self.round.current;
+        let slot = self.ring.slot(bucket);
+        // Births are in order in a bucket, and none is later than the round.
+        if self.arena.first_birth(slot.chain)? == self.round.number {
+            return None;
+        }
+        let taken = self.arena.take(&mut slot.chain);
+        slot.len -= 1;
+        if slot.len == 0 {
+            self.ring.vacate(bucket);
+        }
+        taken
+    }
+
+    /// Begins a round; returns whether there is anything to take.
+    fn begin<P: Probe>(&mut self, probe: &mut P) -> bool {
+        let Some(first) = self.first_bucket() else {
+            return false;
+        };
+        let last_round = self.round.number;
+        self.ring.advance(first);
+        self.bring_near(last_round);
+        self.round = Round {
+            number: last_round.wrapping_add(1),
+            size: self.next_size(),
+            current: first,
+            end: first,
+            near: 0,
+            beyond: 0,
+        };
+        self.round.end = self.last_bucket(first);
+        probe.add(Counter::Iterations, 1);
+        probe.raise(Counter::KPeak, self.round.size.unsigned_abs());
+        true
+    }
+
+    /// The first bucket that is not empty, if there is one.
+    fn first_bucket(&self) -> Option<u64> {
+        let near = self.ring.next_occupied(self.ring.first());
+        near.or_else(|| self.far.peek().map(|(label, _)| self.bucket(label)))
+    }
+
+    /// Moves events that the ring can hold by now from the heap to it.
+    fn bring_near(&mut self, birth: u32) {
+        while let Some((label, event)) = self.far.peek() {
+            let bucket = self.bucket(label);
+            if bucket - self.ring.first() >= MOST_BUCKETS {
+                break;
+            }
+            self.far.pop();
+            self.put(bucket, label, event, birth);
+        }
+    }
+
+    /// K of the round to come.
+    fn next_size(&self) -> i64 {
+        let waiting = self.len() as i64;
+        let (wanted, limit) = match self.batch {
+            BatchSize::Fixed(size) => (i64::from(size), i64::MAX),
+            BatchSize::Adaptive { max } if self.round.number == 0 => (waiting, i64::from(max)),
+            BatchSize::Adaptive { max } => {
+                let Round {
+                    size, near, beyond, ..
+                } = self.round;
+                (size + beyond - near, i64::from(max))
+            }
+        };
+        wanted.min(limit).min(waiting).max(1)
+    }
+
+    /// The first bucket by which there are K events from `first` on, or the last one in the ring.
+    fn last_bucket(&mut self, first: u64) -> u64 {
+        let mut end = first;
+        let mut held = i64::from(self.ring.slot(end).len);
+        while held < self.round.size
+            && let Some(next) = self.ring.next_occupied(end + 1)
+        {
+            end = next;
+            held += i64::from(self.ring.slot(end).len);
+        }
+        end
+    }
+}
+
+/// Mean over the edges, each once; 0 without any.
+fn mean_edge_length(mesh: &Mesh) -> f64 {
+    let once = |&h: &_| mesh.twin(h).is_none_or(|twin| h < twin);
+    let (mut sum, mut edges) = (0.0, 0.0);
+    for h in mesh.half_edges().filter(once) {
+        sum += mesh.length(h);
+        edges += 1.0;
+    }
+    sum / f64::max(edges, 1.0)
+}
+
+impl Discipline for Buckets {
+    const COUNTERS: &'static [Counter] = &[
+        Counter::QueuePushes,
+        Counter::QueuePeak,
+        Counter::Iterations,
+        Counter::KPeak,
+    ];
+
+    #[inline]
+    fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
+        let bucket = self.bucket(label).max(self.ring.first());
+        if bucket > self.round.end {
+            self.round.beyond += 1;
+        } else {
+            self.round.near += 1;
+        }
+        self.put(bucket, label, event, self.round.number);
+        probe.add(Counter::QueuePushes, 1);
+        probe.raise(Counter::QueuePeak, self.len() as u64);
+    }
+
+    #[inline]
+    fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)> {
+        loop {
+            if let Some(taken) = self.take() {
+                return Some(taken);
+            }
+            match self.ring.next_occupied(self.round.current + 1) {
+                Some(bucket) if bucket <= self.round.end => self.round.current = bucket,
+                _ => {
+                    if !self.begin(probe) {
+                        return None;
+                    }
+                }
+            }
+        }
+    }
+
+    fn window_labels(&self) -> impl Iterator<Item = f64> {
+        let far = self.far.iter().filter(|(_, event)| event.is_window());
+        self.arena
+            .window_labels()
+            .chain(far.map(|&(label, _)| label))
+    }
+
+    fn clear(&mut self) {
+        self.arena.clear();
+        self.ring.clear();
+        self.far.clear();
+        self.round = Round::default();
+    }
+}

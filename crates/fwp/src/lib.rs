@@ -1,0 +1,110 @@
+//! Disciplines between first in first out and a priority queue, for windows taken one by one.
+//!
+//! What a window algorithm answers does not depend on the order in which it takes its windows
+//! (Xu et al. 2015, proposition 1): every window that provides a shortest path descends from such
+//! windows only, and none of these is ever discarded. What depends on the order is how many
+//! windows are tried in vain. Nearest first tries the fewest and pays O(log k) for each, in a heap
+//! of a hundred thousand entries that no cache holds; first in first out pays nothing and tries
+//! several times as many. The disciplines of this crate pay O(1) and try nearly as few.
+//!
+//! Each is a [`Discipline`](geobench_window::queue::Discipline), and knows nothing of what it
+//! orders. Under the policy of MMP ([`Trimming`]) and that of ICH ([`Splitting`]) it makes two
+//! algorithms:
+//!
+//! | discipline | algorithms | source | takes next | memory beside the policy's |
+//! |---|---|---|---|---|
+//! | [`Buckets`] | [`fwp_mmp`], [`fwp_ch`] | Xu et al. 2015, section 4 | the K nearest, roughly, in rounds | 24 bytes for each window that waits, 12 for each bucket that the wavefront spans |
+//! | [`LabelCorrecting`] | [`lc_mmp`], [`lc_ch`] | Bertsekas 1993; Xu et al. 2015, section 7.4 | one below the mean, roughly | 16 bytes for each window that waits |
+//! | [`VertexOrder`] | [`vtp_mmp`], [`vtp_ch`] | Qin et al. 2016, section 6.2 | windows around the nearest vertex | 24 bytes for each window that waits, 8 for each half-edge, 4 for each face |
+//!
+//! # Which one to choose
+//!
+//! * Buckets are the authors' choice where windows are taken one by one, and have the bound to show
+//!   for it: O(n²) windows for n vertices of bounded degree, in O(n² log n) time with MMP's lists and O(n²) with
+//!   ICH's records (proposition 2).
+//! * Label correcting needs no width and no limit to be set. It has no such bound: there are meshes
+//!   on which it takes Ω(n³) windows. It is here because the papers compare with it.
+//! * Vertex order keeps the fewest things in order. It separates what VTP owes to its schedule from
+//!   what it owes to its rules: the schedule alone saves time and no windows.
+//!
+//! [`vtp`](https://doi.org/10.1145/2897824.2925930) itself, which compares whole lists of windows,
+//! is faster than any of them.
+//!
+//! References: Xu, Wang, Liu, Liu and He, "Fast wavefront propagation (FWP) for computing exact
+//! geodesic distances on meshes" (2015); Bertsekas, "A simple and fast label correcting algorithm
+//! for shortest paths" (1993); Qin, Han, Yu, Yu and Zhang, "Fast and exact discrete geodesic
+//! computation based on triangle-oriented wavefront propagation" (2016).
+
+mod arena;
+mod buckets;
+mod label_correcting;
+mod ring;
+mod vertex_order;
+
+use geobench_ich::{Splitting, VertexFilter};
+use geobench_mesh::Mesh;
+use geobench_mmp::{Carrier, Trimming};
+use geobench_window::continuous::Continuous;
+
+pub use buckets::{BatchSize, BucketOptions, Buckets};
+pub use label_correcting::{LabelCorrecting, LabelCorrectingOptions};
+pub use vertex_order::VertexOrder;
+
+/// FWP-MMP for `mesh`: windows kept and trimmed on half-edges, taken from buckets in rounds;
+/// O(faces).
+///
+/// Time O(n² log n), space O(n²) (proposition 2 of Xu et al. 2015).
+pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> Continuous<'_, Trimming, Buckets> {
+    Continuous::new(mesh, trimming(mesh), Buckets::new(mesh, options))
+}
+
+/// FWP-CH for `mesh`: windows filtered and not kept, taken from buckets in rounds; O(faces).
+///
+/// Time O(n²), space O(n) beside the windows that wait (proposition 2 of Xu et al. 2015).
+pub fn fwp_ch(mesh: &Mesh, options: BucketOptions) -> Continuous<'_, Splitting, Buckets> {
+    Continuous::new(mesh, splitting(mesh), Buckets::new(mesh, options))
+}
+
+/// LC-MMP for `mesh`: windows kept and trimmed on half-edges, in a label correcting queue;
+/// O(faces).
+///
+/// Without a bound on time that means anything; space O(n²).
+pub fn lc_mmp(
+    mesh: &Mesh,
+    options: LabelCorrectingOptions,
+) -> Continuous<'_, Trimming, LabelCorrecting> {
+    Continuous::new(mesh, trimming(mesh), LabelCorrecting::new(options))
+}
+
+/// LC-CH for `mesh`: windows filtered and not kept, in a label correcting queue; O(faces).
+///
+/// Without a bound on time that means anything; space O(n) beside the windows that wait.
+pub fn lc_ch(
+    mesh: &Mesh,
+    options: LabelCorrectingOptions,
+) -> Continuous<'_, Splitting, LabelCorrecting> {
+    Continuous::new(mesh, splitting(mesh), LabelCorrecting::new(options))
+}
+
+/// VTP-MMP for `mesh`: windows kept and trimmed on half-edges, released around the nearest vertex;
+/// O(faces).
+///
+/// It needs about the time of [`fwp_mmp`] or less, and space O(n²).
+pub fn vtp_mmp(mesh: &Mesh) -> Continuous<'_, Trimming, VertexOrder<'_>> {
+    Continuous::new(mesh, trimming(mesh), VertexOrder::new(mesh))
+}
+
+/// VTP-CH for `mesh`: windows filtered and not kept, released around the nearest vertex; O(faces).
+///
+/// It needs about the time of [`fwp_ch`], and space O(n) beside the windows that wait.
+pub fn vtp_ch(mesh: &Mesh) -> Continuous<'_, Splitting, VertexOrder<'_>> {
+    Continuous::new(mesh, splitting(mesh), VertexOrder::new(mesh))
+}
+
+fn trimming(mesh: &Mesh) -> Trimming {
+    Trimming::new(mesh, Carrier::HalfEdge)
+}
+
+fn splitting(mesh: &Mesh) -> Splitting {
+    Splitting::new(mesh, VertexFilter::On)
+}

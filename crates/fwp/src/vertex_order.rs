@@ -1,0 +1,134 @@
+//! Vertices by distance: the schedule of VTP for windows that are taken one by one.
+
+use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_window::queue::{Discipline, Event, EventKind, MinHeap};
+use geobench_window::{Counter, Probe};
+
+use crate::arena::{Arena, Chain};
+
+/// The vertex-sorted queue of VTP (Qin et al. 2016, sections 5.2 and 6.2), for windows one by one.
+///
+/// Vertices are taken by distance. Each puts the faces around it into the *traversed area*. A
+/// window waits on its half-edge until the face that it is about to enter belongs to the area;
+/// then it is *released*, and released windows come first in, first out, before the next vertex.
+///
+/// Only vertices have to be kept in order, so the heap is about as long as the wavefront has
+/// vertices, a fiftieth of its windows and less.
+///
+/// # Cost
+///
+/// O(1) for each window, O(log n) for each time that a vertex improves. A window takes 24 bytes, a
+/// half-edge 8, a face 4.
+#[derive(Clone, Debug)]
+pub struct VertexOrder<'m> {
+    mesh: &'m Mesh,
+    /// All vertices whose distances have improved, those with outdated labels included: such a one
+    /// comes after its vertex has had its turn, and changes nothing.
+    vertices: MinHeap<VertexId>,
+    arena: Arena,
+    /// For each half-edge the windows that wait on it for its face.
+    waiting: Vec<Chain>,
+    released: Chain,
+    /// For each face the step in which it joined the traversed area; 0 if it has not.
+    joined: Vec<u32>,
+    /// Vertices whose turn has come.
+    step: u32,
+}
+
+impl<'m> VertexOrder<'m> {
+    /// An empty queue for the windows of `mesh`; O(faces).
+    pub fn new(mesh: &'m Mesh) -> Self {
+        Self {
+            mesh,
+            vertices: MinHeap::default(),
+            arena: Arena::default(),
+            waiting: vec![Chain::EMPTY; mesh.half_edge_count()],
+            released: Chain::EMPTY,
+            joined: vec![0; mesh.face_count()],
+            step: 0,
+        }
+    }
+
+    /// Puts the faces around `v` into the traversed area.
+    fn pass(&mut self, v: VertexId) {
+        self.step = self.step.saturating_add(1);
+        for h in self.mesh.outgoing(v) {
+            let face = h.face();
+            let joined = &mut self.joined[face.index()];
+            if *joined == 0 {
+                *joined = self.step;
+                for corner in 0..3 {
+                    let waiting = &mut self.waiting[face.half_edge(corner).index()];
+                    self.arena.join(&mut self.released, waiting);
+                }
+            }
+        }
+    }
+}
+
+impl Discipline for VertexOrder<'_> {
+    const COUNTERS: &'static [Counter] = &[
+        Counter::QueuePushes,
+        Counter::QueuePeak,
+        Counter::Prime,
+        Counter::Secondary,
+    ];
+
+    const EVERY_VERTEX: bool = true;
+
+    fn start(&mut self, source: VertexId) {
+        self.pass(source);
+    }
+
+    #[inline]
+    fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
+        match event.kind() {
+            EventKind::Vertex(v) => {
+                self.vertices.push(label, v);
+                probe.add(Counter::QueuePushes, 1);
+                probe.raise(Counter::QueuePeak, self.vertices.len() as u64);
+            }
+            EventKind::Window(h, _) => {
+                let chain = if self.joined[h.face().index()] == 0 {
+                    &mut self.waiting[h.index()]
+                } else {
+                    &mut self.released
+                };
+                self.arena.append(chain, label, event, 0);
+            }
+        }
+    }
+
+    #[inline]
+    fn pop<P: Probe>(&mut self, _: &mut P) -> Option<(f64, Event)> {
+        self.arena.take(&mut self.released).or_else(|| {
+            let (label, v) = self.vertices.pop()?;
+            self.pass(v);
+            Some((label, Event::vertex(v)))
+        })
+    }
+
+    #[inline]
+    fn crossed<P: Probe>(&mut self, h: HalfEdgeId, tries: u64, probe: &mut P) {
+        let prime = self.joined[h.face().index()] == self.step;
+        let counter = if prime {
+            Counter::Prime
+        } else {
+            Counter::Secondary
+        };
+        probe.add(counter, tries);
+    }
+
+    fn window_labels(&self) -> impl Iterator<Item = f64> {
+        self.arena.window_labels()
+    }
+
+    fn clear(&mut self) {
+        self.vertices.clear();
+        self.arena.clear();
+        self.waiting.fill(Chain::EMPTY);
+        self.released = Chain::EMPTY;
+        self.joined.fill(0);
+        self.step = 0;
+    }
+}

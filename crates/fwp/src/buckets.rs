@@ -283,3 +283,7 @@ impl Discipline for Buckets {
         self.round = Round::default();
     }
 }
+
+#[cfg(test)]
+#[path = "buckets_tests.rs"]
+mod tests;

@@ -159,3 +159,85 @@ impl Discipline for LabelCorrecting {
         self.threshold = UNSET;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use geobench_window::Count;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::test_support::{check_queue, id_of, steps, window};
+
+    fn filled(beta: f64, labels: &[f64]) -> LabelCorrecting {
+        let mut queue = LabelCorrecting::new(LabelCorrectingOptions { beta });
+        for (id, &label) in (0u32..).zip(labels) {
+            queue.push(label, window(id), &mut ());
+        }
+        queue
+    }
+
+    fn order(mut queue: LabelCorrecting) -> Vec<u32> {
+        std::iter::from_fn(|| queue.pop(&mut ()))
+            .map(|(_, event)| id_of(event))
+            .collect()
+    }
+
+    proptest! {
+        #[test]
+        fn every_event_comes_once_at_any_threshold(
+            beta in prop_oneof![0.0..3.0f64, Just(f64::INFINITY), Just(f64::NAN), Just(-1.0)],
+            steps in steps(),
+        ) {
+            let options = LabelCorrectingOptions { beta };
+            check_queue(&mut LabelCorrecting::new(options), &steps)?;
+        }
+    }
+
+    #[test]
+    fn small_labels_go_in_front() {
+        // Into the queue 5; then 7 behind it, 3 in front, and 4 at the back. When 7 comes to the
+        // front it is above the mean of 7 and 4.
+        let queue = filled(f64::INFINITY, &[5.0, 7.0, 3.0, 4.0]);
+        assert_eq!(order(queue), [2, 0, 3, 1]);
+    }
+
+    #[test]
+    fn large_labels_go_last() {
+        let mut queue = filled(f64::INFINITY, &[2.0, 9.0, 8.0, 1.0, 3.0]);
+        assert_eq!(queue.pop(&mut ()), Some((1.0, window(3))));
+        assert_eq!(queue.pop(&mut ()), Some((2.0, window(0))));
+        // 9 and 8 are above the mean of 9, 8 and 3.
+        assert_eq!(queue.pop(&mut ()), Some((3.0, window(4))));
+        assert_eq!(queue.pop(&mut ()), Some((8.0, window(2))));
+    }
+
+    /// With the mean off by rounding, or by 1e300 that came and went, every label is above it; a
+    /// public program never stops rotating then.
+    #[test]
+    fn rotation_ends_when_all_labels_are_above_the_mean() {
+        let mut queue = filled(f64::INFINITY, &[1.0, 1.0, 1e300, 1.0]);
+        for _ in 0..4 {
+            assert!(queue.pop(&mut ()).is_some());
+            queue.push(1.0, window(9), &mut ());
+            queue.sum = -1.0;
+        }
+        assert_eq!(queue.queue.len(), 4);
+    }
+
+    #[test]
+    fn labels_above_the_threshold_wait() {
+        let mut queue = filled(0.5, &[0.0, 1.0, 2.0, 9.0]);
+        let mut count = Count::default();
+        // The mean is 3.
+        queue.pop(&mut count);
+        assert_eq!(queue.threshold, 1.5);
+        queue.push(1.6, window(4), &mut count);
+        assert_eq!(queue.apart.len(), 3);
+        queue.push(1.4, window(5), &mut count);
+        assert_eq!(queue.queue.len(), 2);
+        assert_eq!(order(queue), [1, 5, 4, 2, 3]);
+        let counters = count.counters(LabelCorrecting::COUNTERS);
+        assert_eq!(counters.get(Counter::Iterations), Some(1));
+        assert_eq!(counters.get(Counter::QueuePeak), Some(5));
+    }
+}

@@ -39,6 +39,8 @@ mod arena;
 mod buckets;
 mod label_correcting;
 mod ring;
+#[cfg(test)]
+mod test_support;
 mod vertex_order;
 
 use geobench_ich::{Splitting, VertexFilter};

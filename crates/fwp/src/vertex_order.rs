@@ -132,3 +132,78 @@ impl Discipline for VertexOrder<'_> {
         self.step = 0;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use geobench_window::Count;
+
+    use super::*;
+    use crate::test_support::square;
+
+    fn v(vertex: u32) -> VertexId {
+        VertexId::new(vertex)
+    }
+
+    fn window(h: u32, id: u32) -> Event {
+        Event::window(HalfEdgeId::new(h), id)
+    }
+
+    /// In the square, half-edges 0 to 2 belong to the face (0, 1, 2) and 3 to 5 to (0, 2, 3).
+    #[test]
+    fn windows_wait_for_their_faces_and_vertices_for_them() {
+        let mesh = square();
+        let mut order = VertexOrder::new(&mesh);
+        order.push(2.0, Event::vertex(v(3)), &mut ());
+        order.push(1.0, Event::vertex(v(1)), &mut ());
+        order.push(9.0, window(3, 0), &mut ());
+        order.push(8.0, window(2, 1), &mut ());
+        order.push(7.0, window(0, 2), &mut ());
+        order.push(6.0, window(0, 3), &mut ());
+        assert_eq!(order.window_labels().count(), 4);
+        assert_eq!(order.pop(&mut ()), Some((1.0, Event::vertex(v(1)))));
+        order.push(5.0, window(1, 4), &mut ());
+        order.push(4.0, window(5, 5), &mut ());
+        let released = [
+            (7.0, window(0, 2)),
+            (6.0, window(0, 3)),
+            (8.0, window(2, 1)),
+        ];
+        for expected in released {
+            assert_eq!(order.pop(&mut ()), Some(expected));
+        }
+        assert_eq!(order.pop(&mut ()), Some((5.0, window(1, 4))));
+        assert_eq!(order.pop(&mut ()), Some((2.0, Event::vertex(v(3)))));
+        assert_eq!(order.pop(&mut ()), Some((9.0, window(3, 0))));
+        assert_eq!(order.pop(&mut ()), Some((4.0, window(5, 5))));
+        assert_eq!(order.pop(&mut ()), None);
+    }
+
+    #[test]
+    fn sources_release_windows_without_a_turn() {
+        let mesh = square();
+        let mut order = VertexOrder::new(&mesh);
+        order.start(v(1));
+        order.push(1.0, window(0, 0), &mut ());
+        order.push(1.0, window(3, 1), &mut ());
+        assert_eq!(order.pop(&mut ()), Some((1.0, window(0, 0))));
+        assert_eq!(order.pop(&mut ()), None);
+        order.clear();
+        order.push(1.0, window(0, 0), &mut ());
+        assert_eq!(order.pop(&mut ()), None, "a cleared area holds no face");
+    }
+
+    #[test]
+    fn tries_in_a_new_face_are_prime() {
+        let mesh = square();
+        let mut order = VertexOrder::new(&mesh);
+        let mut count = Count::default();
+        order.start(v(1));
+        order.crossed(HalfEdgeId::new(0), 2, &mut count);
+        order.start(v(3));
+        order.crossed(HalfEdgeId::new(0), 3, &mut count);
+        order.crossed(HalfEdgeId::new(4), 5, &mut count);
+        let counters = count.counters(VertexOrder::COUNTERS);
+        assert_eq!(counters.get(Counter::Prime), Some(7));
+        assert_eq!(counters.get(Counter::Secondary), Some(3));
+    }
+}

@@ -1,0 +1,202 @@
+//! Buckets on their own.
+
+use geobench_window::{Count, Counter};
+use proptest::prelude::*;
+
+use super::*;
+use crate::test_support::{check_queue, id_of, square, steps, window};
+
+/// Buckets of width 1.
+fn unit_buckets(batch: BatchSize) -> Buckets {
+    let mut buckets = Buckets::new(&square(), BucketOptions::default());
+    buckets.buckets_per_length = 1.0;
+    buckets.batch = batch;
+    buckets
+}
+
+fn options() -> impl Strategy<Value = BucketOptions> {
+    let width = prop_oneof![
+        0.01..1000.0f64,
+        Just(0.0),
+        Just(f64::NAN),
+        Just(f64::INFINITY),
+        Just(1e-300),
+        Just(1e300),
+    ];
+    let batch = prop_oneof![
+        (0..100u32).prop_map(|max| BatchSize::Adaptive { max }),
+        (0..100u32).prop_map(BatchSize::Fixed),
+        Just(BatchSize::Fixed(u32::MAX)),
+    ];
+    (width, batch).prop_map(|(width, batch)| BucketOptions { width, batch })
+}
+
+proptest! {
+    #[test]
+    fn every_event_comes_once_at_any_width_and_k(options in options(), steps in steps()) {
+        check_queue(&mut Buckets::new(&square(), options), &steps)?;
+    }
+
+    /// Events beget others, as windows do, no nearer than themselves. With a list of all that
+    /// waits, rounds are taken apart and held to what the paper says of them.
+    #[test]
+    fn rounds_take_the_nearest_buckets_and_nothing_born_in_them(
+        first in prop::collection::vec(0.0..40.0f64, 1..60),
+        later in prop::collection::vec((0..3usize, 0.0..12.0f64), 0..400),
+        size in 1..30u32,
+    ) {
+        let mut buckets = unit_buckets(BatchSize::Fixed(size));
+        let (mut waiting, mut labels) = (Vec::new(), Vec::new());
+        let mut push = |buckets: &mut Buckets, waiting: &mut Vec<u32>, label: f64| {
+            let id = labels.len() as u32;
+            labels.push(label);
+            waiting.push(id);
+            buckets.push(label, window(id), &mut ());
+        };
+        for label in first {
+            push(&mut buckets, &mut waiting, label);
+        }
+        let mut later = later.into_iter();
+        let mut next = buckets.pop(&mut ());
+        while let Some(begun) = next {
+            let round = buckets.round;
+            let (mut taken, mut last) = (0, 0);
+            let mut old = std::mem::take(&mut waiting);
+            let at_start = old.len();
+            let mut current = begun;
+            loop {
+                let (label, event) = current;
+                prop_assert!(old.contains(&id_of(event)), "born in this round, or lost");
+                old.retain(|&id| id != id_of(event));
+                taken += 1;
+                let bucket = label as u64;
+                prop_assert!(last <= bucket && bucket <= round.end);
+                last = bucket;
+                if let Some((children, further)) = later.next() {
+                    for _ in 0..children {
+                        push(&mut buckets, &mut waiting, label + further);
+                    }
+                }
+                next = buckets.pop(&mut ());
+                match next {
+                    Some(event) if buckets.round.number == round.number => current = event,
+                    _ => break,
+                }
+            }
+            prop_assert!(taken >= at_start.min(size as usize), "{} of {}", taken, at_start);
+            waiting.append(&mut old);
+        }
+        prop_assert!(waiting.is_empty());
+    }
+}
+
+#[test]
+fn within_a_bucket_the_first_to_come_is_the_first_to_go() {
+    let mut buckets = unit_buckets(BatchSize::Fixed(1));
+    for (id, label) in [5.9, 5.1, 3.0, 5.5].into_iter().enumerate() {
+        buckets.push(label, window(id as u32), &mut ());
+    }
+    let order: Vec<u32> = std::iter::from_fn(|| buckets.pop(&mut ()))
+        .map(|(_, event)| id_of(event))
+        .collect();
+    assert_eq!(order, [2, 0, 1, 3]);
+}
+
+/// K starts with all that wait, grows by what comes beyond the last bucket, and shrinks by what
+/// comes before its end.
+#[test]
+fn k_follows_the_wavefront() {
+    let mut buckets = unit_buckets(BatchSize::Adaptive { max: 100 });
+    let mut count = Count::default();
+    for id in 0..4 {
+        buckets.push(0.5, window(id), &mut count);
+    }
+    for id in 4..8 {
+        buckets.pop(&mut count);
+        buckets.push(3.5, window(id), &mut count);
+    }
+    assert_eq!(buckets.round.size, 4);
+    buckets.pop(&mut count);
+    assert_eq!(buckets.round.size, 4, "4 + 4 - 0, but no more than 4 wait");
+    for _ in 0..3 {
+        buckets.pop(&mut count);
+        buckets.push(3.6, window(9), &mut count);
+    }
+    buckets.pop(&mut count);
+    assert_eq!(buckets.round.size, 1, "4 + 0 - 3");
+    let counters = count.counters(Buckets::COUNTERS);
+    assert_eq!(counters.get(Counter::KPeak), Some(4));
+    assert_eq!(counters.get(Counter::Iterations), Some(3));
+    assert_eq!(counters.get(Counter::QueuePushes), Some(11));
+    assert_eq!(counters.get(Counter::QueuePeak), Some(4));
+}
+
+#[test]
+fn k_has_a_limit() {
+    let mut buckets = unit_buckets(BatchSize::Adaptive { max: 3 });
+    for id in 0..10 {
+        buckets.push(f64::from(id), window(id), &mut ());
+    }
+    buckets.pop(&mut ());
+    assert_eq!((buckets.round.size, buckets.round.end), (3, 2));
+}
+
+/// Rounding can put a child a bucket below its parent, behind the one at which a round begins.
+#[test]
+fn a_label_below_the_first_bucket_is_not_lost() {
+    let mut buckets = unit_buckets(BatchSize::Fixed(1));
+    buckets.push(7.0, window(0), &mut ());
+    buckets.pop(&mut ());
+    buckets.push(6.999, window(1), &mut ());
+    buckets.push(8.0, window(2), &mut ());
+    assert_eq!(buckets.pop(&mut ()), Some((6.999, window(1))));
+}
+
+/// Labels from 1e-300 to 1e300 in one queue take as much memory as there are events, and no
+/// longer than it takes to jump from one to the next.
+#[test]
+fn labels_of_any_magnitude_are_safe() {
+    let mut buckets = unit_buckets(BatchSize::Fixed(1));
+    let labels: Vec<f64> = (-300..=300).map(|e| 10f64.powi(e)).collect();
+    for (id, &label) in (0u32..).zip(labels.iter().rev()) {
+        buckets.push(label, window(id), &mut ());
+    }
+    let far: Vec<f64> = std::iter::from_fn(|| buckets.pop(&mut ()))
+        .map(|(label, _)| label)
+        .filter(|&label| label >= 1.0)
+        .collect();
+    assert!(
+        far.iter()
+            .copied()
+            .eq(labels.into_iter().filter(|&l| l >= 1.0))
+    );
+}
+
+/// An 8-bit birth comes round again after 256 rounds, as one public queue of buckets has found.
+#[test]
+fn births_come_round_without_harm() {
+    let mut buckets = unit_buckets(BatchSize::Fixed(1));
+    buckets.round.number = u32::MAX - 1;
+    buckets.push(0.0, window(0), &mut ());
+    for id in 1..6 {
+        assert_eq!(
+            buckets.pop(&mut ()),
+            Some((f64::from(id - 1), window(id - 1)))
+        );
+        buckets.push(f64::from(id), window(id), &mut ());
+    }
+    assert_eq!(buckets.round.number, 3);
+}
+
+#[test]
+fn the_width_is_that_of_the_paper() {
+    let buckets = Buckets::new(
+        &square(),
+        BucketOptions {
+            width: 2.0,
+            ..BucketOptions::default()
+        },
+    );
+    let mean = (4.0 + 2f64.sqrt()) / 5.0;
+    assert!((1.0 / buckets.buckets_per_length - 2.0 * mean / 2.0).abs() < 1e-15);
+}

@@ -20,7 +20,7 @@ pub enum BatchSize {
     /// events that came to lie beyond the buckets of the round, a sign that the wavefront is
     /// smooth, and shrinks by those that fell into or before them; it never exceeds `max`.
     Adaptive {
-        /// K_max.
+        /// The limit, `K_max` in the paper.
         max: u32,
     },
     /// Always this many. The paper's figure 10 shows why not: the best number differs by a factor
@@ -51,26 +51,27 @@ impl Default for BucketOptions {
 /// The queue of the fast wavefront propagation framework (Xu et al. 2015, section 4).
 ///
 /// Labels are divided into buckets of equal width, first in first out, and events are taken in
-/// rounds. A round chooses the buckets from the first non-empty one, P₁, to the first, P_end, by
+/// rounds. A round chooses the buckets from the first non-empty one, `P1`, to the first, `P_end`, by
 /// which they hold at least K events, and takes from each of them what was there before the round;
 /// what comes during the round has its *birth* in it and waits for the next. How K follows the
 /// wavefront is told at [`BatchSize::Adaptive`].
 ///
-/// Where the paper leaves a choice: P_end is the last bucket that is counted, and an event is
-/// *beyond* it if its bucket is. A label below P₁, by rounding, counts as P₁'s. An event whose
+/// Where the paper leaves a choice: `P_end` is the last bucket that is counted, and an event is
+/// *beyond* it if its bucket is. A label below `P1`, by rounding, counts as being in it. An event whose
 /// window has been trimmed, or dropped, since it was queued stays where it is, counts among the K,
 /// and is skipped by the policy; a trimmed window waits under its new label too.
 ///
 /// # Cost
 ///
-/// O(1) for each event, whatever the number of buckets. They form a ring from P₁ on, of as many
+/// O(1) for each event, whatever the number of buckets. They form a ring from `P1` on, of as many
 /// slots as the wavefront is wide; a label more than 262,144 buckets further up, which only a width far
 /// below the paper's or an edge of thousands of times the mean length can bring, waits in a heap,
 /// at O(log k). An event takes 24 bytes, a slot 12.
 #[derive(Clone, Debug)]
 pub struct Buckets {
     batch: BatchSize,
-    buckets_per_length: f64,
+    /// Buckets for each unit of length.
+    per_length: f64,
     arena: Arena,
     ring: Ring,
     /// Events whose buckets the ring may not reach; all beyond it.
@@ -85,9 +86,9 @@ struct Round {
     number: u32,
     /// K.
     size: i64,
-    /// The bucket that is being emptied, P₂.
+    /// The bucket that is being emptied, `P2` in the paper.
     current: u64,
-    /// The last one to be emptied, P_end.
+    /// The last one to be emptied, `P_end`.
     end: u64,
     /// Events that came into a bucket up to `end`.
     near: i64,
@@ -103,7 +104,7 @@ impl Buckets {
         let usable = width > 0.0 && per_length.is_finite();
         Self {
             batch: options.batch,
-            buckets_per_length: if usable { per_length } else { 0.0 },
+            per_length: if usable { per_length } else { 0.0 },
             arena: Arena::default(),
             ring: Ring::new(),
             far: MinHeap::default(),
@@ -113,8 +114,9 @@ impl Buckets {
 
     /// The bucket that holds `label`. Labels in order have buckets in order.
     #[inline]
+    #[allow(clippy::cast_sign_loss)] // Labels are not negative, and the cast saturates anyway.
     fn bucket(&self, label: f64) -> u64 {
-        ((label * self.buckets_per_length) as u64).min(LAST_BUCKET)
+        ((label * self.per_length) as u64).min(LAST_BUCKET)
     }
 
     fn len(&self) -> usize {
@@ -133,7 +135,7 @@ impl Buckets {
         }
     }
 
-    /// Takes an event of bucket P₂ that is older than the round.
+    /// Takes an event of the current bucket that is older than the round.
     #[inline]
     fn take(&mut self) -> Option<(f64, Event)> {
         let bucket = self.round.current;
@@ -192,7 +194,7 @@ impl Buckets {
 
     /// K of the round to come.
     fn next_size(&self) -> i64 {
-        let waiting = self.len() as i64;
+        let waiting = i64::try_from(self.len()).unwrap_or(i64::MAX);
         let (wanted, limit) = match self.batch {
             BatchSize::Fixed(size) => (i64::from(size), i64::MAX),
             BatchSize::Adaptive { max } if self.round.number == 0 => (waiting, i64::from(max)),

@@ -7,6 +7,7 @@
 
 mod algorithm;
 mod ch;
+mod fwp;
 mod mmp;
 mod parameter;
 mod select;
@@ -22,6 +23,6 @@ pub use select::{SelectError, Selection, select, select_one};
 /// Every algorithm, in the order in which tables show them.
 pub fn algorithms() -> &'static [Algorithm] {
     static ALL: LazyLock<Vec<Algorithm>> =
-        LazyLock::new(|| [mmp::FAMILY, ch::FAMILY, vtp::FAMILY].concat());
+        LazyLock::new(|| [mmp::FAMILY, ch::FAMILY, fwp::FAMILY, vtp::FAMILY].concat());
     &ALL
 }

@@ -1,0 +1,145 @@
+//! Algorithms that take windows one by one, in an order that costs less than a priority queue.
+
+use geobench_fwp::{
+    BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, lc_ch, lc_mmp, vtp_ch,
+    vtp_mmp,
+};
+use geobench_window::Counter;
+
+use super::{Algorithm, Parameter, Value, Values};
+
+const BUCKET: Parameter = Parameter::real(
+    "bucket",
+    1.0,
+    1e-3..=1e6,
+    "width of a bucket as a multiple of h/sqrt(n), for h the mean edge length and n the vertices",
+);
+
+const K: Parameter = Parameter::integer(
+    "k",
+    1,
+    1..=1_000_000_000,
+    "least number of windows for each round; `adaptive` lets it follow the wavefront",
+)
+.or_words(&["adaptive"])
+.with_default(Value::Word("adaptive"));
+
+const K_MAX: Parameter = Parameter::integer(
+    "kmax",
+    20_000,
+    1..=1_000_000_000,
+    "the most that an adaptive k grows to",
+);
+
+const BETA: Parameter = Parameter::real(
+    "beta",
+    0.5,
+    0.01..=1e6,
+    "threshold between the least waiting distance (0) and their mean (1); `none` lets all pass",
+)
+.or_words(&["none"]);
+
+const BUCKET_PARAMETERS: &[Parameter] = &[BUCKET, K, K_MAX];
+
+/// The options of buckets that `values` ask for.
+fn buckets(values: &Values) -> BucketOptions {
+    // The ranges above are within 32 bits.
+    let size = |n| u32::try_from(n).unwrap_or(u32::MAX);
+    let batch = match values.integer_or_word(&K) {
+        Some(k) => BatchSize::Fixed(size(k)),
+        None => BatchSize::Adaptive {
+            max: size(values.integer(&K_MAX)),
+        },
+    };
+    BucketOptions {
+        width: values.real(&BUCKET),
+        batch,
+    }
+}
+
+fn label_correcting(values: &Values) -> LabelCorrectingOptions {
+    LabelCorrectingOptions {
+        beta: values.real_or_word(&BETA).unwrap_or(f64::INFINITY),
+    }
+}
+
+pub(super) const FAMILY: &[Algorithm] = &[
+    Algorithm {
+        name: "fwp-mmp",
+        family: "fwp-family",
+        paper: "Xu et al. 2015, section 4",
+        exact: true,
+        summary: "mmp with its windows in narrow buckets, some thousands of the nearest taken in each round",
+        complexity: "time O(n^2 log n), space O(n^2)",
+        keeps: "every window until the end, as mmp; of the queue the windows that wait and the buckets they span",
+        choose: "instead of mmp on large or anisotropic models",
+        memory_counter: Counter::StoredWindows,
+        parameters: BUCKET_PARAMETERS,
+        build: |mesh, values| Box::new(fwp_mmp(mesh, buckets(values))),
+    },
+    Algorithm {
+        name: "fwp-ch",
+        family: "fwp-family",
+        paper: "Xu et al. 2015, section 4; Xin, Wang 2009, section 3.2",
+        exact: true,
+        summary: "ich with its windows in narrow buckets, some thousands of the nearest taken in each round",
+        complexity: "time O(n^2), space O(n)",
+        keeps: "the windows in the buckets and one record for each angle",
+        choose: "instead of ich: the same windows in less time",
+        memory_counter: Counter::PeakWindows,
+        parameters: BUCKET_PARAMETERS,
+        build: |mesh, values| Box::new(fwp_ch(mesh, buckets(values))),
+    },
+    Algorithm {
+        name: "lc-mmp",
+        family: "lc-family",
+        paper: "Bertsekas 1993; Xu et al. 2015, section 7.4",
+        exact: true,
+        summary: "mmp with its windows in a label correcting queue: small labels first, large last, a threshold",
+        complexity: "time without a useful bound, space O(n^2)",
+        keeps: "every window until the end, as mmp",
+        choose: "to compare with fwp-mmp",
+        memory_counter: Counter::StoredWindows,
+        parameters: &[BETA],
+        build: |mesh, values| Box::new(lc_mmp(mesh, label_correcting(values))),
+    },
+    Algorithm {
+        name: "lc-ch",
+        family: "lc-family",
+        paper: "Bertsekas 1993; Xu et al. 2015, section 7.4; Xin, Wang 2009, section 3.2",
+        exact: true,
+        summary: "ich with its windows in a label correcting queue: small labels first, large last, a threshold",
+        complexity: "time without a useful bound, space O(n)",
+        keeps: "the windows in the queue and one record for each angle",
+        choose: "to compare with fwp-ch",
+        memory_counter: Counter::PeakWindows,
+        parameters: &[BETA],
+        build: |mesh, values| Box::new(lc_ch(mesh, label_correcting(values))),
+    },
+    Algorithm {
+        name: "vtp-mmp",
+        family: "vtp-family",
+        paper: "Qin et al. 2016, section 6.2",
+        exact: true,
+        summary: "mmp in the order of vtp: windows wait until a face around the nearest vertex lets them in",
+        complexity: "time O(n^2 log n), space O(n^2)",
+        keeps: "every window until the end, as mmp; of the queue the vertices of the wavefront",
+        choose: "instead of mmp: the fastest that knows distances everywhere on edges",
+        memory_counter: Counter::StoredWindows,
+        parameters: &[],
+        build: |mesh, _| Box::new(vtp_mmp(mesh)),
+    },
+    Algorithm {
+        name: "vtp-ch",
+        family: "vtp-family",
+        paper: "Qin et al. 2016, section 6.2; Xin, Wang 2009, section 3.2",
+        exact: true,
+        summary: "ich in the order of vtp: windows wait until a face around the nearest vertex lets them in",
+        complexity: "time O(n^2), space O(n)",
+        keeps: "the windows of the wavefront and one record for each angle",
+        choose: "to tell what vtp owes to its order from what it owes to its rules",
+        memory_counter: Counter::PeakWindows,
+        parameters: &[],
+        build: |mesh, _| Box::new(vtp_ch(mesh)),
+    },
+];

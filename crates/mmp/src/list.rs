@@ -1,5 +1,6 @@
 //! The windows of one half-edge or edge: sorted, disjoint, trimmed at tie points.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 use geobench_window::{Window, tie_points};
@@ -274,14 +275,31 @@ fn is_sliver(w: &Window, start: f64, end: f64, l: f64) -> bool {
     width <= SLIVER * l && width <= SLIVER * (beside + w.py.abs())
 }
 
-/// Which of a stored and a new window is shorter in the middle of a range without a tie.
+/// Which of a stored and a new window is shorter on a range without a tie.
+///
+/// The middle tells, unless they are equal there. Two sources on the line of the edge are equal all
+/// along the side on which one stands behind the other, and part where the nearer one stands: the
+/// ends tell then.
 fn shorter(stored: &Window, new: &Window, start: f64, end: f64, old: Owner) -> Owner {
-    let middle = 0.5 * (start + end);
-    if new.distance(middle) < stored.distance(middle) * MARGIN {
-        Owner::New
-    } else {
-        old
-    }
+    let compare = |x: f64| {
+        let (held, offered) = (stored.distance(x), new.distance(x));
+        if offered < held * MARGIN {
+            Ordering::Less
+        } else if held < offered * MARGIN {
+            Ordering::Greater
+        } else {
+            Ordering::Equal
+        }
+    };
+    let middle = compare(0.5 * (start + end));
+    let wins = match middle {
+        Ordering::Equal => {
+            let ends = [compare(start), compare(end)];
+            ends.contains(&Ordering::Less) && !ends.contains(&Ordering::Greater)
+        }
+        _ => middle == Ordering::Less,
+    };
+    if wins { Owner::New } else { old }
 }
 
 #[cfg(test)]
@@ -430,6 +448,20 @@ mod tests {
         let fan = window(0.0, 1e-14, 0.0, -1e-20, 0.0);
         assert_eq!(insert_all(&[whole, fan]).len(), 2);
         assert_eq!(insert_all(&[fan]).len(), 1);
+    }
+
+    /// Sources at 0.75 and, by way of it, at 0.5 are equal left of 0.5. The middle of the edge being
+    /// there, the first to come kept all of it, and rays to the right were 5e-2 too long: on an
+    /// edge with two vertices on it and faces without area between, in any order but nearest first.
+    #[test]
+    fn sources_on_the_edge_are_told_apart_where_they_differ() {
+        let far = window(0.0, 1.0, 0.5, -4e-31, 0.25);
+        let near = window(0.0, 1.0, 0.75, -4e-31, 0.0);
+        for windows in [[far, near], [near, far]] {
+            let list = insert_all(&windows);
+            assert_eq!(at(&list, 1.0), Some(0.25));
+            assert_eq!(at(&list, 0.0), Some(0.75));
+        }
     }
 
     /// Windows that meet along a ray overlap by rounding. When the splinters of such overlaps were

@@ -4,6 +4,7 @@ use geobench_ich::{ch, ich, ich1};
 use geobench_window::Counter;
 
 use super::Algorithm;
+use super::threshold::{self, THRESHOLD};
 
 pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
@@ -16,8 +17,8 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "one level of the tree and one record for each angle",
         choose: "to see where the others come from, on models of up to some 10,000 faces",
         memory_counter: Counter::PeakWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(ch(mesh)),
+        parameters: &[THRESHOLD],
+        build: |mesh, values| Box::new(ch(mesh).with_threshold(threshold::width(mesh, values))),
     },
     Algorithm {
         name: "ich1",
@@ -29,8 +30,8 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows in the queue and one record for each angle",
         choose: "to see what the filter does without a priority queue",
         memory_counter: Counter::PeakWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(ich1(mesh)),
+        parameters: &[THRESHOLD],
+        build: |mesh, values| Box::new(ich1(mesh).with_threshold(threshold::width(mesh, values))),
     },
     Algorithm {
         name: "ich",
@@ -42,7 +43,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with published figures of ICH; when memory is short and simplicity counts",
         memory_counter: Counter::PeakWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(ich(mesh)),
+        parameters: &[THRESHOLD],
+        build: |mesh, values| Box::new(ich(mesh).with_threshold(threshold::width(mesh, values))),
     },
 ];

@@ -6,6 +6,7 @@ use geobench_fwp::{
 };
 use geobench_window::Counter;
 
+use super::threshold::{self, THRESHOLD};
 use super::{Algorithm, Parameter, Value, Values};
 
 const BUCKET: Parameter = Parameter::real(
@@ -39,7 +40,7 @@ const BETA: Parameter = Parameter::real(
 )
 .or_words(&["none"]);
 
-const BUCKET_PARAMETERS: &[Parameter] = &[BUCKET, K, K_MAX];
+const BUCKET_PARAMETERS: &[Parameter] = &[BUCKET, K, K_MAX, THRESHOLD];
 
 /// The options of buckets that `values` ask for.
 fn buckets(values: &Values) -> BucketOptions {
@@ -75,7 +76,9 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "instead of mmp on large or anisotropic models",
         memory_counter: Counter::StoredWindows,
         parameters: BUCKET_PARAMETERS,
-        build: |mesh, values| Box::new(fwp_mmp(mesh, buckets(values))),
+        build: |mesh, values| {
+            Box::new(fwp_mmp(mesh, buckets(values)).with_threshold(threshold::width(mesh, values)))
+        },
     },
     Algorithm {
         name: "fwp-ch",
@@ -88,7 +91,9 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "instead of ich: the same windows in less time",
         memory_counter: Counter::PeakWindows,
         parameters: BUCKET_PARAMETERS,
-        build: |mesh, values| Box::new(fwp_ch(mesh, buckets(values))),
+        build: |mesh, values| {
+            Box::new(fwp_ch(mesh, buckets(values)).with_threshold(threshold::width(mesh, values)))
+        },
     },
     Algorithm {
         name: "lc-mmp",
@@ -100,8 +105,13 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "every window until the end, as mmp",
         choose: "to compare with fwp-mmp",
         memory_counter: Counter::StoredWindows,
-        parameters: &[BETA],
-        build: |mesh, values| Box::new(lc_mmp(mesh, label_correcting(values))),
+        parameters: &[BETA, THRESHOLD],
+        build: |mesh, values| {
+            Box::new(
+                lc_mmp(mesh, label_correcting(values))
+                    .with_threshold(threshold::width(mesh, values)),
+            )
+        },
     },
     Algorithm {
         name: "lc-ch",
@@ -113,8 +123,13 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with fwp-ch",
         memory_counter: Counter::PeakWindows,
-        parameters: &[BETA],
-        build: |mesh, values| Box::new(lc_ch(mesh, label_correcting(values))),
+        parameters: &[BETA, THRESHOLD],
+        build: |mesh, values| {
+            Box::new(
+                lc_ch(mesh, label_correcting(values))
+                    .with_threshold(threshold::width(mesh, values)),
+            )
+        },
     },
     Algorithm {
         name: "vtp-mmp",
@@ -126,8 +141,10 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "every window until the end, as mmp; of the queue the vertices of the wavefront",
         choose: "instead of mmp: the fastest that knows distances everywhere on edges",
         memory_counter: Counter::StoredWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(vtp_mmp(mesh)),
+        parameters: &[THRESHOLD],
+        build: |mesh, values| {
+            Box::new(vtp_mmp(mesh).with_threshold(threshold::width(mesh, values)))
+        },
     },
     Algorithm {
         name: "vtp-ch",
@@ -139,7 +156,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows of the wavefront and one record for each angle",
         choose: "to tell what vtp owes to its order from what it owes to its rules",
         memory_counter: Counter::PeakWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(vtp_ch(mesh)),
+        parameters: &[THRESHOLD],
+        build: |mesh, values| Box::new(vtp_ch(mesh).with_threshold(threshold::width(mesh, values))),
     },
 ];

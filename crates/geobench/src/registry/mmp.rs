@@ -4,6 +4,7 @@ use geobench_mmp::{mmp, mmp_edge};
 use geobench_window::Counter;
 
 use super::Algorithm;
+use super::threshold::{self, THRESHOLD};
 
 pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
@@ -16,8 +17,8 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "every window until the end, about n^1.5 of them on scanned models",
         choose: "as the reference; when distances are wanted everywhere on edges, not only at vertices",
         memory_counter: Counter::StoredWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(mmp(mesh)),
+        parameters: &[THRESHOLD],
+        build: |mesh, values| Box::new(mmp(mesh).with_threshold(threshold::width(mesh, values))),
     },
     Algorithm {
         name: "mmp-edge",
@@ -29,7 +30,9 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "every window until the end, a tenth to a half fewer than mmp",
         choose: "instead of mmp where memory is short",
         memory_counter: Counter::StoredWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(mmp_edge(mesh)),
+        parameters: &[THRESHOLD],
+        build: |mesh, values| {
+            Box::new(mmp_edge(mesh).with_threshold(threshold::width(mesh, values)))
+        },
     },
 ];

@@ -11,6 +11,7 @@ mod fwp;
 mod mmp;
 mod parameter;
 mod select;
+mod threshold;
 mod vtp;
 
 use std::sync::LazyLock;

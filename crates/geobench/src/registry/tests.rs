@@ -194,9 +194,11 @@ fn parameters_are_refused_with_what_would_be_right() {
     // Where several algorithms are meant, all must know the parameter.
     assert_eq!(
         select("mmp{k=5},vtp").unwrap_err(),
-        SelectError::NoParameters {
+        SelectError::UnknownParameter {
             name: "mmp".into(),
-            key: "k".into()
+            key: "k".into(),
+            suggestion: None,
+            known: "threshold".into()
         }
     );
     assert!(select("all{k=5}").is_err());

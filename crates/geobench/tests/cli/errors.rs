@@ -29,7 +29,7 @@ fn wrong_usage() {
         ),
         (
             "run square.off --algo mmp{k=1}",
-            "algorithm `mmp` takes no parameters, but `k` is given",
+            "algorithm `mmp` has no parameter `k`",
         ),
         (
             "run square.off --algo mmp,,ich",

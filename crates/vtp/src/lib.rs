@@ -1,32 +1,30 @@
-//! The VTP algorithm: whole lists of windows cross triangles together.
-//!
-//! Qin, Han, Yu, Yu and Zhang, "Fast and exact discrete geodesic computation based on
-//! triangle-oriented wavefront propagation" (2016). Instead of taking windows one by one, the
-//! algorithm grows a *traversed area* of faces around the vertices in the order of their
-//! distances. The windows that wait to enter a face through one of its half-edges form a list;
-//! once the face is in the area the list crosses it as a whole, which brings windows together that
-//! can be compared pair by pair:
-//!
-//! * the vertex filter drops windows that a path through a known vertex beats
-//!   ([`geobench_window::is_beaten_from_ends`]);
-//! * rules 2 and 3 compare neighbours in a list, from one and from two edges;
-//! * rule 1 ("one angle, two sides") sends each window to one side of the best path to the apex.
-//!
-//! Nothing is kept but the wavefront. Time is O(n²) for n faces in the worst case, apart from the
-//! queue of vertices; space O(n).
-//!
-//! # Rule 1 is not the printed one
-//!
-//! Proposition 4.1 of the paper drops a window's whole side by comparing separating points. Where
-//! intervals overlap this is unsound: taken literally it gives wrong distances at 1,040 of
-//! 49,970 vertices of one scan (by up to 8e-5 of the distance), at a few on others, and none on
-//! many. Here a window is cut where the best path to the apex enters the triangle, and loses the
-//! rest only if that path provably crosses all of it.
+//! The VTP family: whole lists of windows cross triangles together.
 
+mod area;
+mod exits;
 mod lists;
+mod merge;
 mod orient;
 mod pairs;
+mod propagation;
+mod pruning;
+mod schedule;
 mod sides;
-mod vtp;
+mod trim;
 
-pub use vtp::Vtp;
+pub use exits::{AcrossTheFace, AnyExit, EveryPath, Exits, OneAngleTwoSides};
+pub use merge::{Merge, OrderFree, OrderPreserving};
+pub use propagation::ListPropagation;
+pub use pruning::{AllPairs, Neighbours, NoPairs, Pairs, TiePoints};
+pub use schedule::{NearestFace, NearestVertex, Schedule};
+
+/// VTP.
+pub type Vtp<'m> = ListPropagation<'m, NearestVertex, OrderFree, Neighbours, OneAngleTwoSides>;
+pub type Opvtp<'m> = ListPropagation<'m, NearestVertex, OrderPreserving, Neighbours, OneAngleTwoSides>;
+pub type Ftp<'m> = ListPropagation<'m, NearestFace, OrderFree, Neighbours, OneAngleTwoSides>;
+pub type Opftp<'m> = ListPropagation<'m, NearestFace, OrderPreserving, Neighbours, OneAngleTwoSides>;
+pub type Exhaustive<'m> = ListPropagation<'m, NearestVertex, OrderFree, AllPairs, EveryPath>;
+pub type Trimming<'m> = ListPropagation<'m, NearestVertex, OrderFree, TiePoints, OneAngleTwoSides>;
+pub type NoRule1<'m> = ListPropagation<'m, NearestVertex, OrderFree, Neighbours, AnyExit>;
+pub type NoRules23<'m> = ListPropagation<'m, NearestVertex, OrderFree, NoPairs, OneAngleTwoSides>;
+pub type EdgeBased<'m> = ListPropagation<'m, NearestVertex, OrderFree, Neighbours, AcrossTheFace>;

@@ -1,9 +1,9 @@
-//! Rules 2 and 3: neighbouring windows of one list compared with each other.
+//! Rules 2 and 3: two windows of one edge compared with each other.
 //!
 //! Both rest on one lemma: where a ray of a window crosses a path that is shorter up to the
 //! crossing, the ray is useless from there on. The rules differ in the paper in whether the two
 //! windows came through one edge or through two; seen from the edge on which they lie the checks
-//! are the same, so one pass over the whole list does both.
+//! are the same. Which pairs are compared is up to [`Pairs`](crate::Pairs).
 
 use geobench_window::Window;
 
@@ -11,7 +11,7 @@ use crate::orient::{is_clearly_left, is_clearly_right};
 
 /// How much shorter the winner of a comparison must be, relatively. Without it, rounding lets two
 /// equal windows delete each other.
-const MARGIN: f64 = 1.0 - 1e-12;
+pub(crate) const MARGIN: f64 = 1.0 - 1e-12;
 
 /// Least distance of a crossing from the border of the triangle, as a fraction of its height.
 const INSIDE: f64 = 1e-10;
@@ -29,7 +29,7 @@ pub(crate) enum Verdict {
 
 /// The edge on which the compared windows lie.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Edge {
+pub struct Edge {
     /// Its length.
     pub(crate) l: f64,
     /// The third vertex of the triangle that the windows have just crossed, below the edge.
@@ -41,15 +41,7 @@ pub(crate) struct Edge {
 pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &Edge) -> Verdict {
     let (lo, hi) = (a.b0.max(b.b0), a.b1.min(b.b1));
     if lo > hi {
-        return if a.b1 < b.b0 {
-            check_disjoint(a, b, edge)
-        } else {
-            match check_disjoint(b, a, edge) {
-                Verdict::FirstDies => Verdict::SecondDies,
-                Verdict::SecondDies => Verdict::FirstDies,
-                Verdict::BothStay => Verdict::BothStay,
-            }
-        };
+        return check_disjoint(a, b, edge);
     }
     for x in [lo, hi] {
         // An earlier cut may have taken x out of an interval.
@@ -88,9 +80,21 @@ fn cut(loser: &mut Window, winner: &Window, x: f64) -> bool {
     loser.b0 < loser.b1
 }
 
-/// Compares windows whose intervals do not meet, `left` before `right`. If their nearest rays have
-/// crossed inside the triangle behind the edge, the one that is longer up to there dies.
-fn check_disjoint(left: &Window, right: &Window, edge: &Edge) -> Verdict {
+/// Compares windows whose intervals do not meet. If their nearest rays have crossed inside the
+/// triangle behind the edge, the one that is longer up to there dies (cases 3 and 6).
+fn check_disjoint(a: &Window, b: &Window, edge: &Edge) -> Verdict {
+    if a.b1 < b.b0 {
+        return check_in_order(a, b, edge);
+    }
+    match check_in_order(b, a, edge) {
+        Verdict::FirstDies => Verdict::SecondDies,
+        Verdict::SecondDies => Verdict::FirstDies,
+        Verdict::BothStay => Verdict::BothStay,
+    }
+}
+
+/// As [`check_disjoint`], for `left` before `right`.
+fn check_in_order(left: &Window, right: &Window, edge: &Edge) -> Verdict {
     let (v, u) = (left.source(), right.source());
     let r = [left.b1 - v[0], -v[1]];
     let q = [right.b0 - u[0], -u[1]];
@@ -127,24 +131,6 @@ fn check_disjoint(left: &Window, right: &Window, edge: &Edge) -> Verdict {
     } else {
         Verdict::BothStay
     }
-}
-
-/// Appends `new` to the checked windows of a list, comparing it with the last one until both of
-/// them stay or it dies. Returns how many windows died.
-pub(crate) fn push_checked(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) -> u64 {
-    let mut died = 0;
-    while let Some(last) = checked.last_mut() {
-        match check_pair(last, &mut new, edge) {
-            Verdict::BothStay => break,
-            Verdict::FirstDies => {
-                checked.pop();
-                died += 1;
-            }
-            Verdict::SecondDies => return died + 1,
-        }
-    }
-    checked.push(new);
-    died
 }
 
 #[cfg(test)]
@@ -241,17 +227,5 @@ mod tests {
         };
         let verdict = check_pair(&mut left.clone(), &mut right.clone(), &flat);
         assert_eq!(verdict, Verdict::BothStay);
-    }
-
-    #[test]
-    fn a_new_window_is_compared_with_all_that_it_kills() {
-        let mut checked = Vec::new();
-        for b0 in [0.1, 0.2, 0.3] {
-            let w = window(b0, b0 + 0.1, 0.9, -1.0, 3.0);
-            assert_eq!(push_checked(&mut checked, w, &EDGE), 0);
-        }
-        let better = window(0.0, 0.6, 0.1, -1.0, 0.0);
-        assert_eq!(push_checked(&mut checked, better, &EDGE), 3);
-        assert_eq!(checked, [better]);
     }
 }

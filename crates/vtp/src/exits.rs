@@ -239,7 +239,13 @@ mod tests {
         let both = Sides::both(&WINDOW, 0.5);
         assert_eq!(sides(2.0, f64::INFINITY), both);
         assert_eq!(sides(1.4, 2.0), Sides { left: None, ..both });
-        assert_eq!(sides(2.0, 1.4), Sides { right: None, ..both });
+        assert_eq!(
+            sides(2.0, 1.4),
+            Sides {
+                right: None,
+                ..both
+            }
+        );
     }
 
     #[test]

@@ -50,9 +50,12 @@ impl Pieces {
 ///
 /// The overlap is cut at the tie points, and the middle of each stretch between them tells who is
 /// shorter on it. A stretch on which they are equal up to rounding, such as all of it for two
-/// images of one source, stays with both. Windows that only touch keep all they have.
+/// images of one source, stays with both. `None` if the windows do not overlap.
 pub(crate) fn trim_pair(a: &Window, b: &Window) -> Option<(Pieces, Pieces)> {
     let (lo, hi) = (a.b0.max(b.b0), a.b1.min(b.b1));
+    if lo >= hi {
+        return None;
+    }
     let mut stretches = [lo; 4];
     let mut cuts = 1;
     for &tie in tie_points(a, b).as_slice() {
@@ -107,6 +110,24 @@ mod tests {
         }
     }
 
+    /// The gap between two windows was once taken for an overlap: both lost rays to it.
+    #[test]
+    fn windows_apart_lose_nothing_to_each_other() {
+        let window = |b0, b1| Window {
+            b0,
+            b1,
+            px: 0.5,
+            py: -1.0,
+            sigma: b0,
+        };
+        for (a, b) in [
+            (window(0.0, 0.2), window(0.4, 0.6)),
+            (window(0.0, 0.2), window(0.2, 0.6)),
+        ] {
+            assert!(trim_pair(&a, &b).is_none() && trim_pair(&b, &a).is_none());
+        }
+    }
+
     /// In a list that is not final yet two windows may tie twice; the middle then goes to one and
     /// both sides to the other.
     #[test]
@@ -125,7 +146,10 @@ mod tests {
         };
         let (of_near, of_far) = trim_pair(&near, &far).unwrap();
         assert_eq!((of_near.iter().count(), of_far.iter().count()), (0, 1));
-        let near = Window { sigma: 1.85, ..near };
+        let near = Window {
+            sigma: 1.85,
+            ..near
+        };
         let (of_near, of_far) = trim_pair(&near, &far).unwrap();
         assert_eq!((of_near.iter().count(), of_far.iter().count()), (1, 2));
     }

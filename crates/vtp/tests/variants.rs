@@ -58,7 +58,7 @@ fn all_agree_where_everything_ties() {
     for spec in [
         "gen:grid,n=14",
         "gen:cube,n=5",
-        "gen:tetrahedron,n=8",
+        "gen:tetrahedron,subdiv=3",
         "gen:sphere,subdiv=3",
         "gen:torus,faces=800",
         "gen:terrain,n=20,seed=3",

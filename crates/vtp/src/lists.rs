@@ -12,14 +12,16 @@ const EMPTY: u32 = u32::MAX;
 /// the windows that come as left children lie before those that come as right children, so that
 /// keeping two lists and reading one after the other keeps windows in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Arrival {
+pub enum Arrival {
+    /// Through the left exit of a face.
     AsLeftChild = 0,
+    /// Through the right exit of a face, or from the vertex opposite the half-edge.
     AsRightChild = 1,
 }
 
 /// The windows that wait on each half-edge to enter its face, in buffers that are used again.
 #[derive(Clone, Debug)]
-pub(crate) struct WindowLists {
+pub struct WindowLists {
     /// For each half-edge the buffers of its two lists.
     heads: Vec<[u32; 2]>,
     buffers: Vec<Vec<Window>>,
@@ -54,6 +56,30 @@ impl WindowLists {
     /// Adds `window` behind those that came to `h` the same way.
     #[inline]
     pub(crate) fn push(&mut self, h: HalfEdgeId, arrival: Arrival, window: Window) {
+        self.buffer(h, arrival).push(window);
+        self.waiting += 1;
+    }
+
+    /// Adds `window` to those on `h` in the order of the left ends, which is the order of the whole
+    /// list from then on until it is taken.
+    pub(crate) fn insert_in_order(&mut self, h: HalfEdgeId, window: Window) {
+        let second = self.heads[h.index()][Arrival::AsRightChild as usize];
+        let mut right = Vec::new();
+        if second != EMPTY {
+            right.append(&mut self.buffers[second as usize]);
+            self.free.push(second);
+            self.heads[h.index()][Arrival::AsRightChild as usize] = EMPTY;
+        }
+        let all = self.buffer(h, Arrival::AsLeftChild);
+        all.append(&mut right);
+        let place = all.partition_point(|w| w.b0 <= window.b0);
+        all.insert(place, window);
+        self.waiting += 1;
+    }
+
+    /// The buffer of those that came to `h` this way.
+    #[inline]
+    fn buffer(&mut self, h: HalfEdgeId, arrival: Arrival) -> &mut Vec<Window> {
         let head = &mut self.heads[h.index()][arrival as usize];
         if *head == EMPTY {
             *head = self.free.pop().unwrap_or_else(|| {
@@ -61,8 +87,15 @@ impl WindowLists {
                 (self.buffers.len() - 1) as u32
             });
         }
-        self.buffers[*head as usize].push(window);
-        self.waiting += 1;
+        &mut self.buffers[*head as usize]
+    }
+
+    /// The windows that wait on `h`, in order.
+    pub(crate) fn on(&self, h: HalfEdgeId) -> impl Iterator<Item = &Window> {
+        let heads = self.heads[h.index()].into_iter();
+        heads
+            .filter(|&head| head != EMPTY)
+            .flat_map(|head| &self.buffers[head as usize])
     }
 
     /// Moves the windows of `h` into `into`, in order.

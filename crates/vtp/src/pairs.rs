@@ -1,9 +1,9 @@
-//! Rules 2 and 3: neighbouring windows of one list compared with each other.
+//! Rules 2 and 3: two windows of one edge compared with each other.
 //!
 //! Both rest on one lemma: where a ray of a window crosses a path that is shorter up to the
 //! crossing, the ray is useless from there on. The rules differ in the paper in whether the two
 //! windows came through one edge or through two; seen from the edge on which they lie the checks
-//! are the same, so one pass over the whole list does both.
+//! are the same. Which pairs are compared is up to [`Pairs`](crate::Pairs).
 
 use geobench_window::Window;
 
@@ -11,7 +11,7 @@ use crate::orient::{is_clearly_left, is_clearly_right};
 
 /// How much shorter the winner of a comparison must be, relatively. Without it, rounding lets two
 /// equal windows delete each other.
-const MARGIN: f64 = 1.0 - 1e-12;
+pub(crate) const MARGIN: f64 = 1.0 - 1e-12;
 
 /// Least distance of a crossing from the border of the triangle, as a fraction of its height.
 const INSIDE: f64 = 1e-10;
@@ -27,29 +27,58 @@ pub(crate) enum Verdict {
     SecondDies,
 }
 
+/// What the two compared windows are to each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kinship {
+    /// Neighbours in a list, as in rules 2 and 3.
+    Neighbours,
+    /// Any two of a list.
+    Strangers,
+}
+
 /// The edge on which the compared windows lie.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Edge {
+pub struct Edge {
     /// Its length.
     pub(crate) l: f64,
     /// The third vertex of the triangle that the windows have just crossed, below the edge.
     pub(crate) behind: [f64; 2],
 }
 
+impl Edge {
+    /// Whether `point` lies inside the triangle behind the edge.
+    fn is_behind(&self, point: [f64; 2]) -> bool {
+        let depth = point[1] / self.behind[1];
+        let leftmost = depth * self.behind[0];
+        let rightmost = self.l + depth * (self.behind[0] - self.l);
+        let slack = INSIDE * self.l;
+        INSIDE < depth
+            && depth < 1.0 - INSIDE
+            && leftmost + slack < point[0]
+            && point[0] < rightmost - slack
+    }
+
+    /// Where the ray from `source` to abscissa `x` enters the triangle behind the edge: the source
+    /// itself if that is inside.
+    fn entry(&self, source: [f64; 2], x: f64) -> [f64; 2] {
+        let [dx, dy] = [source[0] - x, source[1]];
+        let depth = dy / self.behind[1];
+        // Going back by the fraction k of the ray, it leaves where k * outwards reaches the way.
+        let leaves = |way: f64, outwards: f64| if outwards > 0.0 { way / outwards } else { 1.0 };
+        let k = leaves(x, depth * self.behind[0] - dx)
+            .min(leaves(self.l - x, dx - depth * (self.behind[0] - self.l)))
+            .min(1.0)
+            * (1.0 - INSIDE);
+        [x + k * dx, k * dy]
+    }
+}
+
 /// Compares two windows of one edge, cuts what each loses to the other, and says whether one of
 /// them has lost everything (Qin et al. 2016, section 4.1, cases 1 to 6).
-pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &Edge) -> Verdict {
+pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &Edge, kinship: Kinship) -> Verdict {
     let (lo, hi) = (a.b0.max(b.b0), a.b1.min(b.b1));
     if lo > hi {
-        return if a.b1 < b.b0 {
-            check_disjoint(a, b, edge)
-        } else {
-            match check_disjoint(b, a, edge) {
-                Verdict::FirstDies => Verdict::SecondDies,
-                Verdict::SecondDies => Verdict::FirstDies,
-                Verdict::BothStay => Verdict::BothStay,
-            }
-        };
+        return check_disjoint(a, b, edge, kinship);
     }
     for x in [lo, hi] {
         // An earlier cut may have taken x out of an interval.
@@ -88,12 +117,76 @@ fn cut(loser: &mut Window, winner: &Window, x: f64) -> bool {
     loser.b0 < loser.b1
 }
 
-/// Compares windows whose intervals do not meet, `left` before `right`. If their nearest rays have
-/// crossed inside the triangle behind the edge, the one that is longer up to there dies.
-fn check_disjoint(left: &Window, right: &Window, edge: &Edge) -> Verdict {
+/// Compares windows whose intervals do not meet (cases 3 and 6). If their nearest rays have crossed
+/// inside the triangle behind the edge, the one that is longer up to there dies; of strangers it loses
+/// only what the ray of the other one crosses inside that triangle.
+fn check_disjoint(a: &mut Window, b: &mut Window, edge: &Edge, kinship: Kinship) -> Verdict {
+    if a.b1 < b.b0 {
+        return check_in_order(a, b, edge, kinship);
+    }
+    match check_in_order(b, a, edge, kinship) {
+        Verdict::FirstDies => Verdict::SecondDies,
+        Verdict::SecondDies => Verdict::FirstDies,
+        Verdict::BothStay => Verdict::BothStay,
+    }
+}
+
+/// As [`check_disjoint`], for `left` before `right`.
+///
+/// Beyond the crossing the ray of the dearer window is useless, and so is every other ray of it
+/// that meets the same ray of the cheaper one: its way to there and on to the first crossing is
+/// longer. In the paper the whole window dies. For strangers that is too much: on the horse it made
+/// 14 vertices of 48,485 wrong, by up to 3e-6. Which rays meet is certain inside the triangle, up to
+/// the point where the cheaper ray entered it, and they lose no more than that.
+fn check_in_order(left: &mut Window, right: &mut Window, edge: &Edge, kinship: Kinship) -> Verdict {
     let (v, u) = (left.source(), right.source());
-    let r = [left.b1 - v[0], -v[1]];
-    let q = [right.b0 - u[0], -u[1]];
+    let Some([s, t]) = meet((v, left.b1), (u, right.b0)) else {
+        return Verdict::BothStay;
+    };
+    if !edge.is_behind([v[0] + s * (left.b1 - v[0]), v[1] - s * v[1]]) {
+        return Verdict::BothStay;
+    }
+    let to_left = left.sigma + s * length(v, left.b1);
+    let to_right = right.sigma + t * length(u, right.b0);
+    if to_left < to_right * MARGIN {
+        if kinship == Kinship::Neighbours {
+            return Verdict::SecondDies;
+        }
+        let last = shadow(u, edge.entry(v, left.b1)).unwrap_or(f64::INFINITY);
+        right.b0 = right.b0.max(last);
+        if right.b0 >= right.b1 {
+            return Verdict::SecondDies;
+        }
+    } else if to_right < to_left * MARGIN {
+        if kinship == Kinship::Neighbours {
+            return Verdict::FirstDies;
+        }
+        let last = shadow(v, edge.entry(u, right.b0)).unwrap_or(f64::NEG_INFINITY);
+        left.b1 = left.b1.min(last);
+        if left.b0 >= left.b1 {
+            return Verdict::FirstDies;
+        }
+    }
+    Verdict::BothStay
+}
+
+/// Where the ray from `source` through `point` meets the edge, if it does.
+fn shadow(source: [f64; 2], point: [f64; 2]) -> Option<f64> {
+    let rise = point[1] - source[1];
+    (rise > 0.0).then(|| source[0] - source[1] * (point[0] - source[0]) / rise)
+}
+
+/// Distance from `source` to abscissa `x` of the edge.
+fn length(source: [f64; 2], x: f64) -> f64 {
+    let (dx, dy) = (x - source[0], source[1]);
+    (dx * dx + dy * dy).sqrt()
+}
+
+/// Where two rays, each given by its source and its abscissa on the edge, cross before the edge:
+/// the fractions of their lengths. `None` if they do not, or not beyond doubt.
+fn meet((v, x): ([f64; 2], f64), (u, y): ([f64; 2], f64)) -> Option<[f64; 2]> {
+    let r = [x - v[0], -v[1]];
+    let q = [y - u[0], -u[1]];
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let square = |a: [f64; 2]| a[0] * a[0] + a[1] * a[1];
     let between = [u[0] - v[0], u[1] - v[1]];
@@ -103,48 +196,8 @@ fn check_disjoint(left: &Window, right: &Window, edge: &Edge) -> Verdict {
         cross(between, r) / denominator,
     );
     let on_both_rays = 0.0 < s && s < 1.0 && 0.0 < t && t < 1.0;
-    if !on_both_rays || denominator * denominator <= CROSSING * square(r) * square(q) {
-        return Verdict::BothStay;
-    }
-    let crossing = [v[0] + s * r[0], v[1] + s * r[1]];
-    let depth = crossing[1] / edge.behind[1];
-    let leftmost = depth * edge.behind[0];
-    let rightmost = edge.l + depth * (edge.behind[0] - edge.l);
-    let slack = INSIDE * edge.l;
-    let inside = INSIDE < depth
-        && depth < 1.0 - INSIDE
-        && leftmost + slack < crossing[0]
-        && crossing[0] < rightmost - slack;
-    if !inside {
-        return Verdict::BothStay;
-    }
-    let to_left = left.sigma + s * square(r).sqrt();
-    let to_right = right.sigma + t * square(q).sqrt();
-    if to_left < to_right * MARGIN {
-        Verdict::SecondDies
-    } else if to_right < to_left * MARGIN {
-        Verdict::FirstDies
-    } else {
-        Verdict::BothStay
-    }
-}
-
-/// Appends `new` to the checked windows of a list, comparing it with the last one until both of
-/// them stay or it dies. Returns how many windows died.
-pub(crate) fn push_checked(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) -> u64 {
-    let mut died = 0;
-    while let Some(last) = checked.last_mut() {
-        match check_pair(last, &mut new, edge) {
-            Verdict::BothStay => break,
-            Verdict::FirstDies => {
-                checked.pop();
-                died += 1;
-            }
-            Verdict::SecondDies => return died + 1,
-        }
-    }
-    checked.push(new);
-    died
+    let beyond_doubt = denominator * denominator > CROSSING * square(r) * square(q);
+    (on_both_rays && beyond_doubt).then_some([s, t])
 }
 
 #[cfg(test)]
@@ -167,7 +220,7 @@ mod tests {
     }
 
     fn check(mut a: Window, mut b: Window) -> (Verdict, [f64; 2], [f64; 2]) {
-        let verdict = check_pair(&mut a, &mut b, &EDGE);
+        let verdict = check_pair(&mut a, &mut b, &EDGE, Kinship::Neighbours);
         (verdict, [a.b0, a.b1], [b.b0, b.b1])
     }
 
@@ -239,19 +292,37 @@ mod tests {
             l: 1.0,
             behind: [0.5, -0.2],
         };
-        let verdict = check_pair(&mut left.clone(), &mut right.clone(), &flat);
+        let verdict = check_pair(
+            &mut left.clone(),
+            &mut right.clone(),
+            &flat,
+            Kinship::Neighbours,
+        );
         assert_eq!(verdict, Verdict::BothStay);
     }
 
+    /// When all of a window died that a stranger had crossed with one ray, vertices of the horse came
+    /// out too far.
     #[test]
-    fn a_new_window_is_compared_with_all_that_it_kills() {
-        let mut checked = Vec::new();
-        for b0 in [0.1, 0.2, 0.3] {
-            let w = window(b0, b0 + 0.1, 0.9, -1.0, 3.0);
-            assert_eq!(push_checked(&mut checked, w, &EDGE), 0);
-        }
-        let better = window(0.0, 0.6, 0.1, -1.0, 0.0);
-        assert_eq!(push_checked(&mut checked, better, &EDGE), 3);
-        assert_eq!(checked, [better]);
+    fn a_stranger_loses_only_the_rays_crossed_inside_the_triangle() {
+        // The ray from (0.9, -1) to 0.3 crosses the one from (-1, -2) to 0.7 inside the triangle,
+        // which it enters where the ray from (-1, -2) to 0.883 passes.
+        let edge = Edge {
+            l: 1.0,
+            behind: [0.5, -0.4],
+        };
+        let mut cheap = window(0.1, 0.3, 0.9, -1.0, 0.0);
+        let dear = window(0.7, 0.95, -1.0, -2.0, 5.0);
+        let mut cut = dear;
+        let verdict = check_pair(&mut cheap, &mut cut, &edge, Kinship::Strangers);
+        assert_eq!((verdict, cut.b1), (Verdict::BothStay, 0.95));
+        assert!((cut.b0 - 0.883).abs() < 1e-3, "{cut:?}");
+        let mut whole = dear;
+        let verdict = check_pair(&mut cheap, &mut whole, &edge, Kinship::Neighbours);
+        assert_eq!(verdict, Verdict::SecondDies);
+        let mut narrow = Window { b1: 0.85, ..dear };
+        let verdict = check_pair(&mut narrow, &mut cheap, &edge, Kinship::Strangers);
+        assert_eq!(verdict, Verdict::FirstDies);
+        assert_eq!(cheap, window(0.1, 0.3, 0.9, -1.0, 0.0));
     }
 }

@@ -1,12 +1,15 @@
-//! Rule 1, one angle, two sides: the best path to an apex parts the windows of a list.
+//! Rule 1, one angle, two sides: a path to an apex parts the windows of a list.
 
-use geobench_window::Window;
+use geobench_window::{Frame, Window, apex_distance};
 
 use crate::orient::{is_clearly_left, is_clearly_right};
 
-/// The window with the shortest path to the apex, and where that path enters the triangle.
+/// [`BestPath::slack`] as a fraction of the half-edge.
+const SLACK: f64 = 1e-12;
+
+/// A window's shortest path to the apex: the best one of a list, for rule 1.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BestPath {
+pub struct BestPath {
     /// Length of the path from the source of the run to the apex.
     pub(crate) distance: f64,
     /// Abscissa S at which it crosses the half-edge.
@@ -19,14 +22,46 @@ pub(crate) struct BestPath {
 
 /// Limits within which a window may go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sides {
+pub struct Sides {
     /// Right limit of the rays for the left exit, if any of them may go there.
     pub(crate) left: Option<f64>,
     /// Left limit of the rays for the right exit, if any of them may go there.
     pub(crate) right: Option<f64>,
 }
 
+impl Sides {
+    /// Everything: rays left of the ray to the apex, whose abscissa is `sp`, to the left exit, the
+    /// others to the right one.
+    #[inline]
+    pub(crate) fn both(w: &Window, sp: f64) -> Self {
+        Self {
+            left: Some(w.b1.min(sp)),
+            right: Some(w.b0.max(sp)),
+        }
+    }
+
+    /// What two rules leave together.
+    #[inline]
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            left: self.left.zip(other.left).map(|(a, b)| a.min(b)),
+            right: self.right.zip(other.right).map(|(a, b)| a.max(b)),
+        }
+    }
+}
+
 impl BestPath {
+    /// The shortest path of `w`, whose separating abscissa is `sp`.
+    #[inline]
+    pub(crate) fn of(frame: &Frame, w: &Window, sp: f64) -> Self {
+        Self {
+            distance: apex_distance(frame, w, sp),
+            entry: sp.max(w.b0).min(w.b1),
+            source: w.source(),
+            slack: SLACK * frame.l,
+        }
+    }
+
     /// What rule 1 leaves of `w`, whose separating abscissa is `sp`.
     ///
     /// Every path of `w` to the apex C is at least as long as the best one. A ray of `w` that

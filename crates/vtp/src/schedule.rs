@@ -1,0 +1,115 @@
+//! Schedules: which faces join the traversed area next.
+
+use geobench_mesh::{FaceId, Mesh, VertexId};
+use geobench_window::queue::MinHeap;
+use geobench_window::{Counter, Probe};
+
+/// Whose turn it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// A vertex.
+    Vertex(VertexId),
+    /// A face, which joins the traversed area alone.
+    Face(FaceId),
+}
+
+/// An order in which the traversed area grows. Distances do not depend on it, costs do.
+pub trait Schedule: Send {
+    /// Whether all faces around a vertex join when its turn comes; else faces have turns of their
+    /// own, and [`wait`](Schedule::wait) must be told of windows that wait for them.
+    const BY_VERTEX: bool;
+
+    /// An empty schedule for `mesh`.
+    fn new(mesh: &Mesh) -> Self;
+
+    /// Forgets the last run, which has emptied the queue.
+    fn reset(&mut self);
+
+    /// Vertex `v` is to have a turn, at distance `d`.
+    fn push_vertex<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P);
+
+    /// Windows have come to wait for `face`; the shortest of their paths to the vertex opposite
+    /// their edge has length `offer`.
+    fn wait<P: Probe>(&mut self, face: FaceId, offer: f64, probe: &mut P);
+
+    /// Takes the next turn, with the distance that it was queued for.
+    fn pop(&mut self) -> Option<(f64, Turn)>;
+}
+
+/// Nearest vertex first (Qin et al. 2016, section 5.2).
+#[derive(Clone, Debug)]
+pub struct NearestVertex {
+    front: MinHeap<VertexId>,
+}
+
+impl Schedule for NearestVertex {
+    const BY_VERTEX: bool = true;
+
+    fn new(_: &Mesh) -> Self {
+        Self {
+            front: MinHeap::default(),
+        }
+    }
+
+    fn reset(&mut self) {}
+
+    #[inline]
+    fn push_vertex<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) {
+        push(&mut self.front, d, v, probe);
+    }
+
+    fn wait<P: Probe>(&mut self, _: FaceId, _: f64, _: &mut P) {}
+
+    #[inline]
+    fn pop(&mut self) -> Option<(f64, Turn)> {
+        let (d, v) = self.front.pop()?;
+        Some((d, Turn::Vertex(v)))
+    }
+}
+
+/// First the face whose far vertex the windows on its border reach on the shortest path (Qin et
+/// al. 2016, section 5.1). Pseudo-sources have turns in the same queue, by their distances.
+#[derive(Clone, Debug)]
+pub struct NearestFace {
+    front: MinHeap<Turn>,
+    /// For each face the least offer so far: what it stands in the queue with.
+    offers: Vec<f64>,
+}
+
+impl Schedule for NearestFace {
+    const BY_VERTEX: bool = false;
+
+    fn new(mesh: &Mesh) -> Self {
+        Self {
+            front: MinHeap::default(),
+            offers: vec![f64::INFINITY; mesh.face_count()],
+        }
+    }
+
+    fn reset(&mut self) {
+        self.offers.fill(f64::INFINITY);
+    }
+
+    fn push_vertex<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) {
+        push(&mut self.front, d, Turn::Vertex(v), probe);
+    }
+
+    fn wait<P: Probe>(&mut self, face: FaceId, offer: f64, probe: &mut P) {
+        let least = &mut self.offers[face.index()];
+        if offer < *least {
+            *least = offer;
+            push(&mut self.front, offer, Turn::Face(face), probe);
+        }
+    }
+
+    fn pop(&mut self) -> Option<(f64, Turn)> {
+        self.front.pop()
+    }
+}
+
+#[inline]
+fn push<T: Copy, P: Probe>(front: &mut MinHeap<T>, label: f64, turn: T, probe: &mut P) {
+    front.push(label, turn);
+    probe.add(Counter::QueuePushes, 1);
+    probe.raise(Counter::QueuePeak, front.len() as u64);
+}

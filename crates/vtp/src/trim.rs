@@ -1,0 +1,156 @@
+//! Overlapping windows cut at their tie points.
+
+use geobench_window::{Window, tie_points};
+
+use crate::pairs::MARGIN;
+
+/// What is left of a window: up to three pieces, from left to right.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pieces {
+    windows: [Window; 3],
+    len: usize,
+}
+
+impl Pieces {
+    /// Whether nothing is left.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The pieces, from left to right.
+    pub(crate) fn iter(&self) -> std::slice::Iter<'_, Window> {
+        self.windows[..self.len].iter()
+    }
+
+    /// The parts of `w` outside of the ranges of `stretches` that `lost` marks.
+    fn of(w: &Window, stretches: &[f64], lost: [bool; 3]) -> Self {
+        let mut pieces = Self {
+            windows: [*w; 3],
+            len: 0,
+        };
+        let mut start = w.b0;
+        for (range, _) in stretches.windows(2).zip(lost).filter(|(_, lost)| *lost) {
+            pieces.push(w, start, range[0]);
+            start = range[1];
+        }
+        pieces.push(w, start, w.b1);
+        pieces
+    }
+
+    fn push(&mut self, w: &Window, b0: f64, b1: f64) {
+        if b0 < b1 {
+            self.windows[self.len] = Window { b0, b1, ..*w };
+            self.len += 1;
+        }
+    }
+}
+
+/// What two overlapping windows of one edge keep if each gives up the ranges on which the other is
+/// shorter (Surazhsky et al. 2005, section 3.5).
+///
+/// The overlap is cut at the tie points, and the middle of each stretch between them tells who is
+/// shorter on it. A stretch on which they are equal up to rounding, such as all of it for two
+/// images of one source, stays with both. `None` if the windows do not overlap.
+pub(crate) fn trim_pair(a: &Window, b: &Window) -> Option<(Pieces, Pieces)> {
+    let (lo, hi) = (a.b0.max(b.b0), a.b1.min(b.b1));
+    if lo >= hi {
+        return None;
+    }
+    let mut stretches = [lo; 4];
+    let mut cuts = 1;
+    for &tie in tie_points(a, b).as_slice() {
+        if lo < tie && tie < hi {
+            stretches[cuts] = tie;
+            cuts += 1;
+        }
+    }
+    stretches[cuts] = hi;
+    let stretches = &stretches[..=cuts];
+    let (mut lost_by_a, mut lost_by_b) = ([false; 3], [false; 3]);
+    for (i, range) in stretches.windows(2).enumerate() {
+        let middle = 0.5 * (range[0] + range[1]);
+        let (da, db) = (a.distance(middle), b.distance(middle));
+        lost_by_a[i] = db < da * MARGIN;
+        lost_by_b[i] = da < db * MARGIN;
+    }
+    Some((
+        Pieces::of(a, stretches, lost_by_a),
+        Pieces::of(b, stretches, lost_by_b),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    prop_compose! {
+        fn windows()(
+            b0 in 0.0..0.9f64, width in 0.01..1.0f64,
+            px in -1.0..2.0f64, py in -2.0..-0.01f64, sigma in 0.0..1.0f64,
+        ) -> Window {
+            Window { b0, b1: (b0 + width).min(1.0), px, py, sigma }
+        }
+    }
+
+    proptest! {
+        /// At every point of the edge the shorter one of the two is kept.
+        #[test]
+        fn no_distance_is_lost(a in windows(), b in windows(), x in 0.0..1.0f64) {
+            let covers = |w: &Window| w.b0 <= x && x <= w.b1;
+            let least = |windows: &[Window]| {
+                let reached = windows.iter().filter(|w| covers(w));
+                reached.map(|w| w.distance(x)).fold(f64::INFINITY, f64::min)
+            };
+            prop_assume!(a.b0.max(b.b0) < a.b1.min(b.b1));
+            let (of_a, of_b) = trim_pair(&a, &b).unwrap();
+            let kept: Vec<_> = of_a.iter().chain(of_b.iter()).copied().collect();
+            let (before, after) = (least(&[a, b]), least(&kept));
+            prop_assert!(before == after || (after - before).abs() <= 1e-12 * before);
+        }
+    }
+
+    /// The gap between two windows was once taken for an overlap: both lost rays to it.
+    #[test]
+    fn windows_apart_lose_nothing_to_each_other() {
+        let window = |b0, b1| Window {
+            b0,
+            b1,
+            px: 0.5,
+            py: -1.0,
+            sigma: b0,
+        };
+        for (a, b) in [
+            (window(0.0, 0.2), window(0.4, 0.6)),
+            (window(0.0, 0.2), window(0.2, 0.6)),
+        ] {
+            assert!(trim_pair(&a, &b).is_none() && trim_pair(&b, &a).is_none());
+        }
+    }
+
+    /// In a list that is not final yet two windows may tie twice; the middle then goes to one and
+    /// both sides to the other.
+    #[test]
+    fn two_tie_points_leave_three_pieces() {
+        let near = Window {
+            b0: 0.0,
+            b1: 1.0,
+            px: 0.5,
+            py: -0.1,
+            sigma: 1.95,
+        };
+        let far = Window {
+            py: -2.0,
+            sigma: 0.0,
+            ..near
+        };
+        let (of_near, of_far) = trim_pair(&near, &far).unwrap();
+        assert_eq!((of_near.iter().count(), of_far.iter().count()), (0, 1));
+        let near = Window {
+            sigma: 1.85,
+            ..near
+        };
+        let (of_near, of_far) = trim_pair(&near, &far).unwrap();
+        assert_eq!((of_near.iter().count(), of_far.iter().count()), (1, 2));
+    }
+}

@@ -1,0 +1,155 @@
+//! Every algorithm of the family against MMP on surfaces full of ties, and its counts.
+
+use geobench_mesh::generate::generate;
+use geobench_mesh::{Mesh, TriangleSoup, VertexId};
+use geobench_mmp::mmp;
+use geobench_oracle::zoo;
+use geobench_vtp::{
+    EdgeBased, Ftp, Opftp, Opvtp, Vtp, VtpExhaustive, VtpNoRule1, VtpNoRules23, VtpTrimming,
+};
+use geobench_window::{Counter, Counters, Solver};
+
+fn family(mesh: &Mesh) -> [(&'static str, Box<dyn Solver + '_>); 9] {
+    [
+        ("vtp", Box::new(Vtp::new(mesh))),
+        ("opvtp", Box::new(Opvtp::new(mesh))),
+        ("ftp", Box::new(Ftp::new(mesh))),
+        ("opftp", Box::new(Opftp::new(mesh))),
+        ("vtp-exhaustive", Box::new(VtpExhaustive::new(mesh))),
+        ("vtp-trimming", Box::new(VtpTrimming::new(mesh))),
+        ("vtp-no-rule1", Box::new(VtpNoRule1::new(mesh))),
+        ("vtp-no-rules23", Box::new(VtpNoRules23::new(mesh))),
+        ("edge-based", Box::new(EdgeBased::new(mesh))),
+    ]
+}
+
+fn scaled(mut soup: TriangleSoup, scale: f64) -> Mesh {
+    for position in &mut soup.positions {
+        *position = position.map(|x| x * scale);
+    }
+    Mesh::from_soup(soup).unwrap().0
+}
+
+fn soup_of(spec: &str) -> TriangleSoup {
+    generate(&spec.parse().unwrap()).unwrap()
+}
+
+/// Compares the whole family with MMP from `count` sources spread over the mesh.
+fn check(name: &str, mesh: &Mesh, count: usize) {
+    let mut reference = mmp(mesh);
+    let mut family = family(mesh);
+    for i in 0..count {
+        let source = VertexId::new((i * mesh.vertex_count() / count) as u32);
+        let expected = reference.solve(&[source]).unwrap().distances;
+        for (algorithm, solver) in &mut family {
+            let found = solver.solve(&[source]).unwrap().distances;
+            for (v, (d, e)) in found.iter().zip(&expected).enumerate() {
+                assert!(
+                    d == e || (d - e).abs() <= 1e-12 * e,
+                    "{name}, {algorithm} from {source:?}: vertex {v} at {d} instead of {e}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn all_agree_where_everything_ties() {
+    for spec in [
+        "gen:grid,n=14",
+        "gen:cube,n=5",
+        "gen:tetrahedron,subdiv=3",
+        "gen:sphere,subdiv=3",
+        "gen:torus,faces=800",
+        "gen:terrain,n=20,seed=3",
+    ] {
+        for scale in [1.0, 1e-6, 1e6] {
+            check(spec, &scaled(soup_of(spec), scale), 12);
+        }
+    }
+}
+
+#[test]
+fn all_agree_on_whole_numbers_pinches_borders_and_several_components() {
+    let terrain = zoo::whole_terrain(12, 2);
+    let ball = zoo::octahedron();
+    for model in [
+        zoo::whole_terrain(16, 4),
+        zoo::pinched(&terrain, 17, &ball, 0),
+        zoo::side_by_side(&terrain, &ball),
+        zoo::with_flat_faces(terrain.clone(), 12, 0.5),
+        zoo::star(8, 0.5, -0.25),
+    ] {
+        let positions = model.positions().unwrap().to_vec();
+        let soup = TriangleSoup::new(positions, model.triangles.clone());
+        check(&model.name, &scaled(soup, 1.0), 16);
+    }
+}
+
+#[test]
+fn a_solver_gives_the_same_answer_again_and_from_several_sources() {
+    let mesh = scaled(soup_of("gen:terrain,n=16,seed=5"), 1.0);
+    let [a, b] = [3, 200].map(VertexId::new);
+    for (algorithm, mut solver) in family(&mesh) {
+        let [from_a, from_b] = [a, b].map(|s| solver.solve(&[s]).unwrap().distances);
+        let from_both = solver.solve(&[a, b]).unwrap().distances;
+        assert_eq!(solver.solve(&[a]).unwrap().distances, from_a, "{algorithm}");
+        for ((x, y), both) in from_a.iter().zip(&from_b).zip(&from_both) {
+            let least = x.min(*y);
+            assert!((least - both).abs() <= 1e-12 * least, "{algorithm}");
+        }
+    }
+}
+
+fn counts(mesh: &Mesh) -> Vec<(&'static str, Counters)> {
+    family(mesh)
+        .into_iter()
+        .map(|(name, mut solver)| (name, solver.count(&[VertexId::new(0)]).unwrap().1))
+        .collect()
+}
+
+#[test]
+fn counts_fit_together_in_every_algorithm() {
+    let mesh = scaled(soup_of("gen:sphere,subdiv=4,noise=0.05,seed=2"), 1.0);
+    for (name, counters) in counts(&mesh) {
+        let get = |counter| counters.get(counter).unwrap();
+        let propagated = get(Counter::Propagated);
+        assert_eq!(
+            get(Counter::Prime) + get(Counter::Secondary),
+            propagated,
+            "{name}"
+        );
+        assert!(get(Counter::Children) <= propagated, "{name}");
+        assert!(propagated <= 2 * get(Counter::Parents), "{name}");
+        assert!(get(Counter::PeakWindows) > 0, "{name}");
+        assert!(
+            10 * get(Counter::Prime) > 9 * propagated,
+            "{name}: secondary propagations are few"
+        );
+        assert!(counters.wavefront_deviation.unwrap() > 0.0, "{name}");
+    }
+}
+
+#[test]
+fn every_choice_leaves_its_mark_on_the_counts() {
+    let mesh = scaled(soup_of("gen:sphere,subdiv=4,noise=0.05,seed=2"), 1.0);
+    let counts = counts(&mesh);
+    let get = |name: &str, counter| {
+        let (_, counters) = counts.iter().find(|(n, _)| *n == name).unwrap();
+        counters.get(counter).unwrap()
+    };
+    let children = |name| get(name, Counter::Children);
+    let vtp = children("vtp");
+    // Without rule 1 every window with both exits is tried at both.
+    let doubled = get("vtp-no-rule1", Counter::Propagated);
+    assert_eq!(doubled, 2 * get("vtp-no-rule1", Counter::Parents));
+    assert!(children("vtp-no-rule1") > vtp);
+    assert!(children("vtp-no-rules23") > vtp);
+    assert!(children("vtp-exhaustive") < vtp);
+    assert!(children("edge-based") <= vtp);
+    assert!(children("vtp-trimming") < vtp);
+    assert_ne!(children("opvtp"), vtp);
+    assert_ne!(children("opftp"), children("ftp"));
+    // A turn brings one face and not a whole ring of them, so more turns are queued.
+    assert!(get("ftp", Counter::QueuePushes) > 2 * get("vtp", Counter::QueuePushes));
+}

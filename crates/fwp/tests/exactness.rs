@@ -288,7 +288,7 @@ fn runs_leave_nothing_behind() {
 }
 
 /// What the disciplines are for: nearly as few windows as nearest first. Buckets do worse on
-/// meshes this small, where a round takes half of the wavefront; on the horse it is 4 %.
+/// meshes this small, where a round takes half of the wavefront; on the horse it is 3 %.
 #[test]
 fn windows_are_nearly_as_few_as_nearest_first() {
     let mesh = generated("gen:torus,faces=5000,bump=0.1,seed=7");

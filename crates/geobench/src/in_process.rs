@@ -146,6 +146,7 @@ mod tests {
         keeps: "",
         choose: "",
         memory_counter: Counter::PeakWindows,
+        comfortable_faces: None,
         parameters: &[],
         build: |_, _| panic!("no such luck"),
     };

@@ -33,6 +33,8 @@ pub struct ListPropagation<'m, S, M, P, E> {
     arrived: Vec<Window>,
     checked: Vec<Window>,
     separations: Vec<f64>,
+    /// Children narrower than this are dropped.
+    threshold: f64,
     choices: PhantomData<(M, P)>,
 }
 
@@ -81,7 +83,19 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
             arrived: Vec::new(),
             checked: Vec::new(),
             separations: Vec::new(),
+            threshold: 0.0,
             choices: PhantomData,
+        }
+    }
+
+    /// Drops windows whose interval is narrower than `width`, in the units of the mesh, when they
+    /// come out of a triangle. The paper does so at a millionth of the model's size; distances are
+    /// then no longer exact.
+    #[must_use]
+    pub fn with_threshold(self, width: f64) -> Self {
+        Self {
+            threshold: width,
+            ..self
         }
     }
 
@@ -260,21 +274,29 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
             lists: &self.lists,
             faces: &self.faces,
         });
-        let (mut tried, mut children) = (0, 0);
+        let (mut tried, mut children, mut tiny) = (0, 0, 0);
         for (w, &sp) in self.checked.iter().zip(&self.separations) {
             let sides = self.exits.sides(frame, &best, w, sp);
             if let Some((exit, limit)) = left_exit.as_mut().zip(sides.left) {
                 tried += 1;
                 if let Some(child) = left_child(frame, w, sp, limit) {
                     children += 1;
-                    exit.send::<M>(child, &mut self.lists);
+                    if child.b1 - child.b0 < self.threshold {
+                        tiny += 1;
+                    } else {
+                        exit.send::<M>(child, &mut self.lists);
+                    }
                 }
             }
             if let Some((exit, limit)) = right_exit.as_mut().zip(sides.right) {
                 tried += 1;
                 if let Some(child) = right_child(frame, w, sp, limit) {
                     children += 1;
-                    exit.send::<M>(child, &mut self.lists);
+                    if child.b1 - child.b0 < self.threshold {
+                        tiny += 1;
+                    } else {
+                        exit.send::<M>(child, &mut self.lists);
+                    }
                 }
             }
         }
@@ -284,6 +306,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
         }
         probe.add(Counter::Propagated, tried);
         probe.add(Counter::Children, children);
+        probe.add(Counter::Filtered, tiny);
         let prime = self.area.is_new(h.face());
         probe.add(
             if prime {

@@ -128,9 +128,10 @@ pub(super) struct VerifyOptions {
     #[arg(value_name = "MODEL")]
     pub(super) models: Vec<String>,
 
-    /// Algorithms by name, by family, or exact, or all; separated by commas
-    #[arg(long, value_name = "LIST", default_value = "exact", value_parser = algorithms)]
-    pub(super) algo: Algorithms,
+    /// Algorithms by name, by family, or exact, or all; separated by commas [default: exact, without
+    /// ch where it would take hours]
+    #[arg(long, value_name = "LIST", value_parser = algorithms)]
+    pub(super) algo: Option<Algorithms>,
 
     /// Sources: first, a vertex number, a list of numbers, or random:N[,seed=S]; those for which
     /// distances are stored (MODEL.sSOURCE.csv) are added

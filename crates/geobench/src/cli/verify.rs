@@ -24,7 +24,10 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     } else {
         model::collect(&options.models)?
     };
-    let mut algorithms = options.algo.0.clone();
+    let mut algorithms = match &options.algo {
+        Some(named) => named.0.clone(),
+        None => registry::select("exact")?,
+    };
     // The reference goes first, so that its answer is there for the others.
     let reference = registry::select_one(REFERENCE)?;
     algorithms.retain(|a| a.label() != REFERENCE);
@@ -102,6 +105,13 @@ impl Session<'_> {
         Ok(())
     }
 
+    /// Whether nobody asked for `algorithm` by name and it would take hours on this model.
+    fn is_too_slow(&self, algorithm: &Selection) -> bool {
+        let faces = self.record.faces.unwrap_or(0);
+        let comfortable = algorithm.algorithm().comfortable_faces;
+        self.options.algo.is_none() && comfortable.is_some_and(|most| faces > most)
+    }
+
     fn verify_source(
         &self,
         source: VertexId,
@@ -124,6 +134,16 @@ impl Session<'_> {
         };
         let mut reference: Option<Vec<f64>> = None;
         for algorithm in self.algorithms {
+            if self.is_too_slow(algorithm) {
+                if !self.options.quiet {
+                    terminal::print(&format!(
+                        "{}: source {source}: {}: left out, the model has too many faces for it; name it with --algo to run it\n",
+                        self.record.name,
+                        algorithm.label()
+                    ))?;
+                }
+                continue;
+            }
             let mut verdict = Judgement::default();
             let step = Step {
                 model: &self.record.name,

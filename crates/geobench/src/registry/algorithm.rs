@@ -27,6 +27,9 @@ pub struct Algorithm {
     /// The counter of windows that the papers charge to its memory: those stored at the end for
     /// algorithms that keep every window, those alive at the peak for the others.
     pub memory_counter: Counter,
+    /// The most faces with which it ends within a minute or so, for one that is slower by orders of
+    /// magnitude than the others; `verify` leaves it out beyond that, unless it is named.
+    pub comfortable_faces: Option<u64>,
     /// What can be set, as in `name{key=value}`, in the order in which labels show it.
     pub parameters: &'static [Parameter],
     /// Sets it up for a mesh with these values of its parameters; this is not part of the time

@@ -75,6 +75,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "every window until the end, as mmp; of the queue the windows that wait and the buckets they span",
         choose: "instead of mmp on large or anisotropic models",
         memory_counter: Counter::StoredWindows,
+        comfortable_faces: None,
         parameters: BUCKET_PARAMETERS,
         build: |mesh, values| {
             Box::new(fwp_mmp(mesh, buckets(values)).with_threshold(threshold::width(mesh, values)))
@@ -90,6 +91,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows in the buckets and one record for each angle",
         choose: "instead of ich: the same windows in less time",
         memory_counter: Counter::PeakWindows,
+        comfortable_faces: None,
         parameters: BUCKET_PARAMETERS,
         build: |mesh, values| {
             Box::new(fwp_ch(mesh, buckets(values)).with_threshold(threshold::width(mesh, values)))
@@ -105,6 +107,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "every window until the end, as mmp",
         choose: "to compare with fwp-mmp",
         memory_counter: Counter::StoredWindows,
+        comfortable_faces: None,
         parameters: &[BETA, THRESHOLD],
         build: |mesh, values| {
             Box::new(
@@ -123,6 +126,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with fwp-ch",
         memory_counter: Counter::PeakWindows,
+        comfortable_faces: None,
         parameters: &[BETA, THRESHOLD],
         build: |mesh, values| {
             Box::new(
@@ -141,6 +145,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "every window until the end, as mmp; of the queue the vertices of the wavefront",
         choose: "instead of mmp: the fastest that knows distances everywhere on edges",
         memory_counter: Counter::StoredWindows,
+        comfortable_faces: None,
         parameters: &[THRESHOLD],
         build: |mesh, values| {
             Box::new(vtp_mmp(mesh).with_threshold(threshold::width(mesh, values)))
@@ -156,6 +161,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows of the wavefront and one record for each angle",
         choose: "to tell what vtp owes to its order from what it owes to its rules",
         memory_counter: Counter::PeakWindows,
+        comfortable_faces: None,
         parameters: &[THRESHOLD],
         build: |mesh, values| Box::new(vtp_ch(mesh).with_threshold(threshold::width(mesh, values))),
     },

@@ -17,6 +17,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "every window until the end, about n^1.5 of them on scanned models",
         choose: "as the reference; when distances are wanted everywhere on edges, not only at vertices",
         memory_counter: Counter::StoredWindows,
+        comfortable_faces: None,
         parameters: &[THRESHOLD],
         build: |mesh, values| Box::new(mmp(mesh).with_threshold(threshold::width(mesh, values))),
     },
@@ -30,6 +31,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "every window until the end, a tenth to a half fewer than mmp",
         choose: "instead of mmp where memory is short",
         memory_counter: Counter::StoredWindows,
+        comfortable_faces: None,
         parameters: &[THRESHOLD],
         build: |mesh, values| {
             Box::new(mmp_edge(mesh).with_threshold(threshold::width(mesh, values)))

@@ -140,6 +140,7 @@ const NO_ONE: Algorithm = Algorithm {
     keeps: "",
     choose: "",
     memory_counter: Counter::PeakWindows,
+    comfortable_faces: None,
     parameters: &[
         Parameter::integer("kmax", 20_000, 1..=1_000_000, ""),
         Parameter::real("bucket", 1.0, 0.01..=100.0, ""),

@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn a_coarse_threshold_costs_exactness_and_none_does_not() {
-        for name in ["mmp", "ich", "fwp-mmp", "vtp-ch"] {
+        for name in ["mmp", "ich", "fwp-mmp", "vtp-ch", "vtp", "ftp"] {
             let exact = spot_check(name);
             assert_eq!(
                 spot_check(&format!("{name}{{threshold=none}}")),

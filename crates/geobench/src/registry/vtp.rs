@@ -6,6 +6,7 @@ use geobench_vtp::{
 use geobench_window::Counter;
 
 use super::Algorithm;
+use super::threshold::{self, THRESHOLD};
 
 pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
@@ -18,8 +19,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows of the wavefront",
         choose: "to compare schedules: as many windows as vtp, in some more time",
         memory_counter: Counter::PeakWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(Ftp::new(mesh)),
+        comfortable_faces: None,
+        parameters: &[THRESHOLD],
+        build: |mesh, values| {
+            Box::new(Ftp::new(mesh).with_threshold(threshold::width(mesh, values)))
+        },
     },
     Algorithm {
         name: "opftp",
@@ -31,8 +35,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows of the wavefront",
         choose: "to repeat the paper's comparison with ftp",
         memory_counter: Counter::PeakWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(Opftp::new(mesh)),
+        comfortable_faces: None,
+        parameters: &[THRESHOLD],
+        build: |mesh, values| {
+            Box::new(Opftp::new(mesh).with_threshold(threshold::width(mesh, values)))
+        },
     },
     Algorithm {
         name: "vtp",
@@ -44,8 +51,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows of the wavefront, in one list for each half-edge on it",
         choose: "for distances at vertices: it is the fastest here and takes the least memory",
         memory_counter: Counter::PeakWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(Vtp::new(mesh)),
+        comfortable_faces: None,
+        parameters: &[THRESHOLD],
+        build: |mesh, values| {
+            Box::new(Vtp::new(mesh).with_threshold(threshold::width(mesh, values)))
+        },
     },
     Algorithm {
         name: "opvtp",
@@ -57,8 +67,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows of the wavefront",
         choose: "to repeat the paper's comparison with vtp",
         memory_counter: Counter::PeakWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(Opvtp::new(mesh)),
+        comfortable_faces: None,
+        parameters: &[THRESHOLD],
+        build: |mesh, values| {
+            Box::new(Opvtp::new(mesh).with_threshold(threshold::width(mesh, values)))
+        },
     },
     Algorithm {
         name: "vtp-exhaustive",
@@ -70,8 +83,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows of the wavefront and one length for each half-edge",
         choose: "to see how little pruning there is left: hardly fewer windows, several times the time",
         memory_counter: Counter::PeakWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(VtpExhaustive::new(mesh)),
+        comfortable_faces: None,
+        parameters: &[THRESHOLD],
+        build: |mesh, values| {
+            Box::new(VtpExhaustive::new(mesh).with_threshold(threshold::width(mesh, values)))
+        },
     },
     Algorithm {
         name: "vtp-trimming",
@@ -83,8 +99,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows of the wavefront",
         choose: "to weigh trimming against pruning: some windows fewer, half as much time again",
         memory_counter: Counter::PeakWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(VtpTrimming::new(mesh)),
+        comfortable_faces: None,
+        parameters: &[THRESHOLD],
+        build: |mesh, values| {
+            Box::new(VtpTrimming::new(mesh).with_threshold(threshold::width(mesh, values)))
+        },
     },
     Algorithm {
         name: "vtp-no-rule1",
@@ -96,8 +115,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows of the wavefront",
         choose: "to see what rule 1 does",
         memory_counter: Counter::PeakWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(VtpNoRule1::new(mesh)),
+        comfortable_faces: None,
+        parameters: &[THRESHOLD],
+        build: |mesh, values| {
+            Box::new(VtpNoRule1::new(mesh).with_threshold(threshold::width(mesh, values)))
+        },
     },
     Algorithm {
         name: "vtp-no-rules23",
@@ -109,8 +131,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows of the wavefront, half as many again as vtp",
         choose: "to see what rules 2 and 3 do",
         memory_counter: Counter::PeakWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(VtpNoRules23::new(mesh)),
+        comfortable_faces: None,
+        parameters: &[THRESHOLD],
+        build: |mesh, values| {
+            Box::new(VtpNoRules23::new(mesh).with_threshold(threshold::width(mesh, values)))
+        },
     },
     Algorithm {
         name: "edge-based",
@@ -122,7 +147,10 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows of the wavefront and one length for each half-edge",
         choose: "to repeat the report's comparison",
         memory_counter: Counter::PeakWindows,
-        parameters: &[],
-        build: |mesh, _| Box::new(EdgeBased::new(mesh)),
+        comfortable_faces: None,
+        parameters: &[THRESHOLD],
+        build: |mesh, values| {
+            Box::new(EdgeBased::new(mesh).with_threshold(threshold::width(mesh, values)))
+        },
     },
 ];

@@ -91,7 +91,7 @@ impl Pairs for TiePoints {
                 }
                 Verdict::SecondDies => return died + 1,
             }
-            let Some((of_last, of_new)) = trim_pair(last, &new) else {
+            let Some((of_last, of_new)) = trim_pair(last, &new, edge.l) else {
                 break;
             };
             if of_new.is_empty() {

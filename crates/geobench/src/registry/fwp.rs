@@ -73,7 +73,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         summary: "mmp with its windows in narrow buckets, some thousands of the nearest taken in each round",
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "every window until the end, as mmp; of the queue the windows that wait and the buckets they span",
-        choose: "instead of mmp on large or anisotropic models",
+        choose: "to compare the queue with that of mmp: most of the time goes elsewhere, and little is gained",
         memory_counter: Counter::StoredWindows,
         comfortable_faces: None,
         parameters: BUCKET_PARAMETERS,

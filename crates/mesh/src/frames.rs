@@ -4,6 +4,8 @@
 //! length carries a rounding error of its own, which in a triangle with an angle near π moves
 //! the apex by the square root of that error (1e-8 of an edge instead of 1e-16).
 
+use crate::vector::{cross, dot, norm, sub};
+
 /// Least height of a face over its longest edge, as a fraction of its shortest edge: far below
 /// rounding, so no distance changes, but enough for rays to have a side on which to pass its
 /// vertices.
@@ -83,26 +85,6 @@ fn longest_side(lengths: [f64; 3]) -> usize {
     } else {
         2
     }
-}
-
-fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
 }
 
 #[cfg(test)]

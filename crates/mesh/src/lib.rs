@@ -44,6 +44,7 @@ mod report;
 mod sanity;
 mod soup;
 mod validate;
+mod vector;
 
 pub use defect::{Defect, DefectKind, LONGEST_EDGE, SHORTEST_EDGE, Severity};
 pub use ids::{FaceId, HalfEdgeId, VertexId};

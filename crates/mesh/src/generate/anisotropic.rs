@@ -8,6 +8,7 @@ use super::lattice::wrapped;
 use super::torus::rounded;
 use super::turn::{angle, turn};
 use crate::soup::TriangleSoup;
+use crate::vector::{norm, sub};
 
 pub(super) const KEYS: &[Key] = &[
     Key::real(
@@ -173,7 +174,7 @@ pub fn mean_anisotropy(soup: &TriangleSoup) -> f64 {
 }
 
 fn anisotropy([a, b, c]: [[f64; 3]; 3]) -> f64 {
-    let sides = [minus(b, a), minus(c, b), minus(a, c)];
+    let sides = [sub(b, a), sub(c, b), sub(a, c)];
     let lengths = sides.map(norm);
     let longest = lengths.into_iter().fold(0.0, f64::max);
     // Relative to the longest side, so that areas of tiny triangles do not vanish.
@@ -185,12 +186,4 @@ fn anisotropy([a, b, c]: [[f64; 3]; 3]) -> f64 {
         u[0] * v[1] - u[1] * v[0],
     ]) / 2.0;
     half_perimeter / (12f64.sqrt() * area)
-}
-
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn norm([x, y, z]: [f64; 3]) -> f64 {
-    (x * x + y * y + z * z).sqrt()
 }

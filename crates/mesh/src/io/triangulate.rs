@@ -16,6 +16,8 @@
 //! corner on, so that a triangle names it twice; self-intersecting ones are cut somehow. The
 //! triangles always number two less than the corners and have the orientation of the polygon.
 
+use crate::vector::{cross, dot, sub};
+
 /// Twice the area, as a share of the polygon's squared extent, up to which a triangle counts as
 /// flat. It decides between cuts only; no triangle is dropped.
 const FLAT: f64 = 1e-12;
@@ -77,7 +79,7 @@ impl Polygon {
         }
         let origin = points[0];
         for p in &mut points {
-            *p = minus(*p, origin);
+            *p = sub(*p, origin);
         }
         let extent = points
             .as_flattened()
@@ -102,7 +104,7 @@ impl Polygon {
     /// Twice the signed area of a triangle of corners, seen along the normal.
     fn turn(&self, [a, b, c]: [usize; 3]) -> f64 {
         let p = &self.points;
-        dot(cross(minus(p[b], p[a]), minus(p[c], p[a])), self.normal)
+        dot(cross(sub(p[b], p[a]), sub(p[c], p[a])), self.normal)
     }
 
     /// Whether corner `q` lies in triangle `t` or on its border, but not in one of its corners.
@@ -203,22 +205,6 @@ impl Ring {
         }
         best
     }
-}
-
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
 }
 
 #[cfg(test)]

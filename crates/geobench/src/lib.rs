@@ -29,3 +29,4 @@ mod runner_tests;
 pub mod source;
 pub mod statistics;
 pub mod suite;
+mod wire;

@@ -4,6 +4,7 @@
 //! installs, and memory that the whole process occupies, as Linux accounts for it.
 
 use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAllocTrait};
+use serde::{Deserialize, Serialize};
 
 use crate::host::kibibytes;
 
@@ -15,7 +16,7 @@ pub struct PeakMemory {
 }
 
 /// What a measurement found; a figure that this system or build does not have is absent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Peaks {
     /// Most bytes on the heap beyond those at the start.
     pub heap: Option<u64>,

@@ -270,12 +270,12 @@ pub struct Check {
 }
 
 /// Counters as a map from name to count or `null`, in the order of their table.
-mod counters_as_map {
+pub(crate) mod counters_as_map {
     use serde::de::Error;
 
     use super::{BTreeMap, Counter, Counters, Deserialize, Deserializer, SerializeMap, Serializer};
 
-    pub(super) fn serialize<S: Serializer>(
+    pub(crate) fn serialize<S: Serializer>(
         counters: &Counters,
         serializer: S,
     ) -> Result<S::Ok, S::Error> {
@@ -296,7 +296,7 @@ mod counters_as_map {
         Real(f64),
     }
 
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
         deserializer: D,
     ) -> Result<Counters, D::Error> {
         let map = BTreeMap::<String, Option<Figure>>::deserialize(deserializer)?;

@@ -6,6 +6,7 @@
 
 use geobench_mesh::VertexId;
 use geobench_window::Counters;
+use serde::{Deserialize, Serialize};
 
 use crate::group::Group;
 use crate::memory::Peaks;
@@ -14,9 +15,11 @@ use crate::plan::Plan;
 use crate::record::{Cell, ModelRecord, Phases, Status};
 use crate::registry::Selection;
 use crate::source::SourceSpec;
+use crate::wire;
 
 /// Why a run does what it does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Purpose {
     /// Brings caches and memory into the state of a program that has been running; not timed.
     WarmUp,
@@ -42,15 +45,17 @@ pub struct Step<'a> {
 }
 
 /// What one run delivers; which figures there are depends on its purpose.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
     /// The answer.
+    #[serde(with = "wire::distances")]
     pub distances: Vec<f64>,
     /// Seconds that the solve took.
     pub seconds: Option<f64>,
     /// Seconds that the set-up took, if this run needed one.
     pub setup_seconds: Option<f64>,
     /// What was counted.
+    #[serde(with = "wire::counters")]
     pub counters: Option<Counters>,
     /// Peak memory.
     pub peaks: Peaks,
@@ -59,7 +64,7 @@ pub struct Observation {
 }
 
 /// Why a run delivered nothing.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
     /// How the cell ends with it.
     pub status: Status,

@@ -11,7 +11,7 @@ use crate::plan::{Plan, Reference};
 use crate::record::{Cell, Memory, ModelRecord, Phases, Status, Time};
 use crate::registry::Selection;
 use crate::runner::{Executor, Failure, Listener, Observation, Purpose, Step};
-use crate::statistics::{self, FEWEST_FOR_INTERVAL};
+use crate::statistics;
 
 /// The cells of one model and one source, whose runs are interleaved so that a drifting machine
 /// hurts all algorithms alike.
@@ -354,9 +354,8 @@ fn time(samples: Vec<f64>, setup: Option<f64>, repeat: usize) -> Time {
         min: summary.map(|s| s.min),
         mad: summary.map(|s| s.mad),
         ci95: summary.and_then(|s| s.ci95),
-        note: (repeat < FEWEST_FOR_INTERVAL).then(|| {
-            format!("no confidence interval from fewer than {FEWEST_FOR_INTERVAL} samples")
-        }),
+        note: statistics::too_few(repeat),
+        outliers: summary.and_then(|s| s.outliers),
         setup,
         samples,
     }

@@ -34,6 +34,10 @@ pub struct ResultFile {
     pub models: Vec<ModelRecord>,
     /// What was measured, in the order of the run.
     pub cells: Vec<Cell>,
+    /// The same in files whose runs took turns: sample i of a cell in one of them was taken next to
+    /// sample i of that cell in the other. Null if there is no such other file.
+    #[serde(default)]
+    pub pairing: Option<String>,
 }
 
 /// The program that measured.
@@ -156,6 +160,10 @@ pub struct Cell {
     /// Name of the group; null if that has none.
     #[serde(default)]
     pub group: Option<String>,
+    /// Instructions of the solve, the first after the set-up, as Valgrind's callgrind counts them; null unless
+    /// they were asked for.
+    #[serde(default)]
+    pub instructions: Option<u64>,
 }
 
 impl Cell {
@@ -174,6 +182,7 @@ impl Cell {
             phases: Phases::default(),
             check: Check::default(),
             group: None,
+            instructions: None,
         }
     }
 }
@@ -227,6 +236,11 @@ pub struct Time {
     pub note: Option<String>,
     /// Time to set the algorithm up for the mesh, which the samples do not include.
     pub setup: Option<f64>,
+    /// How many samples lie far from all others: more than ten times the standard deviation, as the
+    /// MAD estimates it, from the median. They count in all figures. Null from fewer than five
+    /// samples.
+    #[serde(default)]
+    pub outliers: Option<usize>,
 }
 
 /// Memory in bytes.

@@ -53,6 +53,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
             groups: Vec::new(),
             models: Vec::new(),
             cells: Vec::new(),
+            pairing: None,
         },
     };
     let mut verdicts = Vec::new();

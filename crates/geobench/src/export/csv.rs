@@ -46,6 +46,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
         ),
         ("time_note", text(cell.time.note.as_ref())),
         ("time_setup", text(cell.time.setup)),
+        ("time_outliers", text(cell.time.outliers)),
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into();
@@ -75,6 +76,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             ("check_max_rel", text(cell.check.max_rel)),
             ("check_unreachable", text(cell.check.unreachable)),
             ("group", text(cell.group.as_ref())),
+            ("instructions", text(cell.instructions)),
         ]
         .map(|(name, value)| (name.to_owned(), value)),
     );

@@ -1,15 +1,24 @@
 //! What is reported of repeated times: robust figures, never the mean alone.
+//!
+//! * One set of samples: [`summarise`], median, deviation, interval and outliers.
+//! * Two sets that were taken in turns: [`paired_ratio`], which a drifting machine does not disturb.
+//! * Two sets that were not: [`unpaired_ratio`] for the size of the difference, [`mann_whitney`] for
+//!   whether there is one.
+//!
+//! Intervals come from the percentile bootstrap of Efron (1979) with a fixed seed, so that the same
+//! samples always give the same interval.
 
-use crate::rng::SplitMix64;
+mod bootstrap;
+mod mann_whitney;
+mod outliers;
+mod ratio;
+
+pub use mann_whitney::{MannWhitney, mann_whitney};
+pub use outliers::{OUTLIER_SCORE, outliers};
+pub use ratio::{Ratio, paired_ratio, unpaired_ratio};
 
 /// Fewest samples from which a confidence interval is given.
 pub const FEWEST_FOR_INTERVAL: usize = 5;
-
-/// Resamples of the bootstrap.
-const RESAMPLES: usize = 10_000;
-
-/// Seed of the bootstrap, fixed so that the same samples always give the same interval.
-const SEED: u64 = 0x6765_6f62_656e_6368;
 
 /// Robust figures of a set of samples, in the unit of the samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,18 +32,28 @@ pub struct Summary {
     /// 95 % confidence interval of the median by the percentile bootstrap; none from fewer than
     /// [`FEWEST_FOR_INTERVAL`] samples.
     pub ci95: Option<[f64; 2]>,
+    /// How many of the samples are [`outliers`]; they count in all other figures. None from fewer
+    /// than [`FEWEST_FOR_INTERVAL`] samples.
+    pub outliers: Option<usize>,
 }
 
 /// Summarises `samples`, or nothing if there are none.
 pub fn summarise(samples: &[f64]) -> Option<Summary> {
     let median = median(samples)?;
-    let deviations: Vec<f64> = samples.iter().map(|s| (s - median).abs()).collect();
+    let enough = samples.len() >= FEWEST_FOR_INTERVAL;
     Some(Summary {
         median,
         min: samples.iter().copied().fold(f64::INFINITY, f64::min),
-        mad: self::median(&deviations)?,
-        ci95: (samples.len() >= FEWEST_FOR_INTERVAL).then(|| bootstrap(samples)),
+        mad: deviation(samples, median)?,
+        ci95: enough.then(|| bootstrap::interval(&[samples], |resamples| resamples[0])),
+        outliers: enough.then(|| outliers(samples).len()),
     })
+}
+
+/// Why `samples` samples have no interval, if they have none.
+pub fn too_few(samples: usize) -> Option<String> {
+    (samples < FEWEST_FOR_INTERVAL)
+        .then(|| format!("no confidence interval from fewer than {FEWEST_FOR_INTERVAL} samples"))
 }
 
 /// The median of `values`, in any order; none if there are none.
@@ -53,21 +72,10 @@ fn median_in_place(values: &mut [f64]) -> Option<f64> {
     }
 }
 
-/// The 2.5th and 97.5th percentiles of the medians of resamples drawn with replacement.
-fn bootstrap(samples: &[f64]) -> [f64; 2] {
-    let mut random = SplitMix64::new(SEED);
-    let mut resample = vec![0.0; samples.len()];
-    let mut medians: Vec<f64> = (0..RESAMPLES)
-        .filter_map(|_| {
-            for slot in &mut resample {
-                *slot = samples[random.below(samples.len())];
-            }
-            median_in_place(&mut resample)
-        })
-        .collect();
-    medians.sort_unstable_by(f64::total_cmp);
-    let tail = RESAMPLES / 40;
-    [medians[tail], medians[RESAMPLES - 1 - tail]]
+/// The median absolute deviation of `values` from `center`.
+fn deviation(values: &[f64], center: f64) -> Option<f64> {
+    let mut deviations: Vec<f64> = values.iter().map(|v| (v - center).abs()).collect();
+    median_in_place(&mut deviations)
 }
 
 #[cfg(test)]
@@ -88,17 +96,16 @@ mod tests {
         assert_eq!(summary.median, 1.0);
         assert_eq!(summary.min, 0.9);
         assert!((summary.mad - 0.1).abs() < 1e-12);
+        assert_eq!(summary.outliers, Some(1));
     }
 
     #[test]
-    fn few_samples_have_no_interval() {
-        assert_eq!(summarise(&[1.0, 2.0, 3.0, 4.0]).unwrap().ci95, None);
-        assert!(
-            summarise(&[1.0, 2.0, 3.0, 4.0, 5.0])
-                .unwrap()
-                .ci95
-                .is_some()
-        );
+    fn few_samples_have_no_interval_and_say_so() {
+        let few = summarise(&[1.0, 2.0, 3.0, 4.0]).unwrap();
+        assert_eq!((few.ci95, few.outliers), (None, None));
+        assert!(too_few(4).unwrap().contains("fewer than 5"));
+        let enough = summarise(&[1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
+        assert!(enough.ci95.is_some() && too_few(5).is_none());
     }
 
     #[test]

@@ -51,8 +51,12 @@ impl Splitting {
 impl Policy for Splitting {
     type Lineage = Lineage;
 
-    const COUNTERS: &'static [Counter] =
-        &[Counter::Filtered, Counter::PeakWindows, Counter::Levels];
+    const COUNTERS: &'static [Counter] = &[
+        Counter::Filtered,
+        Counter::PeakWindows,
+        Counter::PeakWavefront,
+        Counter::Levels,
+    ];
 
     const WINDOW_BYTES: usize = size_of::<Node>();
 
@@ -95,6 +99,7 @@ impl Policy for Splitting {
         });
         queue(*h, label, slot, probe);
         probe.raise(Counter::PeakWindows, self.leaves.len() as u64);
+        probe.raise(Counter::PeakWavefront, self.leaves.len() as u64);
         probe.raise(Counter::Levels, u64::from(lineage.level));
         true
     }

@@ -19,6 +19,7 @@
 //! edge, and cannot tell which of the two must go on. The CH and VTP families, which do not compare
 //! along the edge, are not affected; nor are single faces of no area.
 
+mod levels;
 mod list;
 mod trimming;
 

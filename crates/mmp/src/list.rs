@@ -72,6 +72,12 @@ impl WindowList {
         self.windows.clear();
     }
 
+    /// The ids of the windows that wait in the queue.
+    pub(crate) fn waiting(&self) -> impl Iterator<Item = u32> {
+        let queued = self.windows.iter().filter(|s| s.tag & QUEUED != 0);
+        queued.map(|s| s.tag & !QUEUED)
+    }
+
     /// Takes the window with this id out of the queue; it stays stored. `None` if it has been
     /// removed or replaced.
     pub(crate) fn take(&mut self, id: u32) -> Option<Window> {
@@ -97,15 +103,25 @@ struct Segment {
     owner: Owner,
 }
 
+/// A window to be queued.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    /// Its least distance.
+    pub(crate) label: f64,
+    pub(crate) id: u32,
+    /// The stored window that it is a part of; `None` if of the new one.
+    pub(crate) part_of: Option<u32>,
+}
+
 /// Inserts windows into lists: the buffers this needs, and what the last insertion did.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Inserter {
     next_id: u32,
     segments: Vec<Segment>,
     pieces: Vec<Stored>,
-    /// Labels and ids of the windows to queue: what is left of the new one, and stored ones whose
-    /// least distance grew before their turn came.
-    pub(crate) to_queue: Vec<(f64, u32)>,
+    /// The windows to queue: what is left of the new one, and stored ones whose least distance grew
+    /// before their turn came.
+    pub(crate) to_queue: Vec<Entry>,
     /// How many of these are pieces of the new window.
     pub(crate) new_pieces: usize,
     /// Stored windows that lost a part.
@@ -213,7 +229,7 @@ impl Inserter {
                         ..*new
                     };
                     self.new_pieces += 1;
-                    self.queue_piece(window, direction);
+                    self.queue_piece(window, direction, None);
                 }
                 Owner::Old(i) => {
                     let first_piece = last_old != Some(i);
@@ -229,13 +245,17 @@ impl Inserter {
     }
 
     /// Stores a window that has to be propagated.
-    fn queue_piece(&mut self, window: Window, direction: Direction) {
+    fn queue_piece(&mut self, window: Window, direction: Direction, part_of: Option<u32>) {
         self.next_id = (self.next_id + 1) & !(QUEUED | REVERSED);
         let id = match direction {
             Direction::Forward => self.next_id,
             Direction::Reverse => self.next_id | REVERSED,
         };
-        self.to_queue.push((window.min_distance(), id));
+        self.to_queue.push(Entry {
+            label: window.min_distance(),
+            id,
+            part_of,
+        });
         self.pieces.push(Stored {
             window,
             tag: id | QUEUED,
@@ -262,7 +282,8 @@ impl Inserter {
                 tag: old.tag,
             });
         } else {
-            self.queue_piece(window, Direction::of(old.tag));
+            let id = old.tag & !QUEUED;
+            self.queue_piece(window, Direction::of(id), Some(id));
         }
     }
 }
@@ -382,9 +403,9 @@ mod tests {
             }
             // The last entry of an id is the one that counts; older ids are gone from the list.
             let mut found = 0;
-            for (label, id) in queue {
-                if let Some(w) = list.take(id) {
-                    prop_assert!(label <= w.min_distance());
+            for entry in queue {
+                if let Some(w) = list.take(entry.id) {
+                    prop_assert!(entry.label <= w.min_distance());
                     found += 1;
                 }
             }
@@ -414,7 +435,7 @@ mod tests {
     fn a_propagated_window_is_cut_but_not_queued_again() {
         let (mut list, mut inserter) = (WindowList::default(), Inserter::default());
         insert(&mut inserter, &mut list, &window(0.0, 1.0, 0.2, -1.0, 0.0));
-        let id = inserter.to_queue[0].1;
+        let id = inserter.to_queue[0].id;
         assert!(list.take(id).is_some());
         assert!(list.take(id).is_none());
         insert(&mut inserter, &mut list, &window(0.0, 0.5, 0.2, -0.5, 0.0));
@@ -429,15 +450,19 @@ mod tests {
     fn a_waiting_window_whose_nearest_point_is_lost_is_queued_again() {
         let (mut list, mut inserter) = (WindowList::default(), Inserter::default());
         insert(&mut inserter, &mut list, &window(0.0, 1.0, 0.2, -1.0, 0.0));
-        let (label, id) = inserter.to_queue[0];
+        let first = inserter.to_queue[0];
         insert(&mut inserter, &mut list, &window(0.0, 0.5, 0.2, -0.5, 0.0));
         assert!(
-            list.take(id).is_none(),
+            list.take(first.id).is_none(),
             "the old entry of the queue is void"
         );
-        let again: Vec<_> = inserter.to_queue.iter().filter(|q| q.0 > label).collect();
+        let entries = inserter.to_queue.iter();
+        let again: Vec<_> = entries.filter(|e| e.part_of == Some(first.id)).collect();
         assert_eq!(again.len(), 1);
-        assert_eq!(again[0].0, window(0.5, 1.0, 0.2, -1.0, 0.0).min_distance());
+        assert_eq!(
+            again[0].label,
+            window(0.5, 1.0, 0.2, -1.0, 0.0).min_distance()
+        );
     }
 
     /// The fan of a source that stands on the edge passes through no width at all; when such windows

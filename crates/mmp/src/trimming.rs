@@ -4,6 +4,7 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Crossing, Policy, Surface};
 use geobench_window::{Counter, Probe, Window};
 
+use crate::levels::Levels;
 use crate::list::{Direction, Inserter, WindowList};
 
 /// Which windows are trimmed against each other.
@@ -27,6 +28,8 @@ pub struct Trimming {
     lists: Vec<WindowList>,
     inserter: Inserter,
     stored: usize,
+    /// Kept in counted runs only.
+    levels: Levels,
 }
 
 impl Trimming {
@@ -37,6 +40,7 @@ impl Trimming {
             lists: vec![WindowList::default(); mesh.half_edge_count()],
             inserter: Inserter::default(),
             stored: 0,
+            levels: Levels::default(),
         }
     }
 
@@ -50,14 +54,17 @@ impl Trimming {
 }
 
 impl Policy for Trimming {
-    type Lineage = ();
+    /// The level in the sequence tree, in counted runs; else 0.
+    type Lineage = u32;
 
     const COUNTERS: &'static [Counter] = &[
         Counter::Reinserted,
         Counter::Trimmed,
         Counter::Filtered,
         Counter::PeakWindows,
+        Counter::PeakWavefront,
         Counter::StoredWindows,
+        Counter::Levels,
     ];
 
     const WINDOW_BYTES: usize = WindowList::WINDOW_BYTES;
@@ -65,13 +72,16 @@ impl Policy for Trimming {
     fn reset(&mut self) {
         self.lists.iter_mut().for_each(WindowList::clear);
         self.stored = 0;
+        self.levels.clear();
     }
 
-    fn root(&self, _: VertexId, _: &Surface) {}
+    fn root(&self, _: VertexId, _: &Surface) -> u32 {
+        0
+    }
 
     fn arrive<P: Probe>(
         &mut self,
-        arrival: &Arrival<()>,
+        arrival: &Arrival<u32>,
         surface: &Surface,
         queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
         probe: &mut P,
@@ -85,16 +95,19 @@ impl Policy for Trimming {
         let list = &mut self.lists[place.index()];
         let inserter = &mut self.inserter;
         let before = list.len();
+        if P::COUNTS {
+            self.levels.before_insertion(list);
+        }
         inserter.insert(list, &window, direction, l);
         self.stored = self.stored + list.len() - before;
-        for &(label, id) in &inserter.to_queue {
+        for entry in &inserter.to_queue {
             // One of the other direction may have been trimmed and must wait anew.
-            let h = if Direction::of(id) == direction {
+            let h = if Direction::of(entry.id) == direction {
                 arrival.h
             } else {
                 surface.faces().twin(arrival.h).unwrap_or(arrival.h)
             };
-            queue(h, label, id, probe);
+            queue(h, entry.label, entry.id, probe);
         }
         let kept = inserter.new_pieces > 0;
         probe.add(
@@ -107,6 +120,14 @@ impl Policy for Trimming {
             inserter.removed as u64 + u64::from(!kept),
         );
         probe.raise(Counter::PeakWindows, self.stored as u64);
+        if P::COUNTS {
+            let entries = &inserter.to_queue;
+            self.levels.after_insertion(list, entries, arrival.lineage);
+            probe.raise(Counter::PeakWavefront, self.levels.len() as u64);
+            if kept {
+                probe.raise(Counter::Levels, u64::from(arrival.lineage));
+            }
+        }
         kept
     }
 
@@ -116,21 +137,23 @@ impl Policy for Trimming {
         id: u32,
         surface: &Surface,
         _: &mut P,
-    ) -> Option<(Window, ())> {
+    ) -> Option<(Window, u32)> {
         let (place, direction) = self.place(h, surface);
         let window = self.lists[place.index()].take(id)?;
         let window = match direction {
             Direction::Forward => window,
             Direction::Reverse => window.reversed(surface.faces().length(h)),
         };
-        Some((window, ()))
+        let level = if P::COUNTS { self.levels.take(id) } else { 0 };
+        Some((window, level))
     }
 
     /// Going round the triangle from the left, a window all of whose rays leave there is done.
-    fn split(&mut self, crossing: &Crossing, (): &(), _: &Surface) -> [Option<()>; 2] {
+    fn split(&mut self, crossing: &Crossing, level: &u32, _: &Surface) -> [Option<u32>; 2] {
+        let level = level + 1;
         [
-            Some(()),
-            (crossing.window.b1 > crossing.separation).then_some(()),
+            Some(level),
+            (crossing.window.b1 > crossing.separation).then_some(level),
         ]
     }
 

@@ -157,6 +157,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
             }
         }
         probe.raise(Counter::PeakWindows, self.lists.waiting() as u64);
+        probe.raise(Counter::PeakWavefront, self.lists.waiting() as u64);
     }
 
     /// The way out of the face of `h` to the neighbour of `target`.
@@ -206,6 +207,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
         }
         probe.enter(Phase::Management);
         probe.raise(Counter::PeakWindows, self.lists.waiting() as u64);
+        probe.raise(Counter::PeakWavefront, self.lists.waiting() as u64);
     }
 
     /// Leaves in `checked` what the vertex filter and the comparisons leave of the windows that
@@ -329,6 +331,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<'_
             Counter::Spawned,
             Counter::Filtered,
             Counter::PeakWindows,
+            Counter::PeakWavefront,
             Counter::WindowBytes,
             Counter::QueuePushes,
             Counter::QueuePeak,

@@ -54,6 +54,11 @@ counters! {
     /// Most windows alive at one time: those stored on edges for MMP, those waiting to be
     /// propagated for the others.
     PeakWindows = "peak_windows",
+    /// Most windows that wait to be propagated at one time, whatever they wait in. A window waits
+    /// until its turn comes, or until it is trimmed away or replaced by what trimming leaves of it; an entry of
+    /// a queue whose window does not exist any more does not count. What turns out to be stale at
+    /// its turn has waited until then.
+    PeakWavefront = "peak_wavefront",
     /// Windows stored when the run ends (the "window limit" of MMP).
     StoredWindows = "stored_windows",
     /// Bytes that one window takes in the structure in which it waits.

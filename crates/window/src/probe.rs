@@ -22,6 +22,9 @@ pub enum Phase {
 
 /// Listens to a run.
 pub trait Probe {
+    /// Whether counts are wanted: what serves counters only is kept in that case only.
+    const COUNTS: bool = false;
+
     /// Adds `n` to a counter.
     #[inline]
     fn add(&mut self, counter: Counter, n: u64) {
@@ -77,6 +80,8 @@ impl Count {
 }
 
 impl Probe for Count {
+    const COUNTS: bool = true;
+
     #[inline]
     fn add(&mut self, counter: Counter, n: u64) {
         self.values[counter as usize] += n;

@@ -155,16 +155,6 @@ fn all() -> &'static [Figure] {
             Figure::computed("valid", "Valid windows", Count, |c| {
                 Some(count(c, Counter::Kept)? + count(c, Counter::Reinserted).unwrap_or(0.0))
             }),
-            // MMP kinds store windows; those of the wavefront are those that wait in the queue.
-            Figure::computed("peak_wavefront", "Peak wavefront", Count, |c| {
-                let has = |counter| c.counters.get(counter).is_some();
-                match (has(Counter::StoredWindows), has(Counter::Prime)) {
-                    (true, false) => count(c, Counter::QueuePeak),
-                    // The queue holds vertices.
-                    (true, true) => None,
-                    (false, _) => count(c, Counter::PeakWindows),
-                }
-            }),
             Figure::computed("prime_share", "Prime share", Decimals(4), |c| {
                 let (prime, secondary) = (count(c, Counter::Prime)?, count(c, Counter::Secondary)?);
                 (prime + secondary > 0.0).then(|| prime / (prime + secondary))

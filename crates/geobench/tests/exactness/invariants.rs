@@ -103,6 +103,8 @@ fn observation_changes_no_answer_and_counts_add_up() {
                 (Counter::Kept, Counter::Children),
                 (Counter::Children, Counter::Propagated),
                 (Counter::StoredWindows, Counter::PeakWindows),
+                (Counter::PeakWavefront, Counter::PeakWindows),
+                (Counter::Levels, Counter::Parents),
                 (Counter::QueuePeak, Counter::QueuePushes),
                 (Counter::Prime, Counter::Propagated),
                 (Counter::Secondary, Counter::Propagated),

@@ -11,7 +11,6 @@ use crate::plan::{Plan, Reference};
 use crate::record::{Cell, Memory, ModelRecord, Phases, Status, Time};
 use crate::registry::Selection;
 use crate::runner::{Executor, Failure, Listener, Observation, Purpose, Step};
-use crate::statistics;
 
 /// The cells of one model and one source, whose runs are interleaved so that a drifting machine
 /// hurts all algorithms alike.
@@ -326,7 +325,7 @@ impl Entry<'_> {
             return cell;
         }
         cell.message = unchecked.map(|why| format!("not checked: {why}"));
-        cell.time = time(self.samples, self.setup, plan.repeat);
+        cell.time = Time::of(self.samples, self.setup);
         cell.phases = self.phases;
         let counters = self.counters.unwrap_or_default();
         let count = |counter| counters.get(counter);
@@ -346,17 +345,3 @@ impl Entry<'_> {
 
 /// Bytes that the papers charge for each window.
 const PAPERS_WINDOW_BYTES: u64 = 80;
-
-fn time(samples: Vec<f64>, setup: Option<f64>, repeat: usize) -> Time {
-    let summary = statistics::summarise(&samples);
-    Time {
-        median: summary.map(|s| s.median),
-        min: summary.map(|s| s.min),
-        mad: summary.map(|s| s.mad),
-        ci95: summary.and_then(|s| s.ci95),
-        note: statistics::too_few(repeat),
-        outliers: summary.and_then(|s| s.outliers),
-        setup,
-        samples,
-    }
-}

@@ -14,14 +14,17 @@ pub mod field;
 mod group;
 pub mod host;
 pub mod in_process;
+pub mod instructions;
 pub mod memory;
 pub mod model;
 pub mod output;
 pub mod plan;
+pub mod pool;
 pub mod record;
 pub mod registry;
 #[cfg(test)]
 mod rehearsal;
+pub mod result_file;
 mod rng;
 pub mod runner;
 #[cfg(test)]

@@ -8,6 +8,8 @@ use geobench_window::{Counter, Counters};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::statistics;
+
 /// The schema that this version writes.
 pub const SCHEMA: &str = "geobench/1";
 
@@ -241,6 +243,23 @@ pub struct Time {
     /// samples.
     #[serde(default)]
     pub outliers: Option<usize>,
+}
+
+impl Time {
+    /// These samples and what is reported of them.
+    pub fn of(samples: Vec<f64>, setup: Option<f64>) -> Self {
+        let summary = statistics::summarise(&samples);
+        Self {
+            median: summary.map(|s| s.median),
+            min: summary.map(|s| s.min),
+            mad: summary.map(|s| s.mad),
+            ci95: summary.and_then(|s| s.ci95),
+            note: statistics::too_few(samples.len()),
+            outliers: summary.and_then(|s| s.outliers),
+            setup,
+            samples,
+        }
+    }
 }
 
 /// Memory in bytes.

@@ -5,7 +5,7 @@ use geobench_window::{Counter, Counters};
 use crate::memory::Peaks;
 use crate::model::ModelRef;
 use crate::plan::{Plan, Reference};
-use crate::record::{GroupRecord, ModelRecord, Phases, Status};
+use crate::record::{GroupRecord, Host, ModelRecord, Phases, ResultFile, SCHEMA, Status, Tool};
 use crate::registry;
 use crate::runner::{
     Executor, Failure, Listener, Observation, Outcome, Purpose, Refusal, Step, Workplace, run,
@@ -131,6 +131,35 @@ pub(crate) fn rehearse(plan: &Plan, rehearsal: &mut Rehearsal) -> Outcome {
     struct Deaf;
     impl Listener for Deaf {}
     run(plan, rehearsal, &mut Deaf).unwrap()
+}
+
+/// The result file of a made-up run.
+pub(crate) fn result(outcome: Outcome) -> ResultFile {
+    ResultFile {
+        schema: SCHEMA.into(),
+        tool: Tool {
+            version: "1.2.3".into(),
+            commit: None,
+            rustc: Some("rustc 1.89.0".into()),
+            profile: "release".into(),
+            features: Vec::new(),
+        },
+        host: Host {
+            cpu: None,
+            cores: 2,
+            memory_bytes: Some(1 << 34),
+            os: "some system".into(),
+            kernel: None,
+            load_start: Some(0.5),
+        },
+        command: vec!["geobench".into(), "run".into()],
+        started: "2025-01-01T00:00:00Z".into(),
+        finished: "2025-01-01T00:00:01Z".into(),
+        groups: Vec::new(),
+        models: outcome.models,
+        cells: outcome.cells,
+        pairing: None,
+    }
 }
 
 /// Makes an answer of `vtp` wrong at vertex 2, from the timed runs on.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::export::{self, Format};
+use crate::instructions;
 use crate::registry::{self, Selection};
 use crate::source::SourceSpec;
 use crate::suite::{self, MOST_RUNS};
@@ -58,6 +59,12 @@ pub(super) enum Command {
     Info(InfoOptions),
     /// List the algorithms with their papers, costs, uses and parameters
     Algos(AlgosOptions),
+    /// Join the rounds of a benchmark that was started once for each round, as when two versions of
+    /// geobench take turns
+    Pool(PoolOptions),
+    /// Solve once, under callgrind
+    #[command(hide = true, name = instructions::COMMAND)]
+    CountOneSolve(CountOneSolveOptions),
 }
 
 #[derive(Args, Debug)]
@@ -103,6 +110,11 @@ pub(super) struct RunOptions {
     /// commas [default: time, propagations and two measures of memory]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = row)]
     pub(super) rows: Option<Vec<String>>,
+
+    /// Count the instructions of one solve of each cell as well, under Valgrind, which must be
+    /// installed and takes some fifty times as long as the solve (row `instructions`)
+    #[arg(long)]
+    pub(super) instructions: bool,
 
     /// What goes to standard output
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = Format::Table)]
@@ -194,6 +206,29 @@ pub(super) struct InfoOptions {
     /// Models
     #[arg(value_name = "MODEL", required = true)]
     pub(super) models: Vec<String>,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct PoolOptions {
+    /// Result files (.json) of the rounds, in the order in which they were run
+    #[arg(value_name = "ROUND", required = true)]
+    pub(super) rounds: Vec<PathBuf>,
+
+    /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
+    #[arg(short, long, value_name = "FILE", required = true)]
+    pub(super) output: Vec<PathBuf>,
+
+    /// Any text that the files of both versions have in common, so that `compare` knows that sample
+    /// i of the one was taken next to sample i of the other
+    #[arg(long, value_name = "ID")]
+    pub(super) pairing: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct CountOneSolveOptions {
+    pub(super) model: String,
+    pub(super) algorithm: String,
+    pub(super) source: u32,
 }
 
 #[derive(Args, Debug)]

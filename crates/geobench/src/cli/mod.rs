@@ -5,6 +5,8 @@ mod args;
 mod distance;
 mod generate;
 mod info;
+mod outputs;
+mod pool;
 mod progress;
 mod run;
 mod terminal;
@@ -18,6 +20,8 @@ use clap::error::ErrorKind;
 
 use args::{Arguments, Command};
 use terminal::Terminal;
+
+use crate::instructions;
 
 /// How a command that did its work ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +49,10 @@ pub fn main() -> ExitCode {
         Command::Gen(options) => generate::generate(&options),
         Command::Info(options) => info::info(&options),
         Command::Algos(options) => algos::algos(&options, terminal),
+        Command::Pool(options) => pool::pool(&options),
+        Command::CountOneSolve(o) => {
+            instructions::solve_once(&o.model, &o.algorithm, o.source).map(|()| Verdict::Passed)
+        }
     };
     match done {
         Ok(Verdict::Passed) => ExitCode::SUCCESS,

@@ -51,6 +51,13 @@ impl Progress {
         self.started += 1;
     }
 
+    /// Shows that the instructions of an algorithm are being counted.
+    pub(super) fn counting_instructions(&self, model: &str, algorithm: &str) {
+        self.bar
+            .set_message(format!("{model}: counting instructions of {algorithm}"));
+        self.bar.force_draw();
+    }
+
     /// Moves over runs that do not happen.
     pub(super) fn skip(&mut self, runs: usize) {
         self.started = self.started.saturating_add(runs as u64);

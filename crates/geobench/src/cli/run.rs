@@ -5,13 +5,14 @@ use std::time::SystemTime;
 
 use anyhow::{Context, bail};
 
-use super::Verdict;
 use super::args::RunOptions;
 use super::progress::Progress;
 use super::terminal::{self, Terminal};
+use super::{Verdict, outputs};
 use crate::export::{self, Format};
 use crate::host;
 use crate::in_process::InProcess;
+use crate::instructions;
 use crate::output::OutputFile;
 use crate::plan::{Plan, Reference};
 use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, SCHEMA, Status};
@@ -23,7 +24,10 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     if plans.is_empty() {
         bail!("there is nothing to run: {}", notes.join("; "));
     }
-    let outputs = outputs(options)?;
+    let outputs = outputs::results(&options.output)?;
+    if options.instructions {
+        instructions::check_valgrind()?;
+    }
     if !host::is_release_build() && !options.quiet {
         terminal::warning(
             "this is not a release build: its times mean little (cargo run --release)",
@@ -40,6 +44,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         progress: Progress::new(runs, !options.quiet && !options.no_progress),
         format: options.format,
         styled: terminal.styled,
+        instructions: options.instructions,
         outputs,
         result: ResultFile {
             schema: SCHEMA.to_owned(),
@@ -139,19 +144,6 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     Ok(suite::plans(suite.as_ref(), &asked)?)
 }
 
-fn outputs(options: &RunOptions) -> anyhow::Result<Vec<(Format, OutputFile)>> {
-    let mut outputs: Vec<(Format, OutputFile)> = Vec::new();
-    for path in &options.output {
-        let format = Format::of_path(path)?;
-        let file = OutputFile::prepare(path)?;
-        if outputs.iter().any(|(_, other)| other.path() == file.path()) {
-            bail!("{}: given twice as output", path.display());
-        }
-        outputs.push((format, file));
-    }
-    Ok(outputs)
-}
-
 fn now() -> String {
     humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
 }
@@ -161,6 +153,8 @@ struct Reporter {
     progress: Progress,
     format: Format,
     styled: bool,
+    /// Whether to count instructions.
+    instructions: bool,
     outputs: Vec<(Format, OutputFile)>,
     result: ResultFile,
 }
@@ -184,6 +178,23 @@ impl Reporter {
         }
         Ok(())
     }
+
+    /// Counts the instructions of those of `cells` that ended well.
+    fn count_instructions(&self, model: &ModelRecord, cells: &mut [Cell]) {
+        for cell in cells {
+            let (Status::Ok, Some(source)) = (cell.status, cell.source) else {
+                continue;
+            };
+            self.progress
+                .counting_instructions(&model.name, &cell.algorithm);
+            match instructions::count(&model.path, &cell.algorithm, source) {
+                Ok(count) => cell.instructions = Some(count),
+                Err(error) => self.progress.suspend(|| {
+                    terminal::warning(&format!("{}, {}: {error}", model.name, cell.algorithm));
+                }),
+            }
+        }
+    }
 }
 
 impl Listener for Reporter {
@@ -203,12 +214,16 @@ impl Listener for Reporter {
         if self.result.models.iter().all(|m| m.name != model.name) {
             self.result.models.push(model.clone());
         }
-        self.result.cells.extend_from_slice(cells);
+        let mut cells = cells.to_vec();
+        if self.instructions {
+            self.count_instructions(model, &mut cells);
+        }
+        self.result.cells.extend_from_slice(&cells);
         self.result.finished = now();
         self.progress.suspend(|| {
-            report_failures(cells, self.format);
+            report_failures(&cells, self.format);
             if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
-                terminal::print(&export::model_table(group, model, cells, self.styled))?;
+                terminal::print(&export::model_table(group, model, &cells, self.styled))?;
             }
             anyhow::Ok(())
         })?;

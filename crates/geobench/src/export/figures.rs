@@ -149,6 +149,9 @@ fn all() -> &'static [Figure] {
                 Decimals(3),
                 |c| c.memory.heap_peak_bytes.map(|n| n as f64 / MEGABYTE),
             ),
+            Figure::computed("instructions", "Instructions", Count, |c| {
+                c.instructions.map(|n| n as f64)
+            }),
             Figure::computed("generated", "Windows generated", Count, |c| {
                 Some(count(c, Counter::Children)? + count(c, Counter::Spawned)?)
             }),

@@ -1,37 +1,8 @@
 //! Every form of results, from made-up runs.
 
 use super::Format;
-use crate::record::{GroupRecord, Host, ResultFile, SCHEMA, Tool};
-use crate::rehearsal::{Rehearsal, crash_ich, plan, rehearse, spoil_vtp};
-use crate::runner::Outcome;
-
-fn result(outcome: Outcome) -> ResultFile {
-    ResultFile {
-        schema: SCHEMA.into(),
-        tool: Tool {
-            version: "1.2.3".into(),
-            commit: None,
-            rustc: Some("rustc 1.89.0".into()),
-            profile: "release".into(),
-            features: Vec::new(),
-        },
-        host: Host {
-            cpu: None,
-            cores: 2,
-            memory_bytes: Some(1 << 34),
-            os: "some system".into(),
-            kernel: None,
-            load_start: Some(0.5),
-        },
-        command: vec!["geobench".into(), "run".into()],
-        started: "2025-01-01T00:00:00Z".into(),
-        finished: "2025-01-01T00:00:01Z".into(),
-        groups: Vec::new(),
-        models: outcome.models,
-        cells: outcome.cells,
-        pairing: None,
-    }
-}
+use crate::record::{GroupRecord, ResultFile};
+use crate::rehearsal::{Rehearsal, crash_ich, plan, rehearse, result, spoil_vtp};
 
 /// Two models, one of them with a wrong answer, and a refused one.
 fn mixed() -> ResultFile {

@@ -5,6 +5,8 @@ mod distance;
 mod errors;
 mod generate;
 mod info;
+mod instructions;
+mod pool;
 mod run;
 mod support;
 mod verify;

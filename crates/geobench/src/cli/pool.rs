@@ -1,0 +1,19 @@
+//! `geobench pool`.
+
+use super::args::PoolOptions;
+use super::{Verdict, outputs};
+use crate::{pool as rounds, result_file};
+
+pub(super) fn pool(options: &PoolOptions) -> anyhow::Result<Verdict> {
+    let outputs = outputs::results(&options.output)?;
+    let files = options
+        .rounds
+        .iter()
+        .map(|path| Ok((path.display().to_string(), result_file::read(path)?)))
+        .collect::<Result<_, result_file::ReadError>>()?;
+    let joined = rounds::pool(files, options.pairing.clone())?;
+    for (format, file) in &outputs {
+        file.write(format.render(&joined)?.as_bytes())?;
+    }
+    Ok(Verdict::Passed)
+}

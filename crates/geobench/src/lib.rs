@@ -1,11 +1,12 @@
 //! The library behind the `geobench` binary.
 //!
 //! A run goes through these modules in this order: [`cli`] turns the command line into a
-//! [`plan`]; the [`runner`] carries it out, cell by cell, on models that [`model`] loads and with
+//! [`plan`]; the [`benchmark`] carries it out, cell by cell, on models that [`model`] loads and with
 //! solvers that come from the [`registry`]; every answer is compared with a reference
 //! ([`check`], [`expected`]), repeated times are summarised ([`statistics`]), and the
 //! [`record`]s go to the [`export`] formats. `ARCHITECTURE.md` has the whole map.
 
+pub mod benchmark;
 pub mod check;
 pub mod cli;
 pub mod expected;
@@ -15,8 +16,10 @@ mod group;
 pub mod host;
 pub mod in_process;
 pub mod instructions;
+pub mod ledger;
 pub mod memory;
 pub mod model;
+mod order;
 pub mod output;
 pub mod plan;
 pub mod pool;
@@ -29,6 +32,7 @@ mod rng;
 pub mod runner;
 #[cfg(test)]
 mod runner_tests;
+pub mod shard;
 pub mod source;
 pub mod statistics;
 pub mod suite;

@@ -8,6 +8,7 @@ use crate::expected::Expected;
 use crate::model::ModelRef;
 use crate::record::GroupRecord;
 use crate::registry::{self, SelectError, Selection};
+use crate::shard::Share;
 use crate::source::SourceSpec;
 
 /// A benchmark: a cell for every algorithm on every model from every source. How many there are is
@@ -30,6 +31,10 @@ pub struct Plan {
     pub reference: Reference,
     /// Largest relative difference that passes.
     pub tolerance: f64,
+    /// What the order of the runs is drawn from.
+    pub seed: u64,
+    /// The part of it that is to be carried out; all of it if none.
+    pub share: Option<Share>,
 }
 
 /// What answers are compared with.
@@ -130,15 +135,43 @@ impl Plan {
         }
     }
 
+    /// Number of units, model x source, of the whole plan.
+    pub fn units(&self) -> u128 {
+        self.models.len() as u128 * self.sources.count() as u128
+    }
+
+    /// Whether a source of a model, both by their places in the plan, is to be worked on.
+    pub fn has_unit(&self, model: usize, source: usize) -> bool {
+        self.share.is_none_or(|share| {
+            let before = model as u128 * self.sources.count() as u128;
+            share
+                .shard
+                .holds(share.first_unit + before + source as u128)
+        })
+    }
+
+    /// Number of units of a model that are to be worked on.
+    pub fn units_of_model(&self, model: usize) -> u128 {
+        let sources = self.sources.count() as u128;
+        self.share.map_or(sources, |share| {
+            let first = share.first_unit + model as u128 * sources;
+            share.shard.held(first..first + sources)
+        })
+    }
+
     /// Number of runs of all cells together, as far as it can be counted.
     pub fn runs(&self) -> usize {
-        self.runs_per_model().saturating_mul(self.models.len())
+        (0..self.models.len())
+            .map(|model| self.runs_of_model(model))
+            .fold(0, usize::saturating_add)
     }
 
     /// Number of runs of all cells of one model, as far as it can be counted.
-    pub fn runs_per_model(&self) -> usize {
-        let cells = self.sources.count().saturating_mul(self.algorithms.len());
-        cells.saturating_mul(self.runs_per_cell())
+    pub fn runs_of_model(&self, model: usize) -> usize {
+        let units = usize::try_from(self.units_of_model(model)).unwrap_or(usize::MAX);
+        units
+            .saturating_mul(self.algorithms.len())
+            .saturating_mul(self.runs_per_cell())
     }
 
     /// Runs that a cell takes: warm-ups, timed ones, a counted one and a clocked one.

@@ -105,7 +105,10 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     let largest = |of: fn(&Cell) -> Option<f64>| rounds.iter().filter_map(of).reduce(f64::max);
     let mut cell = rounds[0].clone();
     let samples = rounds.iter().flat_map(|c| c.time.samples.clone()).collect();
-    cell.time = Time::of(samples, over(|c| c.time.setup));
+    cell.time = Time {
+        places: rounds.iter().flat_map(|c| c.time.places.clone()).collect(),
+        ..Time::of(samples, over(|c| c.time.setup))
+    };
     cell.phases.propagation = over(|c| c.phases.propagation);
     cell.phases.pruning = over(|c| c.phases.pruning);
     cell.phases.management = over(|c| c.phases.management);

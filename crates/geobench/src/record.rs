@@ -243,10 +243,14 @@ pub struct Time {
     /// samples.
     #[serde(default)]
     pub outliers: Option<usize>,
+    /// For each sample, how many algorithms had run before in its round, failed ones included: the
+    /// order of the runs.
+    #[serde(default)]
+    pub places: Vec<usize>,
 }
 
 impl Time {
-    /// These samples and what is reported of them.
+    /// These samples and what is reported of them; their places are not known.
     pub fn of(samples: Vec<f64>, setup: Option<f64>) -> Self {
         let summary = statistics::summarise(&samples);
         Self {
@@ -258,6 +262,7 @@ impl Time {
             outliers: summary.and_then(|s| s.outliers),
             setup,
             samples,
+            places: Vec::new(),
         }
     }
 }

@@ -2,14 +2,14 @@
 
 use geobench_window::{Counter, Counters};
 
+use crate::benchmark::{Outcome, run};
+use crate::ledger::NoLedger;
 use crate::memory::Peaks;
 use crate::model::ModelRef;
 use crate::plan::{Plan, Reference};
 use crate::record::{GroupRecord, Host, ModelRecord, Phases, ResultFile, SCHEMA, Status, Tool};
 use crate::registry;
-use crate::runner::{
-    Executor, Failure, Listener, Observation, Outcome, Purpose, Refusal, Step, Workplace, run,
-};
+use crate::runner::{Executor, Failure, Listener, Observation, Purpose, Refusal, Step, Workplace};
 
 /// Changes what a run delivers, or lets it fail.
 pub(crate) type Alter = fn(&Step<'_>, &mut Observation) -> Option<Failure>;
@@ -123,6 +123,8 @@ pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
         repeat: 5,
         warmup: 1,
         tolerance: 1e-9,
+        seed: 1,
+        share: None,
     }
 }
 
@@ -130,7 +132,7 @@ pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
 pub(crate) fn rehearse(plan: &Plan, rehearsal: &mut Rehearsal) -> Outcome {
     struct Deaf;
     impl Listener for Deaf {}
-    run(plan, rehearsal, &mut Deaf).unwrap()
+    run(plan, rehearsal, &mut NoLedger, &mut Deaf).unwrap()
 }
 
 /// The result file of a made-up run.

@@ -11,6 +11,12 @@ impl SplitMix64 {
         Self(seed)
     }
 
+    /// The sequence that belongs to one source in one model under `seed`.
+    pub(crate) fn of(seed: u64, model: &str, source: u32) -> Self {
+        let bytes = model.bytes().chain(source.to_le_bytes());
+        Self(bytes.fold(seed, |state, byte| Self(state ^ u64::from(byte)).next()))
+    }
+
     /// The next number.
     pub(crate) const fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);

@@ -1,6 +1,6 @@
-//! Carries out a [`Plan`]: the order of the runs, the checks, and what becomes of failures.
+//! What a benchmark needs of the world: places to run algorithms in, and somebody who listens.
 //!
-//! The runner knows no algorithm and no clock. It asks a [`Workplace`] for each model and the
+//! A benchmark knows no algorithm and no clock. It asks a [`Workplace`] for each model and the
 //! [`Executor`] that it gets there for each single run, so that runs can happen in this process,
 //! in another one, or, for tests, nowhere at all.
 
@@ -8,17 +8,14 @@ use geobench_mesh::VertexId;
 use geobench_window::Counters;
 use serde::{Deserialize, Serialize};
 
-use crate::group::Group;
 use crate::memory::Peaks;
 use crate::model::ModelRef;
-use crate::plan::Plan;
 use crate::record::{Cell, ModelRecord, Phases, Status};
 use crate::registry::Selection;
-use crate::source::SourceSpec;
 use crate::wire;
 
 /// Why a run does what it does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Purpose {
     /// Brings caches and memory into the state of a program that has been running; not timed.
@@ -129,93 +126,5 @@ pub trait Listener {
     fn model_done(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
         let _ = (model, cells);
         Ok(())
-    }
-}
-
-/// The records of a run.
-#[derive(Clone, Debug, Default)]
-pub struct Outcome {
-    /// One for each model of the plan.
-    pub models: Vec<ModelRecord>,
-    /// One for each cell of the plan.
-    pub cells: Vec<Cell>,
-}
-
-impl Outcome {
-    /// Whether some cell has this status.
-    pub fn has(&self, status: Status) -> bool {
-        self.cells.iter().any(|cell| cell.status == status)
-    }
-}
-
-/// Carries out `plan`, model by model.
-///
-/// # Errors
-///
-/// Only those of the listener: whatever happens to a cell is in its record.
-pub fn run(
-    plan: &Plan,
-    workplace: &mut dyn Workplace,
-    listener: &mut dyn Listener,
-) -> anyhow::Result<Outcome> {
-    let mut outcome = Outcome::default();
-    for model in &plan.models {
-        listener.loading(&model.name);
-        let mut cells = Vec::new();
-        let mut record = ModelRecord::default();
-        let done = workplace.with_model(model, &mut |found, executor| {
-            record = found.clone();
-            cells = run_model(plan, found, executor, listener);
-        });
-        if let Err(refusal) = done {
-            record = model.record();
-            cells = refused(plan, &record.name, &refusal.message);
-            listener.skipped(plan.runs_per_model());
-        }
-        listener.model_done(&record, &cells)?;
-        outcome.models.push(record);
-        outcome.cells.append(&mut cells);
-    }
-    Ok(outcome)
-}
-
-/// The cells of a model that cannot be used, or that does not have the sources asked for. Random
-/// sources, which nobody knows then and which may be any number, have one cell together.
-fn refused(plan: &Plan, model: &str, message: &str) -> Vec<Cell> {
-    let sources: Vec<Option<u32>> = match &plan.sources {
-        SourceSpec::First => vec![Some(0)],
-        SourceSpec::List(list) => list.iter().copied().map(Some).collect(),
-        SourceSpec::Random { .. } => vec![None],
-    };
-    sources
-        .iter()
-        .flat_map(|&source| plan.algorithms.iter().map(move |a| (source, a)))
-        .map(|(source, algorithm)| Cell {
-            group: plan.group.name.clone(),
-            source,
-            status: Status::Refused,
-            message: Some(message.to_owned()),
-            ..Cell::new(model, algorithm.label())
-        })
-        .collect()
-}
-
-fn run_model(
-    plan: &Plan,
-    model: &ModelRecord,
-    executor: &mut dyn Executor,
-    listener: &mut dyn Listener,
-) -> Vec<Cell> {
-    let vertices = model.vertices.unwrap_or(0) as usize;
-    match plan.sources.resolve(vertices) {
-        Ok(sources) => sources
-            .into_iter()
-            .flat_map(|source| Group::new(plan, model, source).run(executor, listener))
-            .collect(),
-        Err(error) => {
-            let cells = refused(plan, &model.name, &format!("{}: {error}", model.path));
-            listener.skipped(plan.runs_per_model());
-            cells
-        }
     }
 }

@@ -14,7 +14,7 @@ fn runs_are_interleaved_and_the_reference_goes_first() {
     let mut plan = plan(&["horse"], "vtp,mmp", "0");
     plan.repeat = 2;
     let mut rehearsal = Rehearsal::default();
-    rehearse(&plan, &mut rehearsal);
+    let outcome = rehearse(&plan, &mut rehearsal);
     assert_eq!(
         rehearsal.log,
         [
@@ -22,8 +22,8 @@ fn runs_are_interleaved_and_the_reference_goes_first() {
             "warm vtp 0",
             "time vtp 0",
             "time mmp 0",
-            "time vtp 0",
             "time mmp 0",
+            "time vtp 0",
             "count vtp 0",
             "count mmp 0",
             "clock vtp 0",
@@ -31,6 +31,8 @@ fn runs_are_interleaved_and_the_reference_goes_first() {
         ]
     );
     assert_eq!(plan.runs(), rehearsal.log.len());
+    assert_eq!(cell(&outcome.cells, "vtp").time.places, [0, 1]);
+    assert_eq!(cell(&outcome.cells, "mmp").time.places, [1, 0]);
 }
 
 #[test]

@@ -106,6 +106,10 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = tolerance)]
     pub(super) tolerance: Option<f64>,
 
+    /// What the order of the runs is drawn from, which changes from round to round [default: 1]
+    #[arg(long, value_name = "N")]
+    pub(super) seed: Option<u64>,
+
     /// Rows of tables: time, propagated and any other counter, generated, valid, ...; separated by
     /// commas [default: time, propagations and two measures of memory]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = row)]

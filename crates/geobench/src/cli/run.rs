@@ -9,14 +9,16 @@ use super::args::RunOptions;
 use super::progress::Progress;
 use super::terminal::{self, Terminal};
 use super::{Verdict, outputs};
+use crate::benchmark;
 use crate::export::{self, Format};
 use crate::host;
 use crate::in_process::InProcess;
 use crate::instructions;
+use crate::ledger::NoLedger;
 use crate::output::OutputFile;
 use crate::plan::{Plan, Reference};
 use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, SCHEMA, Status};
-use crate::runner::{self, Listener, Step};
+use crate::runner::{Listener, Step};
 use crate::suite::{self, Plans, Settings, Suite, WantedModel};
 
 pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
@@ -64,7 +66,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     let mut verdicts = Vec::new();
     for plan in &plans {
         listener.begin(&plan.group)?;
-        let outcome = runner::run(plan, &mut InProcess, &mut listener)?;
+        let outcome = benchmark::run(plan, &mut InProcess, &mut NoLedger, &mut listener)?;
         listener.end(&plan.group)?;
         verdicts.push(Tally::of(plan, &outcome.cells));
     }
@@ -132,6 +134,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         repeat: options.repeat,
         warmup: options.warmup,
         tolerance: options.tolerance,
+        seed: options.seed,
         reference: options
             .check
             .as_deref()

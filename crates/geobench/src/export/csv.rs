@@ -47,6 +47,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
         ("time_note", text(cell.time.note.as_ref())),
         ("time_setup", text(cell.time.setup)),
         ("time_outliers", text(cell.time.outliers)),
+        ("time_places", list(&cell.time.places)),
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into();
@@ -88,8 +89,8 @@ fn text(value: Option<impl Display>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
 
-fn list(values: &[f64]) -> String {
-    let values: Vec<String> = values.iter().map(f64::to_string).collect();
+fn list(values: &[impl Display]) -> String {
+    let values: Vec<String> = values.iter().map(ToString::to_string).collect();
     values.join(";")
 }
 

@@ -34,13 +34,14 @@ pub struct SuiteGroup {
 }
 
 /// The keys of [`Settings`].
-const SETTINGS: [&str; 9] = [
+const SETTINGS: [&str; 10] = [
     "models",
     "algorithms",
     "source",
     "repeat",
     "warmup",
     "tolerance",
+    "seed",
     "check",
     "rows",
     "ratios_to",
@@ -148,6 +149,7 @@ fn setting(
         "source" => settings.sources = Some(source(entry)?),
         "repeat" => settings.repeat = Some(entry.whole(1..MOST_RUNS + 1)?),
         "warmup" => settings.warmup = Some(entry.whole(0..MOST_RUNS + 1)?),
+        "seed" => settings.seed = Some(entry.whole(0..u32::MAX)?.into()),
         "tolerance" => {
             settings.tolerance = Some(tolerance(entry.number()).map_err(|e| entry.error(&e))?);
         }

@@ -22,6 +22,9 @@ use crate::source::SourceSpec;
 /// Most runs of one cell that can be asked for.
 pub const MOST_RUNS: u32 = 1_000_000;
 
+/// What the order of the runs is drawn from where nothing else is said.
+pub const DEFAULT_SEED: u64 = 1;
+
 /// What is known of a benchmark in one place; what is `None` is decided in another.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
@@ -37,6 +40,8 @@ pub struct Settings {
     pub warmup: Option<u32>,
     /// Largest relative difference that passes.
     pub tolerance: Option<f64>,
+    /// What the order of the runs is drawn from.
+    pub seed: Option<u64>,
     /// What answers must agree with.
     pub reference: Option<Reference>,
     /// Names of the rows of tables.
@@ -79,6 +84,7 @@ impl Settings {
             repeat: a.repeat.or(b.repeat),
             warmup: a.warmup.or(b.warmup),
             tolerance: a.tolerance.or(b.tolerance),
+            seed: a.seed.or(b.seed),
             reference: a.reference.or(b.reference),
             rows: a.rows.or(b.rows),
             ratios_to: a.ratios_to.or(b.ratios_to),

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::document::SuiteError;
-use super::{ALGORITHMS, MODELS, Settings, Suite, WantedModel};
+use super::{ALGORITHMS, DEFAULT_SEED, MODELS, Settings, Suite, WantedModel};
 use crate::model::{self, ModelError, ModelRef};
 use crate::plan::{OneFileForMore, Plan, Reference};
 use crate::record::GroupRecord;
@@ -152,6 +152,8 @@ fn plan(
         warmup: settings.warmup.unwrap_or(1) as usize,
         reference: reference.unwrap_or_else(|| Reference::usual(&algorithms)),
         tolerance: settings.tolerance.unwrap_or(1e-9),
+        seed: settings.seed.unwrap_or(DEFAULT_SEED),
+        share: None,
         algorithms,
     };
     plan.check_reference()?;

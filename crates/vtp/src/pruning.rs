@@ -2,7 +2,7 @@
 
 use geobench_window::Window;
 
-use crate::pairs::{Edge, Kinship, Verdict, check_pair};
+use crate::pairs::{Edge, Verdict, check_pair};
 use crate::trim::trim_pair;
 
 /// Which windows of a list are compared before it crosses its face, and how.
@@ -23,7 +23,7 @@ impl Pairs for Neighbours {
     fn push(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) -> u64 {
         let mut died = 0;
         while let Some(last) = checked.last_mut() {
-            match check_pair(last, &mut new, edge, Kinship::Neighbours) {
+            match check_pair(last, &mut new, edge) {
                 Verdict::BothStay => break,
                 Verdict::FirstDies => {
                     checked.pop();
@@ -61,7 +61,7 @@ impl Pairs for AllPairs {
             if !alive {
                 return true;
             }
-            let verdict = check_pair(w, &mut new, edge, Kinship::Strangers);
+            let verdict = check_pair(w, &mut new, edge);
             alive = verdict != Verdict::SecondDies;
             verdict != Verdict::FirstDies
         });
@@ -82,7 +82,7 @@ impl Pairs for TiePoints {
     fn push(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) -> u64 {
         let mut died = 0;
         while let Some(last) = checked.last_mut() {
-            match check_pair(last, &mut new, edge, Kinship::Neighbours) {
+            match check_pair(last, &mut new, edge) {
                 Verdict::BothStay => {}
                 Verdict::FirstDies => {
                     checked.pop();

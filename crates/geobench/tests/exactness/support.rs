@@ -21,12 +21,11 @@ pub(crate) fn exact_algorithms() -> Vec<&'static Algorithm> {
 }
 
 /// Whether `algorithm` can finish a mesh with this many faces within `budget` windows. CH takes some
-/// 3n² of them; comparing all pairs of windows is as slow as some 100 n^1.5.
+/// 3n² of them.
 pub(crate) fn can_finish(algorithm: &Algorithm, faces: usize, budget: f64) -> bool {
     let n = faces as f64;
     match algorithm.name {
         "ch" => 3.0 * n.powi(2) <= budget,
-        "vtp-exhaustive" => 100.0 * n.powf(1.5) <= budget,
         _ => true,
     }
 }

@@ -10,9 +10,7 @@
 //!   the other two half-edges of the face or have come through them before (case 11).
 //!
 //! Cases 8 and 10 as printed delete more than is proved: rays that the shorter path need not cross.
-//! Here they take the form that rule 1 has in VTP. So do cases 3 and 6 between windows that are not
-//! neighbours: a window loses the rays that the shorter path has crossed inside the last triangle,
-//! not all of them. With the printed form 14 vertices of the horse are wrong by up to 3e-6.
+//! Here they take the form that rule 1 has in VTP.
 //!
 //! On the horse all this saves 2 % of the children of VTP, and takes four times as long. The paper
 //! finds 3 % to 5 % fewer propagations in 5 to 30 times the time: neighbours do nearly all.

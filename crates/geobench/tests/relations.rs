@@ -30,8 +30,8 @@ struct Relation {
 #[derive(Clone, Copy)]
 struct Count(&'static str, &'static [Counter]);
 
-use Counter::{Children, Iterations, Kept, Parents, PeakWindows, Prime, Propagated, Reinserted};
-use Counter::{Secondary, Spawned, StoredWindows};
+use Counter::{Children, Iterations, Kept, Parents, PeakWavefront, PeakWindows, Prime, Propagated};
+use Counter::{Reinserted, Secondary, Spawned, StoredWindows};
 
 const fn propagated(algorithm: &'static str) -> Count {
     Count(algorithm, &[Propagated])
@@ -135,6 +135,13 @@ const RELATIONS: &[Relation] = &[
         of: Count("ich", &[PeakWindows]),
         paper: 0.83,
         band: 0.65..=0.85,
+    },
+    Relation {
+        what: "MMP's wavefront is smaller than ICH's (report, Table 5.2)",
+        count: Count("mmp", &[PeakWavefront]),
+        of: Count("ich", &[PeakWavefront]),
+        paper: 0.735,
+        band: 0.68..=0.79,
     },
     Relation {
         what: "ICH1 makes several times as many windows as ICH (Xin, Wang 2009, Table I)",

@@ -56,8 +56,7 @@ impl Executor for Bench<'_> {
                 message: error.to_string(),
             }),
             Err(panic) => {
-                self.solvers
-                    .retain(|(label, _)| label != step.algorithm.label());
+                self.dismiss(step.algorithm.label());
                 Err(Failure {
                     status: Status::Crashed,
                     message: format!("the algorithm panicked: {}", panic_message(&*panic)),
@@ -105,8 +104,15 @@ impl Bench<'_> {
         })
     }
 
+    /// Ends the solver that is set up for an algorithm.
+    fn dismiss(&mut self, algorithm: &str) {
+        self.solvers.retain(|(label, _)| label != algorithm);
+    }
+
     /// A run with a solver of its own, so that its memory is counted from nothing.
-    fn count(&self, step: &Step<'_>) -> Result<Observation, SolveError> {
+    fn count(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
+        // What is set up for the timed runs is no part of it.
+        self.dismiss(step.algorithm.label());
         let measure = PeakMemory::start();
         let result = step.algorithm.build(self.mesh).count(&[step.source]);
         let peaks = measure.stop();

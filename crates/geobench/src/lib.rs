@@ -6,6 +6,7 @@
 //! ([`check`], [`expected`]), repeated times are summarised ([`statistics`]), and the
 //! [`record`]s go to the [`export`] formats. `ARCHITECTURE.md` has the whole map.
 
+pub mod affinity;
 pub mod benchmark;
 pub mod check;
 pub mod cli;
@@ -16,7 +17,10 @@ mod group;
 pub mod host;
 pub mod in_process;
 pub mod instructions;
+pub mod interrupt;
+pub mod isolate;
 pub mod ledger;
+pub mod limits;
 pub mod memory;
 pub mod model;
 mod order;

@@ -1,6 +1,7 @@
 //! Which models a command works on, and bringing them into memory.
 
 use std::collections::HashMap;
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -195,6 +196,27 @@ impl ModelRef {
             name: name.to_owned(),
             path: format!("{name}.obj"),
             origin: Origin::File(PathBuf::from(format!("{name}.obj"))),
+        }
+    }
+
+    /// The model that [`argument`](Self::argument) of another one stands for.
+    ///
+    /// # Errors
+    ///
+    /// When it is not understood.
+    pub(crate) fn named_by(argument: &OsStr, name: String) -> Result<Self, ModelError> {
+        let model = match argument.to_str().filter(|text| Spec::is_spec(text)) {
+            Some(spec) => Self::generated(spec)?,
+            None => Self::file(argument.into()),
+        };
+        Ok(Self { name, ..model })
+    }
+
+    /// What says to another process which model it is, but for its name.
+    pub(crate) fn argument(&self) -> &OsStr {
+        match &self.origin {
+            Origin::File(path) => path.as_os_str(),
+            Origin::Generated(_) => OsStr::new(&self.path),
         }
     }
 

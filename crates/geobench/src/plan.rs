@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::expected::Expected;
+use crate::limits::Limits;
 use crate::model::ModelRef;
 use crate::record::GroupRecord;
 use crate::registry::{self, SelectError, Selection};
@@ -35,6 +36,8 @@ pub struct Plan {
     pub seed: u64,
     /// The part of it that is to be carried out; all of it if none.
     pub share: Option<Share>,
+    /// What each run may use.
+    pub limits: Limits,
 }
 
 /// What answers are compared with.

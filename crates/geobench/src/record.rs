@@ -28,6 +28,9 @@ pub struct ResultFile {
     pub started: String,
     /// When it finished, RFC 3339 in UTC; in a file written on the way, when that was written.
     pub finished: String,
+    /// Where the cells ran; null in files of versions that had no choice.
+    #[serde(default)]
+    pub isolation: Option<IsolationRecord>,
     /// The groups of cells, in the order of the run; one without a name unless a suite file says
     /// otherwise.
     #[serde(default)]
@@ -74,8 +77,17 @@ pub struct Host {
     pub load_start: Option<f64>,
 }
 
+/// Where cells ran.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct IsolationRecord {
+    /// Whether each cell had a process of its own.
+    pub process: bool,
+    /// Processors to which the cells were pinned; null if to none.
+    pub cpus: Option<Vec<usize>>,
+}
+
 /// A group of cells that are shown together.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GroupRecord {
     /// Its name, unique within the file; null if there is but one group and it has none.
     pub name: Option<String>,
@@ -85,6 +97,12 @@ pub struct GroupRecord {
     pub rows: Vec<String>,
     /// The algorithm to which the others are compared in a table of ratios, if there is to be one.
     pub ratios_to: Option<String>,
+    /// Seconds that each run was allowed; null if any number.
+    #[serde(default)]
+    pub timeout: Option<f64>,
+    /// Bytes that the process of each cell was allowed; null if any number.
+    #[serde(default)]
+    pub memory_limit: Option<u64>,
 }
 
 impl GroupRecord {
@@ -95,6 +113,8 @@ impl GroupRecord {
             shows: None,
             rows: Vec::new(),
             ratios_to: None,
+            timeout: None,
+            memory_limit: None,
         }
     }
 }

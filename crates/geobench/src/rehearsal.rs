@@ -4,6 +4,7 @@ use geobench_window::{Counter, Counters};
 
 use crate::benchmark::{Outcome, run};
 use crate::ledger::NoLedger;
+use crate::limits::Limits;
 use crate::memory::Peaks;
 use crate::model::ModelRef;
 use crate::plan::{Plan, Reference};
@@ -125,6 +126,7 @@ pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
         tolerance: 1e-9,
         seed: 1,
         share: None,
+        limits: Limits::USUAL,
     }
 }
 
@@ -157,6 +159,7 @@ pub(crate) fn result(outcome: Outcome) -> ResultFile {
         command: vec!["geobench".into(), "run".into()],
         started: "2025-01-01T00:00:00Z".into(),
         finished: "2025-01-01T00:00:01Z".into(),
+        isolation: None,
         groups: Vec::new(),
         models: outcome.models,
         cells: outcome.cells,

@@ -1,11 +1,14 @@
 //! The arguments of every command, as clap reads them.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::isolation::IsolationOptions;
 use crate::export::{self, Format};
 use crate::instructions;
+use crate::isolate;
 use crate::registry::{self, Selection};
 use crate::source::SourceSpec;
 use crate::suite::{self, MOST_RUNS};
@@ -59,6 +62,9 @@ pub(super) enum Command {
     Info(InfoOptions),
     /// List the algorithms with their papers, costs, uses and parameters
     Algos(AlgosOptions),
+    /// Work on a model as another process of this program wants
+    #[command(name = isolate::COMMAND, hide = true)]
+    Cell(CellOptions),
     /// Join the rounds of a benchmark that was started once for each round, as when two versions of
     /// geobench take turns
     Pool(PoolOptions),
@@ -109,6 +115,8 @@ pub(super) struct RunOptions {
     /// What the order of the runs is drawn from, which changes from round to round [default: 1]
     #[arg(long, value_name = "N")]
     pub(super) seed: Option<u64>,
+    #[command(flatten)]
+    pub(super) isolation: IsolationOptions,
 
     /// Rows of tables: time, propagated and any other counter, generated, valid, ...; separated by
     /// commas [default: time, propagations and two measures of memory]
@@ -162,6 +170,9 @@ pub(super) struct VerifyOptions {
     /// Largest relative difference that passes
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
     pub(super) tolerance: f64,
+
+    #[command(flatten)]
+    pub(super) isolation: IsolationOptions,
 
     /// Print only disagreements
     #[arg(long)]
@@ -248,6 +259,12 @@ pub(super) struct AlgosOptions {
     /// How to list them
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
     pub(super) format: AlgosFormat,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct CellOptions {
+    /// The model, as in a command for people
+    pub(super) model: OsString,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -5,6 +5,7 @@ mod args;
 mod distance;
 mod generate;
 mod info;
+mod isolation;
 mod outputs;
 mod pool;
 mod progress;
@@ -20,6 +21,8 @@ use clap::error::ErrorKind;
 
 use args::{Arguments, Command};
 use terminal::Terminal;
+
+use crate::isolate;
 
 use crate::instructions;
 
@@ -49,6 +52,9 @@ pub fn main() -> ExitCode {
         Command::Gen(options) => generate::generate(&options),
         Command::Info(options) => info::info(&options),
         Command::Algos(options) => algos::algos(&options, terminal),
+        Command::Cell(options) => isolate::cell(&options.model)
+            .map(|()| Verdict::Passed)
+            .map_err(anyhow::Error::from),
         Command::Pool(options) => pool::pool(&options),
         Command::CountOneSolve(o) => {
             instructions::solve_once(&o.model, &o.algorithm, o.source).map(|()| Verdict::Passed)

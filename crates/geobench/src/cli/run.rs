@@ -12,9 +12,10 @@ use super::{Verdict, outputs};
 use crate::benchmark;
 use crate::export::{self, Format};
 use crate::host;
-use crate::in_process::InProcess;
 use crate::instructions;
+use crate::isolate::Sharing;
 use crate::ledger::NoLedger;
+use crate::limits::Limits;
 use crate::output::OutputFile;
 use crate::plan::{Plan, Reference};
 use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, SCHEMA, Status};
@@ -22,9 +23,16 @@ use crate::runner::{Listener, Step};
 use crate::suite::{self, Plans, Settings, Suite, WantedModel};
 
 pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
-    let Plans { plans, notes } = plans(options)?;
+    options.isolation.check()?;
+    let Plans {
+        mut plans,
+        mut notes,
+    } = plans(options)?;
     if plans.is_empty() {
         bail!("there is nothing to run: {}", notes.join("; "));
+    }
+    if !options.isolation.keeps_limits() {
+        drop_limits(&mut plans, &mut notes);
     }
     let outputs = outputs::results(&options.output)?;
     if options.instructions {
@@ -57,6 +65,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
                 .collect(),
             started: now.clone(),
             finished: now,
+            isolation: Some(options.isolation.record()),
             groups: Vec::new(),
             models: Vec::new(),
             cells: Vec::new(),
@@ -65,8 +74,9 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     };
     let mut verdicts = Vec::new();
     for plan in &plans {
-        listener.begin(&plan.group)?;
-        let outcome = benchmark::run(plan, &mut InProcess, &mut NoLedger, &mut listener)?;
+        listener.begin(plan)?;
+        let mut workplace = options.isolation.workplace(plan.limits, Sharing::None)?;
+        let outcome = benchmark::run(plan, &mut *workplace, &mut NoLedger, &mut listener)?;
         listener.end(&plan.group)?;
         verdicts.push(Tally::of(plan, &outcome.cells));
     }
@@ -135,6 +145,8 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         warmup: options.warmup,
         tolerance: options.tolerance,
         seed: options.seed,
+        timeout: options.isolation.timeout,
+        memory_limit: options.isolation.memory_limit,
         reference: options
             .check
             .as_deref()
@@ -145,6 +157,19 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         ratios_to: None,
     };
     Ok(suite::plans(suite.as_ref(), &asked)?)
+}
+
+/// Takes limits away that nobody would keep, and says so where somebody asked for them.
+fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
+    for plan in plans {
+        if plan.limits != Limits::USUAL {
+            let group = plan.group.name.as_deref().unwrap_or_default();
+            notes.push(format!(
+                "group `{group}`: without --isolate process nothing keeps its limits of time and memory"
+            ));
+        }
+        plan.limits = Limits::default();
+    }
 }
 
 fn now() -> String {
@@ -164,9 +189,14 @@ struct Reporter {
 
 impl Reporter {
     /// A group begins.
-    fn begin(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
-        self.result.groups.push(group.clone());
-        self.show(&export::group_heading(group))
+    fn begin(&mut self, plan: &Plan) -> anyhow::Result<()> {
+        let Limits { timeout, memory } = plan.limits;
+        self.result.groups.push(GroupRecord {
+            timeout: timeout.0.map(|time| time.as_secs_f64()),
+            memory_limit: memory.0,
+            ..plan.group.clone()
+        });
+        self.show(&export::group_heading(&plan.group))
     }
 
     /// All cells of a group are known.

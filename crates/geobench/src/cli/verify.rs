@@ -8,11 +8,11 @@ use super::terminal;
 use crate::check::{self, Comparison};
 use crate::expected::{Expected, stored_sources};
 use crate::export::number::scientific;
-use crate::in_process::InProcess;
+use crate::isolate::Sharing;
 use crate::model::{self, ModelRef};
 use crate::record::ModelRecord;
 use crate::registry::{self, Selection};
-use crate::runner::{Executor, Purpose, Step, Workplace};
+use crate::runner::{Executor, Purpose, Step};
 use crate::suite;
 
 /// The algorithm that all others must agree with, whether it is among those asked for or not.
@@ -33,10 +33,13 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     algorithms.retain(|a| a.label() != REFERENCE);
     algorithms.insert(0, reference);
 
+    options.isolation.check()?;
+    let limits = options.isolation.limits();
+    let mut workplace = options.isolation.workplace(limits, Sharing::All)?;
     let mut tally = Tally::default();
     for model in &models {
         let mut printed = Ok(());
-        let done = InProcess.with_model(model, &mut |record, executor| {
+        let done = workplace.with_model(model, &mut |record, executor| {
             let session = Session {
                 options,
                 algorithms: &algorithms,

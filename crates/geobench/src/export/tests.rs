@@ -157,6 +157,7 @@ fn json() {
       ],
       "started": "2025-01-01T00:00:00Z",
       "finished": "2025-01-01T00:00:01Z",
+      "isolation": null,
       "groups": [],
       "models": [
         {

@@ -8,6 +8,7 @@
 mod algorithm;
 mod ch;
 mod fwp;
+mod hidden;
 mod mmp;
 mod parameter;
 mod select;
@@ -17,6 +18,7 @@ mod vtp;
 use std::sync::LazyLock;
 
 pub use algorithm::Algorithm;
+pub use hidden::VARIABLE as HIDDEN_ALGORITHMS;
 pub use parameter::{Allowed, Numbers, Parameter, Value, Values};
 pub(crate) use select::nearest;
 pub use select::{SelectError, Selection, select, select_one};

@@ -3,7 +3,7 @@
 use geobench_mesh::Mesh;
 use geobench_window::Solver;
 
-use super::{Algorithm, Parameter, Value, Values, algorithms};
+use super::{Algorithm, Parameter, Value, Values, algorithms, hidden};
 
 /// An algorithm that a user asked for, with the values of its parameters.
 #[derive(Clone, Debug)]
@@ -169,6 +169,7 @@ fn matches(item: &str, list: &str) -> Result<Vec<Selection>, SelectError> {
             "exact" => a.exact,
             _ => a.name == name || a.family == name,
         })
+        .chain(hidden::algorithms().iter().filter(|a| a.name == name))
         .collect();
     if found.is_empty() {
         return Err(unknown(name));

@@ -9,6 +9,7 @@ use toml::de::{DeString, DeTable, DeValue};
 use super::document::{Document, Entry, SuiteError};
 use super::{MOST_RUNS, Settings, WantedModel, tolerance};
 use crate::export;
+use crate::limits::LimitError;
 use crate::plan::Reference;
 use crate::registry::{self, Selection};
 use crate::source::SourceSpec;
@@ -34,7 +35,7 @@ pub struct SuiteGroup {
 }
 
 /// The keys of [`Settings`].
-const SETTINGS: [&str; 10] = [
+const SETTINGS: [&str; 12] = [
     "models",
     "algorithms",
     "source",
@@ -42,6 +43,8 @@ const SETTINGS: [&str; 10] = [
     "warmup",
     "tolerance",
     "seed",
+    "timeout",
+    "memory-limit",
     "check",
     "rows",
     "ratios_to",
@@ -152,6 +155,15 @@ fn setting(
         "seed" => settings.seed = Some(entry.whole(0..u32::MAX)?.into()),
         "tolerance" => {
             settings.tolerance = Some(tolerance(entry.number()).map_err(|e| entry.error(&e))?);
+        }
+        "timeout" => {
+            let time = entry.text()?.parse();
+            settings.timeout = Some(time.map_err(|e: LimitError| entry.error(&e.to_string()))?);
+        }
+        "memory-limit" => {
+            let size = entry.text()?.parse();
+            settings.memory_limit =
+                Some(size.map_err(|e: LimitError| entry.error(&e.to_string()))?);
         }
         "check" => {
             let reference = Reference::parse(entry.text()?, directory(entry));

@@ -15,6 +15,7 @@ pub use document::SuiteError;
 pub use file::{Suite, SuiteGroup};
 pub use plans::{PlanError, Plans, plans};
 
+use crate::limits::{MemoryLimit, Timeout};
 use crate::plan::Reference;
 use crate::registry::Selection;
 use crate::source::SourceSpec;
@@ -42,6 +43,10 @@ pub struct Settings {
     pub tolerance: Option<f64>,
     /// What the order of the runs is drawn from.
     pub seed: Option<u64>,
+    /// Time that each run may take.
+    pub timeout: Option<Timeout>,
+    /// Memory that the process of each cell may occupy.
+    pub memory_limit: Option<MemoryLimit>,
     /// What answers must agree with.
     pub reference: Option<Reference>,
     /// Names of the rows of tables.
@@ -85,6 +90,8 @@ impl Settings {
             warmup: a.warmup.or(b.warmup),
             tolerance: a.tolerance.or(b.tolerance),
             seed: a.seed.or(b.seed),
+            timeout: a.timeout.or(b.timeout),
+            memory_limit: a.memory_limit.or(b.memory_limit),
             reference: a.reference.or(b.reference),
             rows: a.rows.or(b.rows),
             ratios_to: a.ratios_to.or(b.ratios_to),

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::document::SuiteError;
 use super::{ALGORITHMS, DEFAULT_SEED, MODELS, Settings, Suite, WantedModel};
+use crate::limits::{Limits, Timeout};
 use crate::model::{self, ModelError, ModelRef};
 use crate::plan::{OneFileForMore, Plan, Reference};
 use crate::record::GroupRecord;
@@ -154,6 +155,10 @@ fn plan(
         tolerance: settings.tolerance.unwrap_or(1e-9),
         seed: settings.seed.unwrap_or(DEFAULT_SEED),
         share: None,
+        limits: Limits {
+            timeout: settings.timeout.unwrap_or(Timeout::USUAL),
+            memory: settings.memory_limit.unwrap_or_default(),
+        },
         algorithms,
     };
     plan.check_reference()?;

@@ -6,6 +6,7 @@ mod errors;
 mod generate;
 mod info;
 mod instructions;
+mod isolation;
 mod pool;
 mod run;
 mod support;

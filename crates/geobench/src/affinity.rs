@@ -1,0 +1,184 @@
+//! Pinning to processors.
+
+use std::io;
+use std::str::FromStr;
+
+/// Numbers of processors, at least one, each once, in order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CpuList(Vec<usize>);
+
+/// Why a list of processors was not understood or cannot be had.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CpuError {
+    /// It is no list.
+    #[error("`{0}` is not a list of processors; give numbers and ranges such as 2 or 0,4-7")]
+    Syntax(String),
+    /// This process may not use one of them.
+    #[error("processor {cpu} is not one of those that this process may use: {allowed}")]
+    NotAllowed {
+        /// The processor.
+        cpu: usize,
+        /// Those that may be used, as a list.
+        allowed: String,
+    },
+    /// The system does not do it.
+    #[error("this system does not pin processes: {0}")]
+    Unsupported(io::Error),
+}
+
+impl CpuList {
+    /// The numbers.
+    pub fn numbers(&self) -> &[usize] {
+        &self.0
+    }
+}
+
+impl FromStr for CpuList {
+    type Err = CpuError;
+
+    fn from_str(text: &str) -> Result<Self, CpuError> {
+        let syntax = || CpuError::Syntax(text.to_owned());
+        // The system's sets have room for as many.
+        let number = |text: &str| {
+            let number: usize = text.trim().parse().map_err(|_| syntax())?;
+            (number < 1024).then_some(number).ok_or_else(syntax)
+        };
+        let mut list = Vec::new();
+        for item in text.split(',') {
+            match item.split_once('-') {
+                Some((first, last)) => {
+                    let (first, last) = (number(first)?, number(last)?);
+                    if first > last {
+                        return Err(syntax());
+                    }
+                    list.extend(first..=last);
+                }
+                None => list.push(number(item)?),
+            }
+        }
+        list.sort_unstable();
+        list.dedup();
+        Ok(Self(list))
+    }
+}
+
+/// Refuses processors that this process may not use.
+///
+/// # Errors
+///
+/// Names the first, or why the system does not tell.
+pub fn check(cpus: &CpuList) -> Result<(), CpuError> {
+    let allowed = system::allowed().map_err(CpuError::Unsupported)?;
+    match cpus.0.iter().find(|cpu| !allowed.contains(cpu)) {
+        None => Ok(()),
+        Some(&cpu) => Err(CpuError::NotAllowed {
+            cpu,
+            allowed: show(&allowed),
+        }),
+    }
+}
+
+/// Lets the calling thread, and the threads and processes that it starts, run on `cpus` only.
+///
+/// # Errors
+///
+/// When the system refuses.
+pub(crate) fn pin(cpus: &[usize]) -> io::Result<()> {
+    system::pin(cpus)
+}
+
+/// Numbers in order, with ranges where they follow each other.
+fn show(cpus: &[usize]) -> String {
+    let mut ranges: Vec<(usize, usize)> = Vec::new();
+    for &cpu in cpus {
+        match ranges.last_mut() {
+            Some((_, last)) if *last + 1 == cpu => *last = cpu,
+            _ => ranges.push((cpu, cpu)),
+        }
+    }
+    let text: Vec<String> = ranges
+        .iter()
+        .map(|(first, last)| match last - first {
+            0 => first.to_string(),
+            _ => format!("{first}-{last}"),
+        })
+        .collect();
+    text.join(",")
+}
+
+#[cfg(target_os = "linux")]
+mod system {
+    use std::io;
+
+    use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
+
+    pub(super) fn allowed() -> io::Result<Vec<usize>> {
+        let set = sched_getaffinity(None)?;
+        Ok((0..CpuSet::MAX_CPU)
+            .filter(|&cpu| set.is_set(cpu))
+            .collect())
+    }
+
+    pub(super) fn pin(cpus: &[usize]) -> io::Result<()> {
+        let mut set = CpuSet::new();
+        for &cpu in cpus {
+            set.set(cpu);
+        }
+        Ok(sched_setaffinity(None, &set)?)
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+mod system {
+    use std::io;
+
+    pub(super) fn allowed() -> io::Result<Vec<usize>> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+
+    pub(super) fn pin(_: &[usize]) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_are_read_and_shown() {
+        for (text, shown) in [("2", "2"), ("7, 0,4-6,5", "0,4-7"), ("0-0", "0")] {
+            assert_eq!(show(text.parse::<CpuList>().unwrap().numbers()), shown);
+        }
+        for text in [
+            "",
+            "x",
+            "1,,2",
+            "-1",
+            "3-1",
+            "0,3-1",
+            "0-",
+            "1024",
+            "0-99999999999",
+        ] {
+            assert!(text.parse::<CpuList>().is_err(), "{text}");
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_thread_is_pinned_to_a_processor_that_it_may_use() {
+        let allowed = system::allowed().unwrap();
+        let last = allowed[allowed.len() - 1];
+        std::thread::spawn(move || {
+            pin(&[last]).unwrap();
+            assert_eq!(system::allowed().unwrap(), [last]);
+            check(&last.to_string().parse().unwrap()).unwrap();
+        })
+        .join()
+        .unwrap();
+        let error = check(&"1023".parse().unwrap()).unwrap_err();
+        assert!(matches!(error, CpuError::NotAllowed { cpu: 1023, .. }));
+    }
+}

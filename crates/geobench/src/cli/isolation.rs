@@ -1,0 +1,104 @@
+//! Where cells run and what they may use: options of several commands.
+
+use anyhow::{Context, bail};
+use clap::{Args, ValueEnum};
+
+use crate::affinity::{self, CpuList};
+use crate::in_process::InProcess;
+use crate::isolate::{Isolated, Sharing};
+use crate::limits::{Limits, MemoryLimit, Timeout};
+use crate::record::IsolationRecord;
+use crate::runner::Workplace;
+
+#[derive(Args, Debug)]
+pub(super) struct IsolationOptions {
+    /// Where cells run: each in a process of its own, so that one that crashes, never ends or takes
+    /// all memory is lost alone, or all in this one
+    #[arg(long, value_name = "WHERE", value_enum, default_value_t)]
+    isolate: Isolate,
+
+    /// Time that each run of a cell may take, such as 90s or 1h30m, or none; a cell that takes
+    /// longer ends as `timeout`, without its other runs [default: 10m]
+    #[arg(long, value_name = "DUR", allow_negative_numbers = true)]
+    pub(super) timeout: Option<Timeout>,
+
+    /// Memory that the process of a cell may occupy, such as 8GiB, or none; one that takes more
+    /// ends as `out_of_memory` [default: none]
+    #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
+    pub(super) memory_limit: Option<MemoryLimit>,
+
+    /// Processors that cells may run on, such as 3 or 0,4-7 [default: all]
+    #[arg(long, value_name = "LIST", allow_negative_numbers = true)]
+    cpu: Option<CpuList>,
+}
+
+/// Where cells run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Isolate {
+    #[default]
+    Process,
+    None,
+}
+
+impl IsolationOptions {
+    /// Refuses what cannot be done.
+    pub(super) fn check(&self) -> anyhow::Result<()> {
+        let limit = match (&self.timeout, &self.memory_limit) {
+            (Some(Timeout(Some(_))), _) => Some("--timeout"),
+            (_, Some(MemoryLimit(Some(_)))) => Some("--memory-limit"),
+            _ => None,
+        };
+        if let (Isolate::None, Some(limit)) = (self.isolate, limit) {
+            bail!(
+                "{limit} needs --isolate process: nothing can end a run in this very process \
+                 without ending all others"
+            );
+        }
+        if let Some(cpus) = &self.cpu {
+            affinity::check(cpus).context("--cpu")?;
+        }
+        Ok(())
+    }
+
+    /// Whether limits are kept.
+    pub(super) fn keeps_limits(&self) -> bool {
+        self.isolate == Isolate::Process
+    }
+
+    /// The limits, the usual ones where none are asked for.
+    pub(super) fn limits(&self) -> Limits {
+        Limits {
+            timeout: self.timeout.unwrap_or(Timeout::USUAL),
+            memory: self.memory_limit.unwrap_or_default(),
+        }
+    }
+
+    /// What result files say of it.
+    pub(super) fn record(&self) -> IsolationRecord {
+        IsolationRecord {
+            process: self.isolate == Isolate::Process,
+            cpus: self.cpu.as_ref().map(|cpus| cpus.numbers().to_vec()),
+        }
+    }
+
+    /// The place to work in.
+    pub(super) fn workplace(
+        &self,
+        limits: Limits,
+        sharing: Sharing,
+    ) -> anyhow::Result<Box<dyn Workplace>> {
+        Ok(match self.isolate {
+            Isolate::Process => Box::new(
+                Isolated::new(limits)
+                    .on_cpus(self.cpu.clone())
+                    .shared(sharing),
+            ),
+            Isolate::None => {
+                if let Some(cpus) = &self.cpu {
+                    affinity::pin(cpus.numbers()).context("--cpu")?;
+                }
+                Box::new(InProcess)
+            }
+        })
+    }
+}

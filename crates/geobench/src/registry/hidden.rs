@@ -1,0 +1,161 @@
+//! Algorithms that misbehave, to see what a run makes of it. They are found by name only, and only
+//! where the environment variable [`VARIABLE`] is set.
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use geobench_mesh::{Mesh, VertexId};
+use geobench_mmp::mmp;
+use geobench_window::{Counter, Counters, Phases, Solution, SolveError, Solver};
+use rustix::process::{Signal, getpid, kill_process};
+
+use super::{Algorithm, Parameter, Values};
+
+/// The environment variable that lets them be found, whatever its value.
+pub const VARIABLE: &str = "GEOBENCH_TEST_ALGORITHMS";
+
+const AFTER: Parameter = Parameter::integer(
+    "after",
+    0,
+    0..=1_000_000,
+    "runs that each solver carries out well before",
+);
+
+const BLOCK: Parameter =
+    Parameter::integer("block", 1 << 20, 1..=1 << 60, "bytes of each allocation");
+
+/// Everything there is of them, if they are to be found.
+pub(super) fn algorithms() -> &'static [Algorithm] {
+    match std::env::var_os(VARIABLE) {
+        Some(_) => FAMILY,
+        None => &[],
+    }
+}
+
+const FAMILY: &[Algorithm] = &[
+    algorithm("test-panic", &[AFTER], |mesh, values| {
+        misbehave(mesh, values, || panic!("no such luck"))
+    }),
+    algorithm("test-loop", &[AFTER], |mesh, values| {
+        misbehave(mesh, values, || {
+            loop {
+                // As endless as any other, and kind to what else runs on the machine.
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        })
+    }),
+    algorithm("test-allocate", &[AFTER, BLOCK], |mesh, values| {
+        let bytes = values.integer(&BLOCK) as usize;
+        misbehave(mesh, values, move || {
+            let mut blocks = Vec::new();
+            loop {
+                blocks.push(black_box(vec![1_u8; bytes]));
+            }
+        })
+    }),
+    algorithm("test-garbage", &[AFTER], |mesh, values| {
+        misbehave(mesh, values, || println!("half way there"))
+    }),
+    algorithm("test-exit", &[AFTER], |mesh, values| {
+        misbehave(mesh, values, || {
+            eprintln!("nothing to be done");
+            std::process::exit(3)
+        })
+    }),
+    algorithm("test-segv", &[AFTER], |mesh, values| {
+        misbehave(mesh, values, || kill(Signal::SEGV))
+    }),
+    algorithm("test-abort", &[AFTER], |mesh, values| {
+        misbehave(mesh, values, || std::process::abort())
+    }),
+    algorithm("test-kill", &[AFTER], |mesh, values| {
+        misbehave(mesh, values, || kill(Signal::KILL))
+    }),
+    algorithm("test-overflow", &[AFTER], |mesh, values| {
+        misbehave(mesh, values, || {
+            black_box(descend(0));
+        })
+    }),
+];
+
+const fn algorithm(
+    name: &'static str,
+    parameters: &'static [Parameter],
+    build: for<'m> fn(&'m Mesh, &Values) -> Box<dyn Solver + 'm>,
+) -> Algorithm {
+    Algorithm {
+        name,
+        family: "test-family",
+        paper: "none",
+        exact: false,
+        summary: "does what its name says",
+        complexity: "none",
+        keeps: "nothing",
+        choose: "never",
+        memory_counter: Counter::PeakWindows,
+        comfortable_faces: None,
+        parameters,
+        build,
+    }
+}
+
+/// Sends a signal to this process until it has its effect: the runtime looks at the first
+/// `SIGSEGV` itself.
+fn kill(signal: Signal) {
+    loop {
+        let _ = kill_process(getpid(), signal);
+    }
+}
+
+/// Uses more of the stack than there is.
+#[expect(unconditional_recursion, reason = "that is what it is for")]
+fn descend(depth: u64) -> u64 {
+    let frame = black_box([depth; 64]);
+    descend(depth + 1) + black_box(frame)[7]
+}
+
+fn misbehave<'m>(
+    mesh: &'m Mesh,
+    values: &Values,
+    deed: impl FnMut() + Send + 'm,
+) -> Box<dyn Solver + 'm> {
+    Box::new(Misbehaving {
+        inner: Box::new(mmp(mesh)),
+        well: values.integer(&AFTER),
+        deed,
+    })
+}
+
+/// Does as the solver inside, after a number of runs not without a deed.
+struct Misbehaving<'m, D> {
+    inner: Box<dyn Solver + 'm>,
+    /// Runs that still go well.
+    well: u64,
+    deed: D,
+}
+
+impl<D: FnMut()> Misbehaving<'_, D> {
+    fn run(&mut self) {
+        match self.well.checked_sub(1) {
+            Some(less) => self.well = less,
+            None => (self.deed)(),
+        }
+    }
+}
+
+impl<D: FnMut() + Send> Solver for Misbehaving<'_, D> {
+    fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
+        self.run();
+        self.inner.solve(sources)
+    }
+
+    fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
+        self.run();
+        self.inner.count(sources)
+    }
+
+    fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError> {
+        self.run();
+        self.inner.clock(sources)
+    }
+}

@@ -1,0 +1,403 @@
+//! Cells that crash, never end or take all memory cost their own row; and who stops the run gets
+//! what is done.
+
+use std::io::Read;
+use std::process::{Child, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use crate::support::Sandbox;
+
+/// Calls `geobench run` on the square with the hidden algorithms at hand, which is to fail, and
+/// returns the cells of its result file.
+fn run(sandbox: &Sandbox, arguments: &str) -> Vec<Value> {
+    let output = sandbox
+        .command(&format!("run square.off --repeat 2 -o r.json {arguments}"))
+        .env("GEOBENCH_TEST_ALGORITHMS", "1")
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1), "{arguments}: {output:?}");
+    sandbox.json("r.json")["cells"].as_array().unwrap().clone()
+}
+
+/// Runs `bad` between two algorithms that must not notice, and returns what its row says.
+fn provoke(bad: &str, arguments: &str) -> (String, String) {
+    let sandbox = Sandbox::with_square();
+    let cells = run(&sandbox, &format!("--algo mmp,{bad},vtp {arguments}"));
+    assert_eq!(cells.len(), 3);
+    for cell in [&cells[0], &cells[2]] {
+        assert_eq!(cell["status"], "ok", "{bad}: {cell}");
+        assert_eq!(cell["time"]["samples"].as_array().unwrap().len(), 2);
+        assert_eq!(cell["check"]["reference"], "mmp");
+    }
+    let cell = &cells[1];
+    assert_eq!(cell["time"]["samples"], json!([]), "{bad}");
+    let text = |key: &str| cell[key].as_str().unwrap().to_owned();
+    (text("status"), text("message"))
+}
+
+#[test]
+fn a_panic_costs_its_row() {
+    let (status, message) = provoke("test-panic", "");
+    assert_eq!(status, "crashed");
+    assert!(
+        message.starts_with("the algorithm panicked: no such luck (crates/geobench/src/registry/"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_panic_costs_its_row_in_this_process_too() {
+    let (status, message) = provoke("test-panic", "--isolate none");
+    assert_eq!(status, "crashed");
+    assert_eq!(message, "the algorithm panicked: no such luck");
+}
+
+#[test]
+fn an_exit_costs_its_row_and_tells_the_last_words() {
+    assert_eq!(
+        provoke("test-exit", ""),
+        (
+            "crashed".to_owned(),
+            "ended with exit status 3 without an answer, last words: nothing to be done (warming up)"
+                .to_owned()
+        )
+    );
+}
+
+#[test]
+fn a_signal_costs_its_row_and_is_named() {
+    for (bad, message) in [
+        (
+            "test-segv",
+            "was killed by signal 11 (SIGSEGV) (warming up)",
+        ),
+        (
+            "test-abort",
+            "was killed by signal 6 (SIGABRT) (warming up)",
+        ),
+        (
+            "test-kill{after=2}",
+            "was killed by signal 9 (SIGKILL) (being timed)",
+        ),
+    ] {
+        let found = provoke(bad, "");
+        assert_eq!(found, ("crashed".to_owned(), message.to_owned()));
+    }
+}
+
+#[test]
+fn an_exhausted_stack_costs_its_row() {
+    let (status, message) = provoke("test-overflow", "");
+    assert_eq!(status, "crashed");
+    assert!(
+        message.starts_with("was killed by signal 6 (SIGABRT), last words: "),
+        "{message}"
+    );
+    assert!(message.contains("has overflowed its stack"), "{message}");
+}
+
+#[test]
+fn garbage_on_the_pipe_costs_its_row() {
+    assert_eq!(
+        provoke("test-garbage", ""),
+        (
+            "crashed".to_owned(),
+            "printed what is no answer: \"half way there\" (warming up)".to_owned()
+        )
+    );
+}
+
+#[test]
+fn an_endless_loop_ends_as_timeout_without_its_other_runs() {
+    let start = Instant::now();
+    // The first timed run never ends; there would be a second one.
+    let found = provoke("test-loop{after=1}", "--timeout 1s");
+    assert_eq!(
+        found,
+        (
+            "timeout".to_owned(),
+            "took longer than the 1s allowed (being timed)".to_owned()
+        )
+    );
+    assert!(start.elapsed() >= Duration::from_secs(1));
+}
+
+#[test]
+fn a_limit_of_memory_ends_what_takes_more_as_out_of_memory() {
+    let (status, message) = provoke("test-allocate", "--memory-limit 200MiB");
+    assert_eq!(status, "out_of_memory");
+    assert!(
+        message.ends_with("more than the 200 MiB allowed (warming up)")
+            || message.starts_with("memory allocation of 1048576 bytes failed"),
+        "{message}"
+    );
+}
+
+#[test]
+fn an_allocation_that_cannot_be_had_is_out_of_memory() {
+    let petabyte = 1_u64 << 50;
+    let (status, message) = provoke(&format!("test-allocate{{block={petabyte}}}"), "");
+    assert_eq!(status, "out_of_memory");
+    assert_eq!(
+        message,
+        format!("memory allocation of {petabyte} bytes failed (warming up)")
+    );
+}
+
+#[test]
+fn a_model_that_cannot_be_loaded_within_the_limits_is_refused() {
+    let sandbox = Sandbox::new();
+    let message = sandbox.refuse("run gen:sphere,subdiv=6 --algo vtp --memory-limit 4MiB --quiet");
+    assert!(message.starts_with("gen:sphere,subdiv=6"), "{message}");
+    assert!(message.ends_with("(loading the model)"), "{message}");
+}
+
+#[test]
+fn a_reference_that_crashes_is_said_in_every_row() {
+    let sandbox = Sandbox::with_square();
+    let cells = run(&sandbox, "--algo test-abort,vtp");
+    assert_eq!(cells[0]["status"], "crashed");
+    assert_eq!(cells[1]["status"], "ok");
+    assert_eq!(
+        cells[1]["message"],
+        "not checked: the reference test-abort failed: was killed by signal 6 (SIGABRT) (warming up)"
+    );
+}
+
+#[test]
+fn every_source_of_a_cell_has_a_process() {
+    let sandbox = Sandbox::with_square();
+    let cells = run(
+        &sandbox,
+        "--algo mmp,test-kill{after=2},test-kill{after=3} --source 0,1",
+    );
+    let statuses: Vec<&Value> = cells.iter().map(|cell| &cell["status"]).collect();
+    // With one more to warm up there are three runs from each source, and six would be too many
+    // for both.
+    assert_eq!(statuses, ["ok", "crashed", "ok", "ok", "crashed", "ok"]);
+}
+
+#[test]
+fn verify_goes_on_after_a_crash() {
+    let sandbox = Sandbox::with_square();
+    let output = sandbox
+        .command("verify square.off --algo test-segv,vtp --source 0,1")
+        .env("GEOBENCH_TEST_ALGORITHMS", "1")
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert_eq!(
+        text.matches("test-segv: WRONG: was killed by signal 11 (SIGSEGV)")
+            .count(),
+        2
+    );
+    assert_eq!(text.matches("vtp: ok: agrees with mmp").count(), 2);
+}
+
+#[test]
+fn limits_need_processes() {
+    let sandbox = Sandbox::with_square();
+    for option in ["--timeout 10s", "--memory-limit 1GiB"] {
+        let message = sandbox.refuse(&format!("run square.off --isolate none {option}"));
+        let (name, _) = option.split_once(' ').unwrap();
+        assert_eq!(
+            message,
+            format!(
+                "{name} needs --isolate process: nothing can end a run in this very process \
+                 without ending all others"
+            )
+        );
+    }
+    sandbox.succeed("run square.off --isolate none --timeout none");
+}
+
+#[test]
+fn limits_are_read_and_recorded() {
+    let sandbox = Sandbox::with_square();
+    sandbox.write(
+        "suite.toml",
+        "models = [\"square.off\"]\nalgorithms = [\"vtp\"]\ntimeout = \"90s\"\n\
+         [[group]]\nname = \"a\"\n[[group]]\nname = \"b\"\ntimeout = \"none\"\nmemory-limit = \"1GiB\"\n",
+    );
+    sandbox.succeed("run --config suite.toml -o r.json");
+    let result = sandbox.json("r.json");
+    assert_eq!(result["isolation"], json!({"process": true, "cpus": null}));
+    let limits = |result: &Value| {
+        let groups = result["groups"].as_array().unwrap().iter();
+        let both = groups.map(|g| json!([g["timeout"], g["memory_limit"]]));
+        Value::Array(both.collect())
+    };
+    assert_eq!(limits(&result), json!([[90.0, null], [null, 1 << 30]]));
+
+    sandbox.succeed("run --config suite.toml -o r.json --timeout 5m");
+    assert_eq!(
+        limits(&sandbox.json("r.json")),
+        json!([[300.0, null], [300.0, 1 << 30]])
+    );
+
+    let output = sandbox.call("run --config suite.toml -o r.json --isolate none");
+    assert_eq!(output.code, 0);
+    assert!(
+        output
+            .stderr
+            .contains("group `a`: without --isolate process nothing keeps its limits"),
+        "{}",
+        output.stderr
+    );
+    let result = sandbox.json("r.json");
+    assert_eq!(result["isolation"]["process"], false);
+    assert_eq!(limits(&result), json!([[null, null], [null, null]]));
+
+    sandbox.write(
+        "suite.toml",
+        "timeout = \"soon\"\n[[group]]\nname = \"a\"\n",
+    );
+    assert_eq!(
+        sandbox.refuse("run --config suite.toml"),
+        "suite.toml, line 1: `timeout`: `soon` is not a time; give one such as 90s, 10m or 1h30m, or none"
+    );
+}
+
+#[test]
+fn hidden_algorithms_stay_hidden() {
+    let sandbox = Sandbox::with_square();
+    let message = sandbox.refuse("run square.off --algo test-panic");
+    assert!(
+        message.contains("there is no algorithm `test-panic`"),
+        "{message}"
+    );
+    for arguments in ["algos all", "algos exact", "algos all --format json"] {
+        let output = sandbox
+            .command(arguments)
+            .env("GEOBENCH_TEST_ALGORITHMS", "1")
+            .output()
+            .unwrap();
+        assert!(!String::from_utf8(output.stdout).unwrap().contains("test-"));
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn cells_are_pinned_on_request() {
+    let sandbox = Sandbox::with_square();
+    let allowed = std::fs::read_to_string("/proc/self/status").unwrap();
+    let allowed = allowed
+        .lines()
+        .find_map(|line| line.strip_prefix("Cpus_allowed_list:"))
+        .unwrap()
+        .trim();
+    let first: usize = allowed.split([',', '-']).next().unwrap().parse().unwrap();
+    for place in ["process", "none"] {
+        sandbox.succeed(&format!(
+            "run square.off --cpu {first} --isolate {place} -o r.json"
+        ));
+        assert_eq!(sandbox.json("r.json")["isolation"]["cpus"], json!([first]));
+    }
+    let message = sandbox.refuse("run square.off --cpu 1023");
+    assert!(
+        message.starts_with("--cpu: processor 1023 is not one of those that this process may use"),
+        "{message}"
+    );
+
+    let mut looping = Looping::start(&sandbox, &format!("--algo test-loop --cpu {first}"));
+    let status = std::fs::read_to_string(format!("/proc/{}/status", looping.cell())).unwrap();
+    assert!(
+        status.contains(&format!("Cpus_allowed_list:\t{first}\n")),
+        "{status}"
+    );
+    looping.kill();
+}
+
+/// A run that is at an endless loop.
+struct Looping(Child);
+
+impl Looping {
+    fn start(sandbox: &Sandbox, arguments: &str) -> Self {
+        let child = std::process::Command::new(assert_cmd::cargo::cargo_bin!("geobench"))
+            .args(["run", "square.off", "-o", "r.json"])
+            .args(arguments.split_whitespace())
+            .current_dir(sandbox.path(""))
+            .env("GEOBENCH_TEST_ALGORITHMS", "1")
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        Self(child)
+    }
+
+    /// Children of the process, oldest first.
+    fn cells(&self) -> Vec<u32> {
+        let id = self.0.id();
+        let list = std::fs::read_to_string(format!("/proc/{id}/task/{id}/children"));
+        let list = list.unwrap_or_default();
+        list.split_whitespace()
+            .map(|n| n.parse().unwrap())
+            .collect()
+    }
+
+    /// The process of the cell that loops, once it does so.
+    fn cell(&self) -> u32 {
+        for _ in 0..3000 {
+            for cell in self.cells() {
+                // At work, that is not waiting for an order but for the end of its sleep.
+                let waits = std::fs::read_to_string(format!("/proc/{cell}/wchan"));
+                let score = std::fs::read_to_string(format!("/proc/{cell}/oom_score_adj"));
+                if waits.is_ok_and(|w| w.contains("nanosleep"))
+                    && score.is_ok_and(|s| s.trim() == "1000")
+                {
+                    return cell;
+                }
+            }
+            thread::sleep(Duration::from_millis(10));
+        }
+        panic!("no cell is at an endless loop");
+    }
+
+    fn kill(&mut self) {
+        self.0.kill().unwrap();
+        self.0.wait().unwrap();
+    }
+
+    /// What it has printed in the end.
+    fn output(&mut self) -> String {
+        let mut text = String::new();
+        let stdout = self.0.stdout.as_mut().unwrap();
+        stdout.read_to_string(&mut text).unwrap();
+        text
+    }
+}
+
+/// Whether a process exists and is not only waiting to be buried.
+fn lives(process: u32) -> bool {
+    std::fs::read_to_string(format!("/proc/{process}/stat"))
+        .is_ok_and(|stat| !stat.rsplit_once(") ").unwrap().1.starts_with('Z'))
+}
+
+fn wait_until_dead(process: u32) {
+    for _ in 0..3000 {
+        if !lives(process) {
+            return;
+        }
+        thread::sleep(Duration::from_millis(10));
+    }
+    panic!("process {process} outlives the run");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn no_cell_outlives_the_run() {
+    let sandbox = Sandbox::with_square();
+    let mut looping = Looping::start(&sandbox, "--algo mmp,vtp,test-loop");
+    looping.cell();
+    let cells = looping.cells();
+    assert_eq!(cells.len(), 3, "one process for each algorithm");
+    looping.kill();
+    for cell in cells {
+        wait_until_dead(cell);
+    }
+    assert_eq!(looping.output(), "");
+}

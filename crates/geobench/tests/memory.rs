@@ -1,0 +1,113 @@
+//! What a cell's process says about memory is its own.
+
+#![cfg(target_os = "linux")]
+
+use std::hint::black_box;
+
+use geobench::isolate::Isolated;
+use geobench::limits::Limits;
+use geobench::memory::Peaks;
+use geobench::model::ModelRef;
+use geobench::registry;
+use geobench::runner::{Purpose, Step, Workplace};
+use geobench_mesh::VertexId;
+
+const MEGABYTE: u64 = 1 << 20;
+
+fn isolated() -> Isolated {
+    Isolated::new(Limits::USUAL).with_program(env!("CARGO_BIN_EXE_geobench").into())
+}
+
+/// Carries out these runs and returns the peaks of each.
+fn runs(mut place: Isolated, model: &str, list: &[(&str, Purpose)]) -> Vec<Peaks> {
+    let model = ModelRef::generated(model).unwrap();
+    let mut peaks = Vec::new();
+    place
+        .with_model(&model, &mut |record, executor| {
+            for &(algorithm, purpose) in list {
+                let step = Step {
+                    model: &record.name,
+                    algorithm: &registry::select_one(algorithm).unwrap(),
+                    source: VertexId::new(0),
+                    purpose,
+                };
+                peaks.push(executor.execute(&step).unwrap().peaks);
+            }
+        })
+        .unwrap();
+    peaks
+}
+
+fn counted(place: Isolated) -> Peaks {
+    runs(place, "gen:sphere,subdiv=4", &[("vtp", Purpose::Count)])[0]
+}
+
+#[test]
+fn a_parent_of_a_gigabyte_does_not_change_the_figures_of_a_child() {
+    let alone = counted(isolated());
+    let gigabyte = black_box(vec![1_u8; 1024 * MEGABYTE as usize]);
+    let beside = counted(isolated());
+    drop(gigabyte);
+    assert_eq!(alone.heap, beside.heap);
+    let (alone, beside) = (alone.rss.unwrap(), beside.rss.unwrap());
+    assert!(alone < 200 * MEGABYTE, "{alone}");
+    assert!(alone.abs_diff(beside) < 8 * MEGABYTE, "{alone} {beside}");
+}
+
+#[test]
+fn solvers_of_the_timed_runs_are_no_part_of_the_peak() {
+    let model = "gen:sphere,subdiv=5";
+    let fresh = runs(isolated(), model, &[("mmp", Purpose::Count)])[0];
+    let used = runs(
+        isolated(),
+        model,
+        &[("mmp", Purpose::Time), ("mmp", Purpose::Count)],
+    )[1];
+    let heap = fresh.heap.unwrap();
+    assert_eq!(used.heap, Some(heap));
+    let more = used.rss.unwrap().saturating_sub(fresh.rss.unwrap());
+    assert!(more < heap / 2, "{more} bytes more than {fresh:?}");
+}
+
+/// Children of this thread.
+fn children() -> usize {
+    let list = std::fs::read_to_string("/proc/thread-self/children").unwrap();
+    list.split_whitespace().count()
+}
+
+#[test]
+fn where_all_hold_too_much_a_child_ends_after_its_run_and_comes_back_warm() {
+    let model = ModelRef::generated("gen:sphere,subdiv=2").unwrap();
+    for (budget, alive) in [(u64::MAX, [1, 2, 2, 2, 2]), (1, [1, 1, 1, 1, 1])] {
+        let mut alive = alive.into_iter();
+        isolated()
+            .with_budget(budget)
+            .with_model(&model, &mut |record, executor| {
+                for (algorithm, purpose) in [
+                    ("mmp", Purpose::WarmUp),
+                    ("vtp", Purpose::WarmUp),
+                    ("mmp", Purpose::Time),
+                    ("vtp", Purpose::Time),
+                    ("vtp", Purpose::Count),
+                ] {
+                    let step = Step {
+                        model: &record.name,
+                        algorithm: &registry::select_one(algorithm).unwrap(),
+                        source: VertexId::new(0),
+                        purpose,
+                    };
+                    let observation = executor.execute(&step).unwrap();
+                    assert_eq!(
+                        observation.distances.len(),
+                        record.vertices.unwrap() as usize
+                    );
+                    assert_eq!(Some(children()), alive.next(), "{algorithm} {purpose:?}");
+                    // Who is set up by a timed run has not been warmed up.
+                    let cold = observation.setup_seconds.is_some();
+                    assert_eq!(cold, purpose == Purpose::WarmUp);
+                }
+            })
+            .unwrap();
+        assert_eq!(children(), 0);
+    }
+}

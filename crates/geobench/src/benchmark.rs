@@ -14,9 +14,9 @@ use crate::source::{SourceError, SourceSpec};
 /// The records of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// One for each model of the plan.
+    /// One for each model of the plan, unless somebody asked to stop.
     pub models: Vec<ModelRecord>,
-    /// One for each cell of the plan.
+    /// One for each cell of the plan, unless somebody asked to stop.
     pub cells: Vec<Cell>,
 }
 
@@ -28,7 +28,8 @@ impl Outcome {
 }
 
 /// Carries out `plan`, model by model, without the runs that `ledger` knows already. A model of
-/// which it knows all is not even loaded.
+/// which it knows all is not even loaded. Where the listener says that somebody asked to stop, the
+/// outcome is what has been done until then.
 ///
 /// # Errors
 ///
@@ -42,7 +43,7 @@ pub fn run(
 ) -> anyhow::Result<Outcome> {
     let mut outcome = Outcome::default();
     for place in 0..plan.models.len() {
-        if plan.units_of_model(place) == 0 {
+        if plan.units_of_model(place) == 0 || listener.interrupted() {
             continue;
         }
         let mut benchmark = Benchmark {
@@ -52,6 +53,9 @@ pub fn run(
             listener: &mut *listener,
         };
         let (model, mut cells) = benchmark.run(workplace)?;
+        if listener.interrupted() && cells.is_empty() {
+            break;
+        }
         listener.model_done(&model, &cells)?;
         outcome.models.push(model);
         outcome.cells.append(&mut cells);
@@ -82,6 +86,8 @@ impl Benchmark<'_> {
         });
         match done {
             Ok(()) => result,
+            // The refusal may come of it.
+            Err(_) if self.listener.interrupted() => Ok((model.record(), Vec::new())),
             Err(refusal) => {
                 let record = model.record();
                 let cells = self.refused(&refusal.message);

@@ -113,6 +113,12 @@ pub trait Listener {
         let _ = step;
     }
 
+    /// Whether to stop: nothing more is started, what is done is kept, and a run that failed
+    /// because of it is not blamed.
+    fn interrupted(&self) -> bool {
+        false
+    }
+
     /// Runs that were planned will not happen.
     fn skipped(&mut self, runs: usize) {
         let _ = runs;

@@ -1,9 +1,12 @@
 //! What the runner does, with made-up runs.
 
+use crate::benchmark::run;
+use crate::ledger::NoLedger;
 use crate::plan::Reference;
 use crate::record::{Cell, Status};
 use crate::registry;
 use crate::rehearsal::{Rehearsal, crash_ich, plan, rehearse, spoil_vtp};
+use crate::runner::{Listener, Step};
 
 fn cell<'c>(cells: &'c [Cell], algorithm: &str) -> &'c Cell {
     cells.iter().find(|c| c.algorithm == algorithm).unwrap()
@@ -197,4 +200,52 @@ fn without_a_check_only_what_is_no_number_is_wrong() {
         rehearse(&plan, &mut rehearsal).cells[0].status,
         Status::Wrong
     );
+}
+
+/// Asks to stop after a number of runs.
+struct Impatient(usize);
+
+impl Listener for Impatient {
+    fn step(&mut self, _: &Step<'_>) {
+        self.0 -= 1;
+    }
+
+    fn interrupted(&self) -> bool {
+        self.0 == 0
+    }
+}
+
+#[test]
+fn who_asks_to_stop_gets_what_is_done() {
+    let plan = plan(&["cow", "horse"], "mmp,ich,vtp", "0");
+    let stopped_after = |runs| {
+        let mut rehearsal = Rehearsal {
+            alter: Some(crash_ich),
+            ..Rehearsal::default()
+        };
+        let mut listener = Impatient(runs);
+        let outcome = run(&plan, &mut rehearsal, &mut NoLedger, &mut listener).unwrap();
+        assert_eq!(rehearsal.log.len(), runs);
+        let cells = outcome.cells.iter();
+        let cells: Vec<String> = cells
+            .map(|cell| format!("{} {} {}", cell.model, cell.algorithm, cell.status.name()))
+            .collect();
+        (outcome.models.len(), cells.join(", "))
+    };
+    let cow = "cow mmp ok, cow ich crashed, cow vtp ok";
+    // Three warm-ups, one round of three, four rounds of two, two runs to count and two to clock.
+    let runs_of_cow = 3 + 3 + 4 * 2 + 2 + 2;
+    for (runs, models, cells) in [
+        (runs_of_cow, 1, cow.to_owned()),
+        (runs_of_cow + 2, 1, cow.to_owned()),
+        (runs_of_cow + 7, 2, format!("{cow}, horse ich crashed")),
+        (
+            2 * runs_of_cow - 1,
+            2,
+            format!("{cow}, horse mmp ok, horse ich crashed"),
+        ),
+        (3, 0, String::new()),
+    ] {
+        assert_eq!(stopped_after(runs), (models, cells), "{runs}");
+    }
 }

@@ -28,7 +28,7 @@ const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .g
 )]
 #[command(
     after_help = "Exit status: 0 done and every check passed; 1 a check or a cell failed; 2 wrong usage or \
-    unreadable input."
+    unreadable input; 130 interrupted, with what was done until then."
 )]
 pub(super) struct Arguments {
     /// When to use colour; auto: on a terminal, unless `NO_COLOR` is set

@@ -25,6 +25,7 @@ use terminal::Terminal;
 use crate::isolate;
 
 use crate::instructions;
+use crate::interrupt;
 
 /// How a command that did its work ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +36,8 @@ enum Verdict {
     Failed,
     /// Some input could not be used; the rest is reported.
     BadInput,
+    /// Somebody asked to stop; what was done until then is reported.
+    Interrupted,
 }
 
 /// Runs the command that the arguments of the process ask for.
@@ -64,6 +67,7 @@ pub fn main() -> ExitCode {
         Ok(Verdict::Passed) => ExitCode::SUCCESS,
         Ok(Verdict::Failed) => ExitCode::from(1),
         Ok(Verdict::BadInput) => ExitCode::from(2),
+        Ok(Verdict::Interrupted) => ExitCode::from(interrupt::EXIT_STATUS),
         // Whoever reads has read enough: nothing is wrong.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {

@@ -13,6 +13,7 @@ use crate::benchmark;
 use crate::export::{self, Format};
 use crate::host;
 use crate::instructions;
+use crate::interrupt;
 use crate::isolate::Sharing;
 use crate::ledger::NoLedger;
 use crate::limits::Limits;
@@ -48,6 +49,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
             terminal::warning(note);
         }
     }
+    interrupt::listen().context("cannot listen to signals")?;
     let now = now();
     let runs = plans.iter().map(Plan::runs).fold(0, usize::saturating_add);
     let mut listener = Reporter {
@@ -74,11 +76,17 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     };
     let mut verdicts = Vec::new();
     for plan in &plans {
+        if listener.interrupted() {
+            break;
+        }
         listener.begin(plan)?;
         let mut workplace = options.isolation.workplace(plan.limits, Sharing::None)?;
         let outcome = benchmark::run(plan, &mut *workplace, &mut NoLedger, &mut listener)?;
         listener.end(&plan.group)?;
         verdicts.push(Tally::of(plan, &outcome.cells));
+    }
+    if interrupt::requested() {
+        listener.store()?;
     }
     let Reporter {
         progress, result, ..
@@ -89,7 +97,19 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     } else {
         terminal::print(&options.format.render(&result)?)?;
     }
-    Ok(verdict(&verdicts))
+    let verdict = verdict(&verdicts);
+    if interrupt::requested() {
+        let (done, all) = (result.cells.len(), cells(&plans));
+        terminal::error(&format!("interrupted: {done} of {all} cells are done"));
+        return Ok(Verdict::Interrupted);
+    }
+    Ok(verdict)
+}
+
+/// Number of cells of all plans together, as far as it can be counted.
+fn cells(plans: &[Plan]) -> usize {
+    let cells = plans.iter().map(|plan| plan.runs() / plan.runs_per_cell());
+    cells.fold(0, usize::saturating_add)
 }
 
 /// What became of the cells of a plan.
@@ -212,9 +232,21 @@ impl Reporter {
         Ok(())
     }
 
+    /// Writes the result files as they are now.
+    fn store(&mut self) -> anyhow::Result<()> {
+        self.result.finished = now();
+        for (format, file) in &self.outputs {
+            file.write(format.render(&self.result)?.as_bytes())?;
+        }
+        Ok(())
+    }
+
     /// Counts the instructions of those of `cells` that ended well.
     fn count_instructions(&self, model: &ModelRecord, cells: &mut [Cell]) {
         for cell in cells {
+            if interrupt::requested() {
+                return;
+            }
             let (Status::Ok, Some(source)) = (cell.status, cell.source) else {
                 continue;
             };
@@ -252,7 +284,6 @@ impl Listener for Reporter {
             self.count_instructions(model, &mut cells);
         }
         self.result.cells.extend_from_slice(&cells);
-        self.result.finished = now();
         self.progress.suspend(|| {
             report_failures(&cells, self.format);
             if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
@@ -260,10 +291,11 @@ impl Listener for Reporter {
             }
             anyhow::Ok(())
         })?;
-        for (format, file) in &self.outputs {
-            file.write(format.render(&self.result)?.as_bytes())?;
-        }
-        Ok(())
+        self.store()
+    }
+
+    fn interrupted(&self) -> bool {
+        interrupt::requested()
     }
 }
 

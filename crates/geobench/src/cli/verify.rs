@@ -1,5 +1,6 @@
 //! `geobench verify`.
 
+use anyhow::Context;
 use geobench_mesh::VertexId;
 
 use super::Verdict;
@@ -8,6 +9,7 @@ use super::terminal;
 use crate::check::{self, Comparison};
 use crate::expected::{Expected, stored_sources};
 use crate::export::number::scientific;
+use crate::interrupt;
 use crate::isolate::Sharing;
 use crate::model::{self, ModelRef};
 use crate::record::ModelRecord;
@@ -36,8 +38,12 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     options.isolation.check()?;
     let limits = options.isolation.limits();
     let mut workplace = options.isolation.workplace(limits, Sharing::All)?;
+    interrupt::listen().context("cannot listen to signals")?;
     let mut tally = Tally::default();
     for model in &models {
+        if interrupt::requested() {
+            break;
+        }
         let mut printed = Ok(());
         let done = workplace.with_model(model, &mut |record, executor| {
             let session = Session {
@@ -49,7 +55,9 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
             printed = session.verify(executor, &mut tally);
         });
         printed?;
-        if let Err(refusal) = done {
+        if let Err(refusal) = done
+            && !interrupt::requested()
+        {
             terminal::error(&refusal.message);
             tally.bad_input = true;
         }
@@ -60,6 +68,10 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
             tally.answers - tally.wrong,
             tally.answers
         ))?;
+    }
+    if interrupt::requested() {
+        terminal::error("interrupted");
+        return Ok(Verdict::Interrupted);
     }
     Ok(match tally {
         Tally { wrong: 1.., .. } => Verdict::Failed,
@@ -137,6 +149,9 @@ impl Session<'_> {
         };
         let mut reference: Option<Vec<f64>> = None;
         for algorithm in self.algorithms {
+            if interrupt::requested() {
+                return Ok(());
+            }
             if self.is_too_slow(algorithm) {
                 if !self.options.quiet {
                     terminal::print(&format!(
@@ -154,7 +169,11 @@ impl Session<'_> {
                 source,
                 purpose: Purpose::WarmUp,
             };
-            match executor.execute(&step) {
+            let done = executor.execute(&step);
+            if interrupt::requested() {
+                return Ok(());
+            }
+            match done {
                 Err(failure) => verdict.wrong(&failure.message),
                 Ok(observation) => {
                     let found = observation.distances;

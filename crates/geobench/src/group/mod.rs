@@ -83,7 +83,10 @@ impl<'p> Group<'p> {
                 listener,
                 yardstick: Yardstick::default(),
             };
-            self.make_runs(&mut stage)?;
+            match self.make_runs(&mut stage) {
+                Err(error) if error.is::<Interrupted>() => {}
+                done => done?,
+            }
         }
         let planned = self.plan.runs_per_cell();
         let skipped = self.entries.iter().map(|e| planned.saturating_sub(e.made));
@@ -91,7 +94,7 @@ impl<'p> Group<'p> {
         Ok(())
     }
 
-    /// What became of the cells.
+    /// What became of the cells, of those that are done.
     pub(crate) fn cells(self) -> Vec<Cell> {
         let rounds: Vec<Vec<usize>> = (0..self.plan.repeat)
             .map(|round| self.turns.round(round))
@@ -103,6 +106,7 @@ impl<'p> Group<'p> {
             .collect();
         let cells = self.entries.into_iter().zip(ids).enumerate();
         cells
+            .filter(|(_, (entry, _))| entry.is_complete(self.plan))
             .map(|(place, (entry, id))| {
                 let places = rounds
                     .iter()
@@ -173,7 +177,7 @@ impl<'p> Group<'p> {
             .entries
             .iter()
             .position(|e| e.algorithm.label() == reference.label());
-        let done = stage.execute(&self.as_step(reference, Purpose::WarmUp));
+        let done = stage.execute(&self.as_step(reference, Purpose::WarmUp))?;
         match &done {
             Ok(observation) => {
                 stage.yardstick.answer =
@@ -208,7 +212,7 @@ impl<'p> Group<'p> {
         if !entry.lacks(self.plan, purpose, round) {
             return Ok(());
         }
-        let done = stage.execute(&self.as_step(entry.algorithm, purpose));
+        let done = stage.execute(&self.as_step(entry.algorithm, purpose))?;
         self.take_in(place, purpose, round, done, stage)
     }
 
@@ -278,9 +282,22 @@ struct Stage<'s> {
     yardstick: Yardstick,
 }
 
+/// Somebody asked to stop.
+#[derive(Debug, thiserror::Error)]
+#[error("interrupted")]
+struct Interrupted;
+
 impl Stage<'_> {
-    fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
+    /// Makes a run, unless somebody asks to stop before it is done.
+    fn execute(&mut self, step: &Step<'_>) -> Result<Result<Observation, Failure>, Interrupted> {
+        if self.listener.interrupted() {
+            return Err(Interrupted);
+        }
         self.listener.step(step);
-        self.executor.execute(step)
+        let done = self.executor.execute(step);
+        if done.is_err() && self.listener.interrupted() {
+            return Err(Interrupted);
+        }
+        Ok(done)
     }
 }

@@ -38,6 +38,9 @@ const FAMILY: &[Algorithm] = &[
     }),
     algorithm("test-loop", &[AFTER], |mesh, values| {
         misbehave(mesh, values, || {
+            // For those who wait for it.
+            #[cfg(target_os = "linux")]
+            let _ = rustix::thread::set_name(c"test-loop");
             loop {
                 // As endless as any other, and kind to what else runs on the machine.
                 std::thread::sleep(Duration::from_millis(1));

@@ -6,6 +6,7 @@ use std::process::{Child, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::{Value, json};
 
 use crate::support::Sandbox;
@@ -303,7 +304,10 @@ fn cells_are_pinned_on_request() {
         "{message}"
     );
 
-    let mut looping = Looping::start(&sandbox, &format!("--algo test-loop --cpu {first}"));
+    let mut looping = Looping::start(
+        &sandbox,
+        &format!("run square.off --algo test-loop --cpu {first}"),
+    );
     let status = std::fs::read_to_string(format!("/proc/{}/status", looping.cell())).unwrap();
     assert!(
         status.contains(&format!("Cpus_allowed_list:\t{first}\n")),
@@ -318,7 +322,6 @@ struct Looping(Child);
 impl Looping {
     fn start(sandbox: &Sandbox, arguments: &str) -> Self {
         let child = std::process::Command::new(assert_cmd::cargo::cargo_bin!("geobench"))
-            .args(["run", "square.off", "-o", "r.json"])
             .args(arguments.split_whitespace())
             .current_dir(sandbox.path(""))
             .env("GEOBENCH_TEST_ALGORITHMS", "1")
@@ -341,33 +344,32 @@ impl Looping {
 
     /// The process of the cell that loops, once it does so.
     fn cell(&self) -> u32 {
-        for _ in 0..3000 {
-            for cell in self.cells() {
-                // At work, that is not waiting for an order but for the end of its sleep.
-                let waits = std::fs::read_to_string(format!("/proc/{cell}/wchan"));
-                let score = std::fs::read_to_string(format!("/proc/{cell}/oom_score_adj"));
-                if waits.is_ok_and(|w| w.contains("nanosleep"))
-                    && score.is_ok_and(|s| s.trim() == "1000")
-                {
-                    return cell;
-                }
-            }
-            thread::sleep(Duration::from_millis(10));
-        }
-        panic!("no cell is at an endless loop");
+        let mut found = None;
+        wait_until("a cell is at an endless loop", || {
+            found = self.cells().into_iter().find(|cell| loops(*cell));
+            found.is_some()
+        });
+        found.unwrap()
+    }
+
+    fn signal(&self, signal: Signal) {
+        kill_process(Pid::from_child(&self.0), signal).unwrap();
+    }
+
+    /// Waits until it has ended, and returns its exit status and what it has printed and complained
+    /// of.
+    fn end(mut self) -> (Option<i32>, String, String) {
+        let (mut printed, mut complaints) = (String::new(), String::new());
+        let stdout = self.0.stdout.as_mut().unwrap();
+        stdout.read_to_string(&mut printed).unwrap();
+        let stderr = self.0.stderr.as_mut().unwrap();
+        stderr.read_to_string(&mut complaints).unwrap();
+        (self.0.wait().unwrap().code(), printed, complaints)
     }
 
     fn kill(&mut self) {
         self.0.kill().unwrap();
         self.0.wait().unwrap();
-    }
-
-    /// What it has printed in the end.
-    fn output(&mut self) -> String {
-        let mut text = String::new();
-        let stdout = self.0.stdout.as_mut().unwrap();
-        stdout.read_to_string(&mut text).unwrap();
-        text
     }
 }
 
@@ -377,27 +379,135 @@ fn lives(process: u32) -> bool {
         .is_ok_and(|stat| !stat.rsplit_once(") ").unwrap().1.starts_with('Z'))
 }
 
-fn wait_until_dead(process: u32) {
+/// Whether a process is at its endless loop.
+fn loops(process: u32) -> bool {
+    std::fs::read_to_string(format!("/proc/{process}/comm")).is_ok_and(|name| name == "test-loop\n")
+}
+
+/// Waits, half a minute at most.
+fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
     for _ in 0..3000 {
-        if !lives(process) {
+        if condition() {
             return;
         }
         thread::sleep(Duration::from_millis(10));
     }
-    panic!("process {process} outlives the run");
+    panic!("it never comes about that {what}");
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn no_cell_outlives_the_run() {
     let sandbox = Sandbox::with_square();
-    let mut looping = Looping::start(&sandbox, "--algo mmp,vtp,test-loop");
+    let mut looping = Looping::start(&sandbox, "run square.off --algo mmp,vtp,test-loop");
     looping.cell();
     let cells = looping.cells();
     assert_eq!(cells.len(), 3, "one process for each algorithm");
     looping.kill();
     for cell in cells {
-        wait_until_dead(cell);
+        wait_until("the cell ends with the run", || !lives(cell));
     }
-    assert_eq!(looping.output(), "");
+    assert_eq!(looping.end().1, "");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn who_interrupts_a_run_gets_the_cells_that_are_done() {
+    for signal in [Signal::INT, Signal::TERM] {
+        let sandbox = Sandbox::with_square();
+        sandbox.write(
+            "suite.toml",
+            "models = [\"square.off\"]\nrepeat = 2\ncheck = \"mmp\"\n\
+             [[group]]\nname = \"first\"\nalgorithms = [\"mmp\", \"vtp\"]\n\
+             [[group]]\nname = \"second\"\nalgorithms = [\"mmp\", \"test-exit\", \"test-loop\"]\n\
+             [[group]]\nname = \"third\"\nalgorithms = [\"ich\"]\n",
+        );
+        let looping = Looping::start(&sandbox, "run --config suite.toml -o r.json");
+        let cell = looping.cell();
+        looping.signal(signal);
+        let (code, printed, complaints) = looping.end();
+        assert_eq!(code, Some(130), "{complaints}");
+        assert!(!lives(cell));
+        assert!(
+            complaints.ends_with("geobench: error: interrupted: 3 of 6 cells are done\n"),
+            "{complaints}"
+        );
+        assert!(
+            printed.contains("vtp") && printed.contains("crashed"),
+            "{printed}"
+        );
+        assert!(
+            !printed.contains("test-loop") && !printed.contains("third"),
+            "{printed}"
+        );
+        let result = sandbox.json("r.json");
+        let cells = result["cells"].as_array().unwrap().iter();
+        let cells: Vec<Value> = cells
+            .map(|c| json!([c["group"], c["algorithm"], c["status"]]))
+            .collect();
+        assert_eq!(
+            Value::Array(cells),
+            json!([
+                ["first", "mmp", "ok"],
+                ["first", "vtp", "ok"],
+                ["second", "test-exit", "crashed"]
+            ])
+        );
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn who_interrupts_a_run_at_its_first_cell_gets_empty_files() {
+    let sandbox = Sandbox::with_square();
+    let looping = Looping::start(
+        &sandbox,
+        "run square.off --algo test-loop -o r.json -o r.csv",
+    );
+    looping.cell();
+    looping.signal(Signal::INT);
+    let (code, _, complaints) = looping.end();
+    assert_eq!(code, Some(130), "{complaints}");
+    assert_eq!(sandbox.json("r.json")["cells"], json!([]));
+    assert_eq!(sandbox.read("r.csv").lines().count(), 1);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_second_interrupt_ends_the_run_at_once() {
+    let sandbox = Sandbox::with_square();
+    // In this very process nothing can stop the loop, so that the first has no effect.
+    let looping = Looping::start(
+        &sandbox,
+        "run square.off --algo mmp,test-loop --isolate none --no-progress",
+    );
+    let id = looping.0.id();
+    wait_until("the loop begins", || loops(id));
+    looping.signal(Signal::INT);
+    wait_until("the signal is taken in", || {
+        let status = std::fs::read_to_string(format!("/proc/{id}/status")).unwrap();
+        let pending = status.lines().find(|line| line.starts_with("ShdPnd:"));
+        pending.unwrap().ends_with(&"0".repeat(16))
+    });
+    thread::sleep(Duration::from_millis(100));
+    assert!(lives(id));
+    looping.signal(Signal::INT);
+    let (code, printed, _) = looping.end();
+    assert_eq!((code, printed.as_str()), (Some(130), ""));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn verify_can_be_interrupted() {
+    let sandbox = Sandbox::with_square();
+    let looping = Looping::start(&sandbox, "verify square.off --algo vtp,test-loop,ich");
+    looping.cell();
+    looping.signal(Signal::INT);
+    let (code, printed, complaints) = looping.end();
+    assert_eq!(code, Some(130), "{complaints}");
+    assert!(
+        printed.contains("vtp: ok") && !printed.contains("test-loop"),
+        "{printed}"
+    );
+    assert_eq!(complaints, "geobench: error: interrupted\n");
 }

@@ -10,6 +10,7 @@ pub mod affinity;
 pub mod benchmark;
 pub mod check;
 pub mod cli;
+pub mod compare;
 pub mod expected;
 pub mod export;
 pub mod field;

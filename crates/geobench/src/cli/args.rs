@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::isolation::IsolationOptions;
-use crate::export::{self, Format};
+use crate::compare::{RuleError, Rules};
+use crate::export::{self, ComparisonFormat, Format};
 use crate::instructions;
 use crate::isolate;
 use crate::registry::{self, Selection};
@@ -16,6 +17,14 @@ use crate::suite::{self, MOST_RUNS};
 /// How models are named, for the help of every command that takes some.
 const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .gz), a directory (searched \
     recursively) or a generated model such as gen:sphere,subdiv=5 or gen:terrain,n=100,seed=1.";
+
+/// What rules are, for the help of `compare`.
+const RULES_HELP: &str = "A rule is NAME=LIMIT, such as time=10%,propagated=0,heap_peak_bytes=5%. `time` is broken if the \
+    95 % interval of the ratio of the times lies wholly beyond the limit. A counter (`geobench algos \
+    --counters`) may change by no more than the limit in either direction, or, with a plus as in \
+    propagated=+0, only not grow by more. `instructions` and the memories papers_bytes, \
+    windows_peak_bytes, heap_peak_bytes and rss_peak_bytes may shrink. Exit status: 0 nothing is worse; 1 \
+    a cell is worse; 2 a file cannot be used.";
 
 /// Runs, checks and compares exact geodesic-distance algorithms on triangle meshes.
 #[derive(Debug, Parser)]
@@ -54,6 +63,8 @@ pub(super) enum Command {
     Run(RunOptions),
     /// Compare the answers of all algorithms with each other and with stored distances
     Verify(VerifyOptions),
+    /// Compare two result files, and fail if the newer one is worse
+    Compare(CompareOptions),
     /// Write the distances of all vertices from one or several sources
     Distance(DistanceOptions),
     /// Write a generated model to a file
@@ -224,6 +235,31 @@ pub(super) struct InfoOptions {
 }
 
 #[derive(Args, Debug)]
+#[command(after_help = RULES_HELP)]
+pub(super) struct CompareOptions {
+    /// The older result file (.json)
+    #[arg(value_name = "OLD")]
+    pub(super) old: PathBuf,
+
+    /// The newer one
+    #[arg(value_name = "NEW")]
+    pub(super) new: PathBuf,
+
+    /// What counts as a regression, separated by commas; without any, only a cell that does not end
+    /// well any more
+    #[arg(long, value_name = "RULES", default_value = "", hide_default_value = true, value_parser = rules)]
+    pub(super) fail_on: Rules,
+
+    /// What goes to standard output
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ComparisonFormat::Table)]
+    pub(super) format: ComparisonFormat,
+
+    /// File to write as well, by its ending: .json, .md or .txt; may be repeated
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Vec<PathBuf>,
+}
+
+#[derive(Args, Debug)]
 pub(super) struct PoolOptions {
     /// Result files (.json) of the rounds, in the order in which they were run
     #[arg(value_name = "ROUND", required = true)]
@@ -280,6 +316,14 @@ pub(super) struct Algorithms(pub(super) Vec<Selection>);
 
 fn algorithms(list: &str) -> Result<Algorithms, registry::SelectError> {
     registry::select(list).map(Algorithms)
+}
+
+fn rules(text: &str) -> Result<Rules, RuleError> {
+    if text.is_empty() {
+        Ok(Rules::default())
+    } else {
+        text.parse()
+    }
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

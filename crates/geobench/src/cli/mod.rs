@@ -2,6 +2,7 @@
 
 mod algos;
 mod args;
+mod compare;
 mod distance;
 mod generate;
 mod info;
@@ -51,6 +52,7 @@ pub fn main() -> ExitCode {
     let done = match arguments.command {
         Command::Run(options) => run::run(&options, terminal),
         Command::Verify(options) => verify::verify(&options),
+        Command::Compare(options) => compare::compare(&options, terminal),
         Command::Distance(options) => distance::distance(&options),
         Command::Gen(options) => generate::generate(&options),
         Command::Info(options) => info::info(&options),

@@ -1,22 +1,30 @@
-//! Result files that a command is to write.
+//! Files that a command is to write, each in the form that its ending asks for.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 
-use crate::export::Format;
+use crate::export::{Format, UnknownEnding};
 use crate::output::OutputFile;
 
-/// The files at `paths`, each with the form that its ending asks for, found to be writable.
+/// The result files at `paths`, found to be writable.
 pub(super) fn results(paths: &[PathBuf]) -> anyhow::Result<Vec<(Format, OutputFile)>> {
-    let mut outputs: Vec<(Format, OutputFile)> = Vec::new();
+    prepare(paths, Format::of_path)
+}
+
+/// The files at `paths`, found to be writable, with the forms that `form` knows.
+pub(super) fn prepare<F>(
+    paths: &[PathBuf],
+    form: fn(&Path) -> Result<F, UnknownEnding>,
+) -> anyhow::Result<Vec<(F, OutputFile)>> {
+    let mut outputs: Vec<(F, OutputFile)> = Vec::new();
     for path in paths {
-        let format = Format::of_path(path)?;
+        let form = form(path)?;
         let file = OutputFile::prepare(path)?;
         if outputs.iter().any(|(_, other)| other.path() == file.path()) {
             bail!("{}: given twice as output", path.display());
         }
-        outputs.push((format, file));
+        outputs.push((form, file));
     }
     Ok(outputs)
 }

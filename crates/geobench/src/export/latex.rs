@@ -1,6 +1,7 @@
 //! One table in LaTeX, laid out like those of the papers.
 
-use super::view::{Entry, Section, sections};
+use super::grid::Entry;
+use super::view::{Section, sections};
 use crate::record::ResultFile;
 
 /// A `tabular` for each group, for the booktabs package; what else is to be known stands in

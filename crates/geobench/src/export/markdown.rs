@@ -1,6 +1,7 @@
 //! One table in Markdown, laid out like those of the papers.
 
-use super::view::{Entry, ModelView, Row, Section, sections};
+use super::grid::{Entry, Grid, escape};
+use super::view::{Section, sections};
 use crate::record::ResultFile;
 
 /// A table for each group, each with a list of what else is to be known.
@@ -19,20 +20,27 @@ fn section(section: &Section<'_>) -> String {
             lines.extend([shows.trim().to_owned(), String::new()]);
         }
     }
-    let header = section.algorithms.iter().map(|name| escape(name));
-    lines.extend([
-        line("Model", "", header),
-        format!("|---|---|{}", "--:|".repeat(section.algorithms.len())),
-    ]);
+    let header = ["Model", ""]
+        .into_iter()
+        .chain(section.algorithms.iter().copied());
+    let mut grid = Grid {
+        texts: 2,
+        header: header.map(str::to_owned).collect(),
+        rows: Vec::new(),
+    };
     for view in &section.views {
         for (i, row) in view.rows.iter().enumerate() {
             let model = match i {
-                0 => format!("{} ({})", escape(&view.name), view.size),
+                0 => format!("{} ({})", view.name, view.size),
                 _ => String::new(),
             };
-            lines.push(line(&model, &row.label, entries(section, view, row)));
+            let label = [model, row.label.clone()].map(Entry::plain);
+            let entries = section.algorithms.iter().map(|name| view.entry(row, name));
+            let entries = entries.map(|entry| entry.cloned().unwrap_or_default());
+            grid.rows.push(label.into_iter().chain(entries).collect());
         }
     }
+    lines.extend(grid.markdown());
     lines.push(String::new());
     for view in &section.views {
         let notes: Vec<&str> = std::iter::once(&view.sources)
@@ -49,37 +57,4 @@ fn section(section: &Section<'_>) -> String {
         }
     }
     lines.join("\n") + "\n"
-}
-
-/// The entries of a row, below the header of the section.
-fn entries<'s>(
-    section: &'s Section<'_>,
-    view: &'s ModelView<'_>,
-    row: &'s Row,
-) -> impl Iterator<Item = String> + 's {
-    section
-        .algorithms
-        .iter()
-        .map(|name| view.entry(row, name).map_or_else(String::new, entry))
-}
-
-fn line(model: &str, label: &str, entries: impl Iterator<Item = String>) -> String {
-    let fields = [model.to_owned(), label.to_owned()]
-        .into_iter()
-        .chain(entries);
-    let line = fields.fold("|".to_owned(), |line, field| line + " " + &field + " |");
-    line.replace("|  |", "| |")
-}
-
-fn entry(entry: &Entry) -> String {
-    if entry.best {
-        format!("**{}**", entry.text)
-    } else {
-        entry.text.clone()
-    }
-}
-
-/// Keeps text from ending a table cell.
-fn escape(text: &str) -> String {
-    text.replace('|', "\\|").replace('\n', " ")
 }

@@ -1,7 +1,9 @@
 //! Results as people and programs read them.
 
+mod comparison;
 mod csv;
 mod figures;
+mod grid;
 mod json;
 mod latex;
 mod markdown;
@@ -16,6 +18,7 @@ use std::path::Path;
 
 use crate::record::ResultFile;
 
+pub use comparison::ComparisonFormat;
 pub use csv::header as csv_header;
 pub use figures::{Figure, UnknownFigure, figure};
 pub use table::{footnote, group_heading, model_table, ratio_table};
@@ -43,12 +46,32 @@ const ENDINGS: [(&str, Format); 4] = [
     ("tex", Format::Latex),
 ];
 
-/// A path whose ending is not that of a result file.
+/// A path whose ending is not that of a file that can be written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{path}: the ending says in which form to write results; use .json, .csv, .md or .tex")]
+#[error("{path}: the ending says in which form to write results; use {endings}")]
 pub struct UnknownEnding {
     /// The path.
     pub path: String,
+    /// The endings that are understood, in words.
+    pub endings: String,
+}
+
+/// The form that the ending of `path` stands for, in any letter case.
+fn of_ending<F: Copy>(path: &Path, endings: &[(&str, F)]) -> Result<F, UnknownEnding> {
+    let ending = path.extension().unwrap_or_default();
+    let found = endings
+        .iter()
+        .find(|(name, _)| ending.eq_ignore_ascii_case(name));
+    found.map(|(_, form)| *form).ok_or_else(|| {
+        let names: Vec<String> = endings.iter().map(|(name, _)| format!(".{name}")).collect();
+        UnknownEnding {
+            path: path.display().to_string(),
+            endings: match names.split_last() {
+                Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+                _ => names.concat(),
+            },
+        }
+    })
 }
 
 impl Format {
@@ -58,16 +81,7 @@ impl Format {
     ///
     /// When it asks for none.
     pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        path.extension()
-            .and_then(|ending| {
-                let (_, format) = ENDINGS
-                    .iter()
-                    .find(|(name, _)| ending.eq_ignore_ascii_case(name))?;
-                Some(*format)
-            })
-            .ok_or_else(|| UnknownEnding {
-                path: path.display().to_string(),
-            })
+        of_ending(path, &ENDINGS)
     }
 
     /// Results in this form, ending in a line break.

@@ -1,7 +1,8 @@
 //! Ratios between algorithms over all models of a group, as in Table 2 of Qin et al. 2016.
 
 use super::figures::{Figure, figures};
-use super::view::{Entry, ModelView, Row, algorithms, overall};
+use super::grid::Entry;
+use super::view::{ModelView, Row, algorithms, overall};
 use crate::record::{Cell, GroupRecord};
 
 /// For each figure of which less is better, the mean and the standard deviation of the ratio to

@@ -1,9 +1,8 @@
 //! Tables for the terminal.
 
-use comfy_table::{Attribute, Cell as TableCell, CellAlignment, Color, Table, presets};
-
+use super::grid::{Entry, Grid};
 use super::ratios;
-use super::view::{Entry, ModelView, sections};
+use super::view::{ModelView, Row, sections};
 use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile};
 
 /// What stands above the tables of a group: its name and what it is to show. Nothing for a group
@@ -59,38 +58,19 @@ fn show(view: &ModelView<'_>, styled: bool) -> String {
 }
 
 fn table(view: &ModelView<'_>, styled: bool) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_FULL_CONDENSED);
-    if styled {
-        table.enforce_styling();
-    } else {
-        table.force_no_tty();
-    }
-    let header = |name: &&str| TableCell::new(name).set_alignment(CellAlignment::Right);
-    table.set_header(std::iter::once(TableCell::new("")).chain(view.algorithms.iter().map(header)));
-    for row in &view.rows {
-        let starred = row.entries.iter().any(|entry| entry.best);
-        table.add_row(
-            std::iter::once(TableCell::new(&row.label))
-                .chain(row.entries.iter().map(|e| cell(e, styled, starred))),
-        );
-    }
-    table.to_string()
-}
-
-fn cell(entry: &Entry, styled: bool, starred: bool) -> TableCell {
-    let text = match (styled, entry.best, starred) {
-        (false, true, _) => format!("{}*", entry.text),
-        // The digits of a row stay below each other.
-        (false, false, true) => format!("{} ", entry.text),
-        _ => entry.text.clone(),
+    let header = std::iter::once("").chain(view.algorithms.iter().copied());
+    let row = |row: &Row| {
+        let label = Entry::plain(row.label.clone());
+        std::iter::once(label)
+            .chain(row.entries.iter().cloned())
+            .collect()
     };
-    let cell = TableCell::new(text).set_alignment(CellAlignment::Right);
-    match (styled, entry) {
-        (true, Entry { best: true, .. }) => cell.add_attribute(Attribute::Bold).fg(Color::Green),
-        (true, Entry { failed: true, .. }) => cell.add_attribute(Attribute::Bold).fg(Color::Red),
-        _ => cell,
-    }
+    let grid = Grid {
+        texts: 1,
+        header: header.map(str::to_owned).collect(),
+        rows: view.rows.iter().map(row).collect(),
+    };
+    grid.terminal(styled)
 }
 
 /// What the figures of the tables of `result` mean, in one line.

@@ -1,6 +1,7 @@
 //! What every table shows: per model the rows of the papers' tables, a column per algorithm.
 
 use super::figures::{Figure, Style, figures};
+use super::grid::Entry;
 use super::number::{decimals, group, grouped, scientific};
 use super::ratios;
 use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
@@ -38,15 +39,6 @@ pub(super) struct Row {
     pub(super) label: String,
     /// One entry for each algorithm.
     pub(super) entries: Vec<Entry>,
-}
-
-/// A figure in a table, or what stands in its place.
-pub(super) struct Entry {
-    pub(super) text: String,
-    /// Whether it is the smallest of its row.
-    pub(super) best: bool,
-    /// Whether it says that something failed.
-    pub(super) failed: bool,
 }
 
 /// The names of all algorithms in `result`, in the order in which they first appear.

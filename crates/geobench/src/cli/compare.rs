@@ -1,0 +1,24 @@
+//! `geobench compare`.
+
+use super::args::CompareOptions;
+use super::terminal::{self, Terminal};
+use super::{Verdict, outputs};
+use crate::export::ComparisonFormat;
+use crate::{compare as comparing, result_file};
+
+pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
+    let outputs = outputs::prepare(&options.output, ComparisonFormat::of_path)?;
+    let old = result_file::read(&options.old)?;
+    let new = result_file::read(&options.new)?;
+    let names = [&options.old, &options.new].map(|path| path.display().to_string());
+    let comparison = comparing::compare((&names[0], &old), (&names[1], &new), &options.fail_on)?;
+    for (format, file) in &outputs {
+        file.write(format.render(&comparison, false)?.as_bytes())?;
+    }
+    terminal::print(&options.format.render(&comparison, terminal.styled)?)?;
+    Ok(if comparison.regressions > 0 {
+        Verdict::Failed
+    } else {
+        Verdict::Passed
+    })
+}

@@ -1,0 +1,325 @@
+//! Two result files side by side, and whether the newer one is worse.
+//!
+//! Cells are the same if model (by its hash), algorithm with parameters, source, threads and group are. What
+//! is compared how depends on what it is:
+//!
+//! * Times vary, so a difference is only one if it is larger than they vary. Samples of runs that took
+//!   turns ([`ResultFile::pairing`]) are compared pair by pair; others by a bootstrap interval of the ratio of
+//!   their medians, with the test of Mann and Whitney beside it. A rule on time is broken if the
+//!   interval lies wholly beyond its limit.
+//! * Counts do not vary: any other count means that the algorithm does something else, be it more or
+//!   less. Instructions and memory are costs, of which less is never wrong.
+//! * A cell that was well and is not any more is a regression under any rules.
+
+mod matching;
+mod measure;
+mod rules;
+#[cfg(test)]
+mod tests;
+mod time;
+
+use serde::{Serialize, Serializer};
+
+pub use matching::Key;
+pub use measure::Measure;
+pub use rules::{Rule, RuleError, Rules};
+pub use time::{TimeChange, TimeMethod};
+
+use crate::export::number::group;
+use crate::record::{Cell, ResultFile, Status};
+
+/// The schema of a comparison in JSON.
+pub const SCHEMA: &str = "geobench-comparison/1";
+
+/// What comparing two files found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Always [`SCHEMA`].
+    pub schema: &'static str,
+    /// The older file.
+    pub old: Side,
+    /// The newer file.
+    pub new: Side,
+    /// The rules, as they are written.
+    pub rules: Vec<String>,
+    /// Whether the runs of both files took turns.
+    pub paired: bool,
+    /// How many cells are worse.
+    pub regressions: usize,
+    /// Cells of both files, in the order of the new one.
+    pub cells: Vec<CellChange>,
+    /// Cells of the old file that the new one lacks.
+    pub missing: Vec<Key>,
+    /// Cells of the new file that the old one lacks.
+    pub added: Vec<Key>,
+    /// What else a reader must know.
+    pub notes: Vec<String>,
+}
+
+/// One of the two files.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Side {
+    /// Its name.
+    pub file: String,
+    /// Version of the program.
+    pub version: String,
+    /// Commit of the program.
+    pub commit: Option<String>,
+    /// When it started.
+    pub started: String,
+}
+
+/// A cell of both files.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CellChange {
+    /// Which.
+    pub cell: Key,
+    /// How it ended in each file.
+    pub status: [Status; 2],
+    /// Time; null unless both have samples.
+    pub time: Option<TimeChange>,
+    /// All other figures that at least one of them has.
+    pub figures: Vec<FigureChange>,
+    /// In what it is worse; empty if it is not.
+    pub regressions: Vec<Regression>,
+}
+
+/// A figure that is compared as it is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FigureChange {
+    /// Its name in result files.
+    pub name: &'static str,
+    /// Its old value, if there is one.
+    #[serde(serialize_with = "whole_if_it_is")]
+    pub old: Option<f64>,
+    /// Its new value, if there is one.
+    #[serde(serialize_with = "whole_if_it_is")]
+    pub new: Option<f64>,
+}
+
+/// Writes counts and bytes without a point, as result files do.
+#[allow(clippy::ref_option, clippy::cast_sign_loss)] // Serde wants the one; no count is negative.
+fn whole_if_it_is<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    match value {
+        Some(value) if value.fract() == 0.0 => serializer.serialize_u64(*value as u64),
+        Some(value) => serializer.serialize_f64(*value),
+        None => serializer.serialize_none(),
+    }
+}
+
+impl FigureChange {
+    /// New divided by old, if there are both; of two zeros, 1.
+    pub fn ratio(&self) -> Option<f64> {
+        let (old, new) = (self.old?, self.new?);
+        Some(if old == new { 1.0 } else { new / old })
+    }
+}
+
+/// Something that is worse.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Regression {
+    /// The rule that is broken; none where the cell does not end well any more.
+    pub rule: Option<String>,
+    /// What happened, in words.
+    pub what: String,
+}
+
+/// Two files that cannot be compared.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{old} and {new} have no cell in common: models (by their hash), algorithms, sources, threads \
+     and groups must be the same"
+)]
+pub struct NothingInCommon {
+    old: String,
+    new: String,
+}
+
+/// Compares `new` with `old`, each with the name of its file.
+///
+/// # Errors
+///
+/// When they have no cell in common.
+pub fn compare(
+    (old_name, old): (&str, &ResultFile),
+    (new_name, new): (&str, &ResultFile),
+    rules: &Rules,
+) -> Result<Comparison, NothingInCommon> {
+    let matched = matching::matched(old, new);
+    if matched.common.is_empty() {
+        return Err(NothingInCommon {
+            old: old_name.to_owned(),
+            new: new_name.to_owned(),
+        });
+    }
+    let paired = old.pairing.is_some() && old.pairing == new.pairing;
+    let cells: Vec<CellChange> = matched
+        .common
+        .into_iter()
+        .map(|(key, old, new)| change(key, old, new, rules, paired))
+        .collect();
+    let mut notes = matched.notes;
+    notes.extend(notes_on_machines(old, new));
+    notes.extend(notes_on_rules(&cells, rules));
+    Ok(Comparison {
+        schema: SCHEMA,
+        old: side(old_name, old),
+        new: side(new_name, new),
+        rules: rules.iter().map(Rule::to_string).collect(),
+        paired,
+        regressions: cells.iter().filter(|c| !c.regressions.is_empty()).count(),
+        cells,
+        missing: matched.missing,
+        added: matched.added,
+        notes,
+    })
+}
+
+fn side(name: &str, file: &ResultFile) -> Side {
+    Side {
+        file: name.to_owned(),
+        version: file.tool.version.clone(),
+        commit: file.tool.commit.clone(),
+        started: file.started.clone(),
+    }
+}
+
+fn change(cell: Key, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> CellChange {
+    let mut regressions = Vec::new();
+    if old.status == Status::Ok && new.status != Status::Ok {
+        let why = new.message.as_deref().unwrap_or("no message");
+        regressions.push(Regression {
+            rule: None,
+            what: format!("was ok, is {}: {why}", new.status.name().replace('_', " ")),
+        });
+    }
+    let both_ok = old.status == Status::Ok && new.status == Status::Ok;
+    let time = TimeChange::between(&old.time, &new.time, paired).filter(|_| both_ok);
+    if let (Some(time), Some(rule)) = (&time, rules.on(None))
+        && time.is_above(rule.limit)
+    {
+        regressions.push(Regression {
+            rule: Some(rule.to_string()),
+            what: format!("time {}", time.in_words()),
+        });
+    }
+    let mut figures = Vec::new();
+    for measure in Measure::all() {
+        let figure = FigureChange {
+            name: measure.name(),
+            old: measure.of(old),
+            new: measure.of(new),
+        };
+        if figure.old.is_none() && figure.new.is_none() {
+            continue;
+        }
+        figures.push(figure);
+        let Some(rule) = rules.on(Some(measure)).filter(|_| both_ok) else {
+            continue;
+        };
+        let what = match (figure.old, figure.new) {
+            (Some(old), Some(new)) if rule.is_broken(old, new) => {
+                let [from, to] = [old, new].map(exact);
+                format!("{} {from} -> {to} ({})", figure.name, percent(new / old))
+            }
+            // A gate must not fall silent because there is nothing left to watch.
+            (Some(old), None) => format!("{} {} -> none", figure.name, exact(old)),
+            _ => continue,
+        };
+        regressions.push(Regression {
+            rule: Some(rule.to_string()),
+            what,
+        });
+    }
+    CellChange {
+        cell,
+        status: [old.status, new.status],
+        time,
+        figures,
+        regressions,
+    }
+}
+
+/// A ratio as a change in per cent.
+pub(crate) fn percent(ratio: f64) -> String {
+    let change = 100.0 * (ratio - 1.0);
+    match change.abs() {
+        0.0 => "=".to_owned(),
+        size if size < 0.01 => format!("{change:+.4} %"),
+        size if size < 9.95 => format!("{change:+.2} %"),
+        _ => format!("{change:+.1} %"),
+    }
+}
+
+/// A figure in full, the thousands of a count apart.
+pub(crate) fn exact(value: f64) -> String {
+    if value.fract() == 0.0 {
+        group(&format!("{value:.0}"))
+    } else {
+        value.to_string()
+    }
+}
+
+/// What of the machines makes times hard to compare.
+fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
+    let mut notes = Vec::new();
+    let machine = |file: &ResultFile| (file.host.cpu.clone(), file.host.cores);
+    if machine(old) != machine(new) {
+        notes.push("the files are from different machines: times say little".to_owned());
+    }
+    if old.tool.rustc != new.tool.rustc {
+        let name = |file: &ResultFile| file.tool.rustc.clone().unwrap_or_else(|| "unknown".into());
+        notes.push(format!(
+            "the compilers differ: {} and {}",
+            name(old),
+            name(new)
+        ));
+    }
+    for (which, file) in [("old", old), ("new", new)] {
+        if file.tool.profile != "release" {
+            notes.push(format!(
+                "the {which} file is of a {} build: its times mean little",
+                file.tool.profile
+            ));
+        }
+    }
+    notes
+}
+
+/// Which rules could not be applied.
+fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
+    let well: Vec<&CellChange> = cells
+        .iter()
+        .filter(|c| c.status == [Status::Ok; 2])
+        .collect();
+    let mut notes = Vec::new();
+    let times = well.iter().filter_map(|c| c.time.as_ref());
+    let without = times.filter(|time| time.ci95.is_none()).count();
+    if without > 0 {
+        let rule = rules.on(None).map_or_else(String::new, |rule| {
+            format!(", so that the rule {rule} cannot be broken there")
+        });
+        notes.push(format!(
+            "{without} of {} cells have too few samples for an interval of the time{rule}",
+            well.len()
+        ));
+    }
+    for rule in rules.iter() {
+        let Some(measure) = rule.measure else {
+            continue;
+        };
+        let name = measure.name();
+        let of = |cell: &&&CellChange| cell.figures.iter().find(|f| f.name == name).copied();
+        let has_old = |cell: &&&CellChange| of(cell).is_some_and(|f| f.old.is_some());
+        let without = well.iter().filter(|cell| !has_old(cell)).count();
+        // That some algorithms lack a counter is as it should be.
+        let expected = matches!(measure, Measure::Counter(_) | Measure::WavefrontDeviation);
+        if without == well.len() || (without > 0 && !expected) {
+            notes.push(format!(
+                "`{name}` is not compared in {without} of {} cells: the old file does not have it",
+                well.len()
+            ));
+        }
+    }
+    notes
+}

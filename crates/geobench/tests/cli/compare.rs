@@ -1,0 +1,93 @@
+use crate::support::Sandbox;
+
+/// Five runs of two algorithms, stored as `name`.
+fn stored(sandbox: &Sandbox, name: &str) {
+    sandbox.succeed(&format!(
+        "run square.off gen:cube,n=3 --algo mmp,vtp -o {name} --quiet"
+    ));
+}
+
+#[test]
+fn a_run_is_no_worse_than_itself() {
+    let sandbox = Sandbox::with_square();
+    stored(&sandbox, "a.json");
+    let shown = sandbox.succeed(
+        "compare a.json a.json --fail-on time=0,propagated=0,heap_peak_bytes=0 -o c.json -o c.md -o c.txt",
+    );
+    assert!(shown.ends_with("none of 4 cells is worse\n"), "{shown}");
+    assert_eq!(sandbox.read("c.txt"), shown);
+    let json = sandbox.json("c.json");
+    assert_eq!(json["schema"], "geobench-comparison/1");
+    assert_eq!(json["cells"].as_array().unwrap().len(), 4);
+    let markdown = sandbox.succeed("compare a.json a.json --format markdown");
+    assert!(markdown.starts_with("### geobench: none of 4 cells is worse\n\n| Cell | Time |"));
+    assert!(
+        sandbox
+            .read("c.md")
+            .starts_with("### geobench: none of 4 cells is worse")
+    );
+}
+
+#[test]
+fn another_count_is_status_1_if_a_rule_says_so() {
+    let sandbox = Sandbox::with_square();
+    stored(&sandbox, "a.json");
+    let mut changed = sandbox.json("a.json");
+    let count = &mut changed["cells"][0]["counters"]["propagated"];
+    *count = (count.as_u64().unwrap() + 1).into();
+    sandbox.write("b.json", &changed.to_string());
+    assert_eq!(sandbox.call("compare a.json b.json").code, 0);
+    let outcome = sandbox.call("compare a.json b.json --fail-on propagated=0,time=10%");
+    assert_eq!(outcome.code, 1);
+    assert!(outcome.stdout.contains("1 of 4 cells is worse"));
+    assert_eq!(outcome.stderr, "");
+}
+
+#[test]
+fn what_cannot_be_compared_is_status_2_and_names_file_and_field() {
+    let sandbox = Sandbox::with_square();
+    stored(&sandbox, "a.json");
+    sandbox.succeed("run gen:cube,n=2 --algo mmp -o other.json --quiet --repeat 1");
+    assert!(
+        sandbox
+            .refuse("compare a.json other.json")
+            .starts_with("a.json and other.json have no cell in common")
+    );
+    assert!(
+        sandbox
+            .refuse("compare a.json none.json")
+            .starts_with("none.json: cannot be read: ")
+    );
+    let text = sandbox.read("a.json");
+    sandbox.write("b.json", &text.replace("geobench/1", "geobench/9"));
+    assert_eq!(
+        sandbox.refuse("compare a.json b.json"),
+        "b.json: `schema` is `geobench/9`, but this version of geobench reads `geobench/1`"
+    );
+    let mut bad = sandbox.json("a.json");
+    bad["cells"][3]["time"]["samples"][1] = "soon".into();
+    sandbox.write("b.json", &bad.to_string());
+    let message = sandbox.refuse("compare b.json a.json");
+    assert!(
+        message.starts_with(
+            "b.json: field `cells[3].time.samples[1]`: invalid type: string \"soon\", expected f64"
+        ),
+        "{message}"
+    );
+    sandbox.write("b.json", &text[..text.len() / 2]);
+    assert!(
+        sandbox
+            .refuse("compare a.json b.json")
+            .starts_with("b.json: not a result file: EOF while parsing")
+    );
+    let message = sandbox.refuse("compare a.json a.json --fail-on heap_peak=5%");
+    assert!(
+        message.contains("there is no rule `heap_peak`"),
+        "{message}"
+    );
+    assert!(
+        sandbox
+            .refuse("compare a.json a.json -o c.csv")
+            .ends_with("use .json, .md or .txt")
+    );
+}

@@ -56,6 +56,9 @@ pub fn run(
         if listener.interrupted() && cells.is_empty() {
             break;
         }
+        for cell in &mut cells {
+            cell.shard = plan.share.map(|share| share.shard.index);
+        }
         listener.model_done(&model, &cells)?;
         outcome.models.push(model);
         outcome.cells.append(&mut cells);

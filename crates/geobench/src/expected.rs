@@ -1,7 +1,7 @@
 //! Stored distances to check against.
 
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{fmt, fs};
 
 /// Where stored distances are looked for.
 ///
@@ -52,6 +52,16 @@ pub enum ExpectedError {
         /// What is wrong.
         problem: String,
     },
+}
+
+impl fmt::Display for Expected {
+    /// As on the command line.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BesideModels => f.write_str("file"),
+            Self::File(path) => write!(f, "{}", path.display()),
+        }
+    }
 }
 
 impl Expected {

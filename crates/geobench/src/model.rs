@@ -228,6 +228,24 @@ impl ModelRef {
         }
     }
 
+    /// The generator's spec with all defaults written out; none if it is read from a file.
+    pub fn spec(&self) -> Option<String> {
+        match &self.origin {
+            Origin::File(_) => None,
+            Origin::Generated(spec) => Some(spec.to_string()),
+        }
+    }
+
+    /// SHA-256 of the file that it is read from, or that its generator starts from; none if there is
+    /// no such file or it cannot be read.
+    pub fn file_sha256(&self) -> Option<String> {
+        let path = match &self.origin {
+            Origin::File(path) => path,
+            Origin::Generated(spec) => Path::new(spec.path()?),
+        };
+        hash_file(path).ok()
+    }
+
     /// What is known before it is loaded.
     pub fn record(&self) -> ModelRecord {
         ModelRecord {

@@ -27,7 +27,7 @@ impl OutputFile {
     pub fn prepare(path: &Path) -> anyhow::Result<Self> {
         let shown = path.display().to_string();
         // A link is followed, so that the file that it points to is replaced and not the link.
-        let path = fs::canonicalize(path).unwrap_or_else(|_| in_canonical_directory(path));
+        let path = canonical(path);
         let replace = match fs::metadata(&path) {
             Ok(found) if found.is_dir() => bail!("{shown}: cannot be written: it is a directory"),
             Ok(found) => {
@@ -56,6 +56,11 @@ impl OutputFile {
     /// Where it is written; equal for files that are the same.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Whether writing replaces what was written before; devices and pipes take one after the other.
+    pub const fn is_replaced(&self) -> bool {
+        self.replace
     }
 
     /// Writes `contents`; whoever reads the file sees either what was there before or all of it.
@@ -109,6 +114,11 @@ impl OutputFile {
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         builder.tempfile_in(directory)
     }
+}
+
+/// The one way to name a file, whether it exists or not.
+pub(crate) fn canonical(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| in_canonical_directory(path))
 }
 
 /// A file that does not exist yet, in the one way to name it if its directory exists.

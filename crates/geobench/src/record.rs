@@ -8,6 +8,8 @@ use geobench_window::{Counter, Counters};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::plan_record::PlanRecord;
+use crate::shard::Shard;
 use crate::statistics;
 
 /// The schema that this version writes.
@@ -43,6 +45,28 @@ pub struct ResultFile {
     /// sample i of that cell in the other. Null if there is no such other file.
     #[serde(default)]
     pub pairing: Option<String>,
+    /// What was to be run, with all parameters.
+    #[serde(default)]
+    pub plan: Option<PlanRecord>,
+    /// The processes that measured, in order: one, unless a run was interrupted and resumed, or the
+    /// parts of one were merged.
+    #[serde(default)]
+    pub sessions: Vec<Session>,
+}
+
+/// A process that measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Session {
+    /// The part of the plan that it worked on; null if all of it.
+    pub shard: Option<Shard>,
+    /// The machine.
+    pub host: Host,
+    /// The command, word by word.
+    pub command: Vec<String>,
+    /// When it started, RFC 3339 in UTC.
+    pub started: String,
+    /// When it finished, RFC 3339 in UTC; null if it was stopped and another one went on.
+    pub finished: Option<String>,
 }
 
 /// The program that measured.
@@ -186,6 +210,9 @@ pub struct Cell {
     /// they were asked for.
     #[serde(default)]
     pub instructions: Option<u64>,
+    /// The part of the plan that it belongs to; null if the plan was not split.
+    #[serde(default)]
+    pub shard: Option<u32>,
 }
 
 impl Cell {
@@ -205,6 +232,7 @@ impl Cell {
             check: Check::default(),
             group: None,
             instructions: None,
+            shard: None,
         }
     }
 }

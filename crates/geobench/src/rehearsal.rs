@@ -130,10 +130,13 @@ pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
     }
 }
 
+/// Listens to nothing.
+pub(crate) struct Deaf;
+
+impl Listener for Deaf {}
+
 /// Carries out `plan` with `rehearsal`.
 pub(crate) fn rehearse(plan: &Plan, rehearsal: &mut Rehearsal) -> Outcome {
-    struct Deaf;
-    impl Listener for Deaf {}
     run(plan, rehearsal, &mut NoLedger, &mut Deaf).unwrap()
 }
 
@@ -164,6 +167,8 @@ pub(crate) fn result(outcome: Outcome) -> ResultFile {
         models: outcome.models,
         cells: outcome.cells,
         pairing: None,
+        plan: None,
+        sessions: Vec::new(),
     }
 }
 

@@ -11,6 +11,7 @@ use crate::export::{self, ComparisonFormat, Format};
 use crate::instructions;
 use crate::isolate;
 use crate::registry::{self, Selection};
+use crate::shard::Shard;
 use crate::source::SourceSpec;
 use crate::suite::{self, MOST_RUNS};
 
@@ -76,6 +77,8 @@ pub(super) enum Command {
     /// Work on a model as another process of this program wants
     #[command(name = isolate::COMMAND, hide = true)]
     Cell(CellOptions),
+    /// Join the parts of a benchmark that was run with --shard
+    Merge(MergeOptions),
     /// Join the rounds of a benchmark that was started once for each round, as when two versions of
     /// geobench take turns
     Pool(PoolOptions),
@@ -146,6 +149,16 @@ pub(super) struct RunOptions {
     /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
+
+    /// Journal: every run is noted in it as soon as it ends; runs that it holds already are not made
+    /// again, so the same command goes on where it was interrupted
+    #[arg(long, value_name = "FILE")]
+    pub(super) resume: Option<PathBuf>,
+
+    /// Only part I of N of the plan, such as 2/3; the same split on every machine, for `geobench
+    /// merge`
+    #[arg(long, value_name = "I/N")]
+    pub(super) shard: Option<Shard>,
 
     /// No progress, no warnings
     #[arg(long)]
@@ -256,6 +269,20 @@ pub(super) struct CompareOptions {
 
     /// File to write as well, by its ending: .json, .md or .txt; may be repeated
     #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Vec<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+#[command(
+    after_help = "The exit status is that of the whole run: 1 if a cell failed, 2 if a model was refused."
+)]
+pub(super) struct MergeOptions {
+    /// Result files (.json) of all parts, in any order
+    #[arg(value_name = "PART", required = true)]
+    pub(super) parts: Vec<PathBuf>,
+
+    /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
+    #[arg(short, long, value_name = "FILE", required = true)]
     pub(super) output: Vec<PathBuf>,
 }
 

@@ -7,6 +7,7 @@ mod distance;
 mod generate;
 mod info;
 mod isolation;
+mod merge;
 mod outputs;
 mod pool;
 mod progress;
@@ -60,6 +61,7 @@ pub fn main() -> ExitCode {
         Command::Cell(options) => isolate::cell(&options.model)
             .map(|()| Verdict::Passed)
             .map_err(anyhow::Error::from),
+        Command::Merge(options) => merge::merge(&options),
         Command::Pool(options) => pool::pool(&options),
         Command::CountOneSolve(o) => {
             instructions::solve_once(&o.model, &o.algorithm, o.source).map(|()| Verdict::Passed)

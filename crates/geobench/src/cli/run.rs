@@ -1,5 +1,6 @@
 //! `geobench run`.
 
+use std::io::Write;
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -15,12 +16,15 @@ use crate::host;
 use crate::instructions;
 use crate::interrupt;
 use crate::isolate::Sharing;
-use crate::ledger::NoLedger;
+use crate::journal::{Header, Journal};
+use crate::ledger::{Ledger, NoLedger};
 use crate::limits::Limits;
-use crate::output::OutputFile;
+use crate::output::{self, OutputFile};
 use crate::plan::{Plan, Reference};
-use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, SCHEMA, Status};
+use crate::plan_record::PlanRecord;
+use crate::record::{Cell, GroupRecord, Host, ModelRecord, ResultFile, SCHEMA, Session, Status};
 use crate::runner::{Listener, Step};
+use crate::shard;
 use crate::suite::{self, Plans, Settings, Suite, WantedModel};
 
 pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
@@ -34,6 +38,9 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     }
     if !options.isolation.keeps_limits() {
         drop_limits(&mut plans, &mut notes);
+    }
+    if let Some(shard) = options.shard {
+        shard::restrict(&mut plans, shard);
     }
     let outputs = outputs::results(&options.output)?;
     if options.instructions {
@@ -50,7 +57,15 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         }
     }
     interrupt::listen().context("cannot listen to signals")?;
-    let now = now();
+    let plan = PlanRecord::of(&plans, options.isolation.record());
+    let session = session(options);
+    let mut ledger: Box<dyn Ledger> = Box::new(NoLedger);
+    let mut sessions = vec![session.clone()];
+    if let Some(path) = &options.resume {
+        let journal = journal(path, &outputs, &plan, &session, options.quiet)?;
+        sessions = journal.sessions().to_vec();
+        ledger = Box::new(journal);
+    }
     let runs = plans.iter().map(Plan::runs).fold(0, usize::saturating_add);
     let mut listener = Reporter {
         progress: Progress::new(runs, !options.quiet && !options.no_progress),
@@ -61,17 +76,17 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         result: ResultFile {
             schema: SCHEMA.to_owned(),
             tool: host::tool(),
-            host: host::host(),
-            command: std::env::args_os()
-                .map(|word| word.to_string_lossy().into_owned())
-                .collect(),
-            started: now.clone(),
-            finished: now,
+            host: session.host,
+            command: session.command,
+            started: sessions[0].started.clone(),
+            finished: session.started,
             isolation: Some(options.isolation.record()),
             groups: Vec::new(),
             models: Vec::new(),
             cells: Vec::new(),
             pairing: None,
+            plan: Some(plan),
+            sessions,
         },
     };
     let mut verdicts = Vec::new();
@@ -81,13 +96,12 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         }
         listener.begin(plan)?;
         let mut workplace = options.isolation.workplace(plan.limits, Sharing::None)?;
-        let outcome = benchmark::run(plan, &mut *workplace, &mut NoLedger, &mut listener)?;
+        let outcome = benchmark::run(plan, &mut *workplace, &mut *ledger, &mut listener)?;
         listener.end(&plan.group)?;
-        verdicts.push(Tally::of(plan, &outcome.cells));
+        let checked = !matches!(plan.reference, Reference::None);
+        verdicts.push(Tally::of(checked, &outcome.cells));
     }
-    if interrupt::requested() {
-        listener.store()?;
-    }
+    listener.store_all()?;
     let Reporter {
         progress, result, ..
     } = listener;
@@ -113,31 +127,36 @@ fn cells(plans: &[Plan]) -> usize {
 }
 
 /// What became of the cells of a plan.
-struct Tally {
+pub(super) struct Tally {
     cells: usize,
     failed: usize,
     refused: usize,
 }
 
 impl Tally {
-    fn of(plan: &Plan, cells: &[Cell]) -> Self {
-        let wanted = !matches!(plan.reference, Reference::None);
-        let failed = |cell: &&Cell| match cell.status {
-            Status::Ok => wanted && cell.check.reference.is_none(),
-            Status::Refused => false,
-            _ => true,
+    /// Counts cells, which have failed too if they were to be checked and could not be.
+    pub(super) fn of<'c>(checked: bool, cells: impl IntoIterator<Item = &'c Cell>) -> Self {
+        let mut tally = Self {
+            cells: 0,
+            failed: 0,
+            refused: 0,
         };
-        let refused = |cell: &&Cell| cell.status == Status::Refused;
-        Self {
-            cells: cells.len(),
-            failed: cells.iter().filter(failed).count(),
-            refused: cells.iter().filter(refused).count(),
+        for cell in cells {
+            tally.cells += 1;
+            match cell.status {
+                Status::Ok => {
+                    tally.failed += usize::from(checked && cell.check.reference.is_none());
+                }
+                Status::Refused => tally.refused += 1,
+                _ => tally.failed += 1,
+            }
         }
+        tally
     }
 }
 
 /// What the cells make of the run: a wrong answer weighs more than an unusable input.
-fn verdict(tallies: &[Tally]) -> Verdict {
+pub(super) fn verdict(tallies: &[Tally]) -> Verdict {
     let sum = |of: fn(&Tally) -> usize| tallies.iter().map(of).sum::<usize>();
     let failed = sum(|tally| tally.failed);
     if failed > 0 {
@@ -192,6 +211,64 @@ fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
     }
 }
 
+/// The process that works now.
+fn session(options: &RunOptions) -> Session {
+    Session {
+        shard: options.shard,
+        host: host::host(),
+        command: std::env::args_os()
+            .map(|word| word.to_string_lossy().into_owned())
+            .collect(),
+        started: now(),
+        finished: None,
+    }
+}
+
+/// Opens the journal, and says what is in it.
+fn journal(
+    path: &Path,
+    outputs: &[(Format, OutputFile)],
+    plan: &PlanRecord,
+    session: &Session,
+    quiet: bool,
+) -> anyhow::Result<Journal> {
+    if outputs
+        .iter()
+        .any(|(_, file)| file.path() == output::canonical(path))
+    {
+        bail!("{}: cannot be both journal and result file", path.display());
+    }
+    let header = Header::new(host::tool(), plan.clone());
+    let journal = Journal::open(path, &header, session)?;
+    let elsewhere = |earlier: &Session| {
+        let machine = |host: &Host| (host.cpu.clone(), host.cores, host.memory_bytes);
+        machine(&earlier.host) != machine(&session.host)
+    };
+    if !quiet && journal.sessions().iter().any(elsewhere) {
+        terminal::warning(&format!(
+            "journal {}: some of its runs were made on another machine; their times do not compare with those of this one",
+            path.display()
+        ));
+    }
+    Ok(journal)
+}
+
+/// Saves results that cannot be written where they should, and says where they are.
+fn rescue(json: &str) -> String {
+    let save = || -> std::io::Result<std::path::PathBuf> {
+        let mut file = tempfile::Builder::new()
+            .prefix("geobench-")
+            .suffix(".json")
+            .tempfile()?;
+        file.write_all(json.as_bytes())?;
+        Ok(file.keep()?.1)
+    };
+    match save() {
+        Ok(path) => format!("the results are in {}", path.display()),
+        Err(error) => format!("nor could the results be saved as a temporary file: {error}"),
+    }
+}
+
 fn now() -> String {
     humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
 }
@@ -216,6 +293,10 @@ impl Reporter {
             memory_limit: memory.0,
             ..plan.group.clone()
         });
+        // A part of a plan may have nothing of a group.
+        if plan.runs() == 0 {
+            return Ok(());
+        }
         self.show(&export::group_heading(&plan.group))
     }
 
@@ -232,13 +313,40 @@ impl Reporter {
         Ok(())
     }
 
-    /// Writes the result files as they are now.
+    /// Writes what is known so far to all files that can be written again. One that cannot be written
+    /// now can be at the end, and does not stop the run.
     fn store(&mut self) -> anyhow::Result<()> {
-        self.result.finished = now();
-        for (format, file) in &self.outputs {
-            file.write(format.render(&self.result)?.as_bytes())?;
+        self.note_time();
+        for (format, file) in self.outputs.iter().filter(|(_, file)| file.is_replaced()) {
+            if let Err(error) = file.write(format.render(&self.result)?.as_bytes()) {
+                let text = format!("{error:#}; it will be tried again");
+                self.progress.suspend(|| terminal::warning(&text));
+            }
         }
         Ok(())
+    }
+
+    /// Writes everything to all files. What cannot be written where it should is saved elsewhere.
+    fn store_all(&mut self) -> anyhow::Result<()> {
+        self.note_time();
+        let mut failed = Vec::new();
+        for (format, file) in &self.outputs {
+            if let Err(error) = file.write(format.render(&self.result)?.as_bytes()) {
+                failed.push(format!("{error:#}"));
+            }
+        }
+        if failed.is_empty() {
+            return Ok(());
+        }
+        let rescued = rescue(&Format::Json.render(&self.result)?);
+        bail!("{}; {rescued}", failed.join("; "));
+    }
+
+    fn note_time(&mut self) {
+        self.result.finished = now();
+        if let Some(session) = self.result.sessions.last_mut() {
+            session.finished = Some(self.result.finished.clone());
+        }
     }
 
     /// Counts the instructions of those of `cells` that ended well.

@@ -78,6 +78,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             ("check_unreachable", text(cell.check.unreachable)),
             ("group", text(cell.group.as_ref())),
             ("instructions", text(cell.instructions)),
+            ("shard", text(cell.shard)),
         ]
         .map(|(name, value)| (name.to_owned(), value)),
     );

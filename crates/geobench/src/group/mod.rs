@@ -186,7 +186,7 @@ impl<'p> Group<'p> {
             Err(failure) => stage.yardstick.unchecked = failed(failure),
         }
         match place {
-            Some(place) if !self.entries[place].is_complete(self.plan) => {
+            Some(place) if self.entries[place].lacks(self.plan, Purpose::WarmUp, 0) => {
                 self.take_in(place, Purpose::WarmUp, 0, done, stage)?;
             }
             // It stands for no cell; that it fails is kept, so that it is not tried again.
@@ -194,7 +194,7 @@ impl<'p> Group<'p> {
                 let finding = self.judge(done, &stage.yardstick);
                 stage.ledger.keep(run, &finding)?;
             }
-            // Its cell is done, whatever became of it now.
+            // Its cell is done but for the counts, whatever became of the answer now.
             Some(_) => {}
         }
         Ok(place)

@@ -35,6 +35,11 @@ impl Selection {
         &self.label
     }
 
+    /// The value of one of its parameters.
+    pub fn value(&self, parameter: &Parameter) -> Value {
+        self.values.get(parameter)
+    }
+
     /// Sets the algorithm up for `mesh`.
     pub fn build<'m>(&self, mesh: &'m Mesh) -> Box<dyn Solver + 'm> {
         (self.algorithm.build)(mesh, &self.values)

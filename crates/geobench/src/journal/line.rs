@@ -1,0 +1,24 @@
+//! The lines of a journal after the first.
+
+use serde::{Deserialize, Serialize};
+
+use crate::ledger::{Finding, RunId};
+use crate::record::{ModelRecord, Session};
+
+/// A line of a journal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[expect(clippy::large_enum_variant, reason = "there is but one at a time")]
+pub(super) enum Line {
+    /// A process began to work.
+    Session(Session),
+    /// A model was loaded for the first time.
+    Model(ModelRecord),
+    /// A run ended.
+    Run {
+        /// Which.
+        id: RunId,
+        /// What came of it.
+        found: Finding,
+    },
+}

@@ -18,7 +18,7 @@ use crate::interrupt;
 use crate::isolate::Sharing;
 use crate::journal::{Header, Journal};
 use crate::ledger::{Ledger, NoLedger};
-use crate::limits::Limits;
+use crate::limits::{Limits, Timeout};
 use crate::output::{self, OutputFile};
 use crate::plan::{Plan, Reference};
 use crate::plan_record::PlanRecord;
@@ -201,7 +201,9 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
 /// Takes limits away that nobody would keep, and says so where somebody asked for them.
 fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
     for plan in plans {
-        if plan.limits != Limits::USUAL {
+        let Limits { timeout, memory } = plan.limits;
+        let wants_time = timeout.0.is_some() && timeout != Timeout::USUAL;
+        if wants_time || memory.0.is_some() {
             let group = plan.group.name.as_deref().unwrap_or_default();
             notes.push(format!(
                 "group `{group}`: without --isolate process nothing keeps its limits of time and memory"

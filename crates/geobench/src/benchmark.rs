@@ -5,10 +5,10 @@ use anyhow::bail;
 use geobench_mesh::VertexId;
 
 use crate::group::Group;
-use crate::ledger::Ledger;
+use crate::ledger::{Ledger, RunId};
 use crate::plan::Plan;
 use crate::record::{Cell, ModelRecord, Status};
-use crate::runner::{Executor, Listener, Workplace};
+use crate::runner::{Executor, Listener, Purpose, Workplace};
 use crate::source::{SourceError, SourceSpec};
 
 /// The records of a run.
@@ -53,11 +53,12 @@ pub fn run(
             listener: &mut *listener,
         };
         let (model, mut cells) = benchmark.run(workplace)?;
-        if listener.interrupted() && cells.is_empty() {
-            break;
-        }
         for cell in &mut cells {
             cell.shard = plan.share.map(|share| share.shard.index);
+            benchmark.count_instructions(&model, cell)?;
+        }
+        if listener.interrupted() && cells.is_empty() {
+            break;
         }
         listener.model_done(&model, &cells)?;
         outcome.models.push(model);
@@ -97,6 +98,29 @@ impl Benchmark<'_> {
                 Ok((record, cells))
             }
         }
+    }
+
+    /// Adds the instructions of a cell, from the ledger or counted now.
+    fn count_instructions(&mut self, model: &ModelRecord, cell: &mut Cell) -> anyhow::Result<()> {
+        let (Status::Ok, Some(source)) = (cell.status, cell.source) else {
+            return Ok(());
+        };
+        let run = RunId {
+            group: cell.group.clone(),
+            model: cell.model.clone(),
+            source,
+            algorithm: cell.algorithm.clone(),
+            purpose: Purpose::Count,
+            round: 0,
+        };
+        cell.instructions = self.ledger.instructions(&run);
+        if cell.instructions.is_none() && !self.listener.interrupted() {
+            cell.instructions = self.listener.count_instructions(model, cell);
+            if let Some(count) = cell.instructions {
+                self.ledger.keep_instructions(run, count)?;
+            }
+        }
+        Ok(())
     }
 
     /// All cells of the model, if the ledger knows every run of them.

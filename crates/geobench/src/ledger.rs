@@ -43,6 +43,10 @@ pub trait Ledger {
     /// What came of a run, if it has been made.
     fn finding(&self, run: &RunId) -> Option<&Finding>;
 
+    /// How many instructions the solve of a cell took, named by the run that counts it, if that is
+    /// known.
+    fn instructions(&self, run: &RunId) -> Option<u64>;
+
     /// Keeps what is known about a model.
     ///
     /// # Errors
@@ -56,6 +60,13 @@ pub trait Ledger {
     ///
     /// When it cannot be kept, which ends the benchmark.
     fn keep(&mut self, run: RunId, finding: &Finding) -> anyhow::Result<()>;
+
+    /// Keeps how many instructions the solve of a cell took.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be kept, which ends the benchmark.
+    fn keep_instructions(&mut self, run: RunId, count: u64) -> anyhow::Result<()>;
 }
 
 /// Remembers nothing: every run is made.
@@ -71,7 +82,15 @@ impl Ledger for NoLedger {
         None
     }
 
+    fn instructions(&self, _: &RunId) -> Option<u64> {
+        None
+    }
+
     fn keep_model(&mut self, _: &ModelRecord) -> anyhow::Result<()> {
+        Ok(())
+    }
+
+    fn keep_instructions(&mut self, _: RunId, _: u64) -> anyhow::Result<()> {
         Ok(())
     }
 

@@ -119,6 +119,13 @@ pub trait Listener {
         false
     }
 
+    /// Counts the instructions of the solve of a cell that ended well, if that is asked for and can be
+    /// done.
+    fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<u64> {
+        let _ = (model, cell);
+        None
+    }
+
     /// Runs that were planned will not happen.
     fn skipped(&mut self, runs: usize) {
         let _ = runs;

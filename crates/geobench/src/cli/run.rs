@@ -350,26 +350,6 @@ impl Reporter {
             session.finished = Some(self.result.finished.clone());
         }
     }
-
-    /// Counts the instructions of those of `cells` that ended well.
-    fn count_instructions(&self, model: &ModelRecord, cells: &mut [Cell]) {
-        for cell in cells {
-            if interrupt::requested() {
-                return;
-            }
-            let (Status::Ok, Some(source)) = (cell.status, cell.source) else {
-                continue;
-            };
-            self.progress
-                .counting_instructions(&model.name, &cell.algorithm);
-            match instructions::count(&model.path, &cell.algorithm, source) {
-                Ok(count) => cell.instructions = Some(count),
-                Err(error) => self.progress.suspend(|| {
-                    terminal::warning(&format!("{}, {}: {error}", model.name, cell.algorithm));
-                }),
-            }
-        }
-    }
 }
 
 impl Listener for Reporter {
@@ -381,6 +361,23 @@ impl Listener for Reporter {
         self.progress.step(step);
     }
 
+    fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<u64> {
+        if !self.instructions {
+            return None;
+        }
+        self.progress
+            .counting_instructions(&model.name, &cell.algorithm);
+        match instructions::count(&model.path, &cell.algorithm, cell.source?) {
+            Ok(count) => Some(count),
+            Err(error) => {
+                self.progress.suspend(|| {
+                    terminal::warning(&format!("{}, {}: {error}", model.name, cell.algorithm));
+                });
+                None
+            }
+        }
+    }
+
     fn skipped(&mut self, runs: usize) {
         self.progress.skip(runs);
     }
@@ -389,15 +386,11 @@ impl Listener for Reporter {
         if self.result.models.iter().all(|m| m.name != model.name) {
             self.result.models.push(model.clone());
         }
-        let mut cells = cells.to_vec();
-        if self.instructions {
-            self.count_instructions(model, &mut cells);
-        }
-        self.result.cells.extend_from_slice(&cells);
+        self.result.cells.extend_from_slice(cells);
         self.progress.suspend(|| {
-            report_failures(&cells, self.format);
+            report_failures(cells, self.format);
             if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
-                terminal::print(&export::model_table(group, model, &cells, self.styled))?;
+                terminal::print(&export::model_table(group, model, cells, self.styled))?;
             }
             anyhow::Ok(())
         })?;

@@ -14,6 +14,13 @@ pub(super) enum Line {
     Session(Session),
     /// A model was loaded for the first time.
     Model(ModelRecord),
+    /// The instructions of a cell were counted.
+    Instructions {
+        /// The run that counts in that cell.
+        id: RunId,
+        /// How many.
+        count: u64,
+    },
     /// A run ended.
     Run {
         /// Which.

@@ -38,6 +38,7 @@ pub struct Journal {
     sessions: Vec<Session>,
     models: HashMap<String, ModelRecord>,
     findings: HashMap<RunId, Finding>,
+    instructions: HashMap<RunId, u64>,
 }
 
 /// Why a journal cannot be used.
@@ -140,6 +141,7 @@ impl Journal {
             sessions: Vec::new(),
             models: HashMap::new(),
             findings: HashMap::new(),
+            instructions: HashMap::new(),
         };
         let mut bytes = Vec::new();
         journal.file.read_to_end(&mut bytes).map_err(fail("read"))?;
@@ -227,6 +229,10 @@ impl Journal {
             Line::Model(model) => {
                 self.models.insert(model.name.clone(), model);
             }
+            Line::Instructions { id, count } => {
+                header.check(&id)?;
+                self.instructions.insert(id, count);
+            }
             Line::Run { id, found } => {
                 header.check(&id)?;
                 self.note(id, found)?;
@@ -296,6 +302,19 @@ impl Ledger for Journal {
 
     fn finding(&self, run: &RunId) -> Option<&Finding> {
         self.findings.get(run)
+    }
+
+    fn instructions(&self, run: &RunId) -> Option<u64> {
+        self.instructions.get(run).copied()
+    }
+
+    fn keep_instructions(&mut self, id: RunId, count: u64) -> anyhow::Result<()> {
+        self.keep_line(&Line::Instructions {
+            id: id.clone(),
+            count,
+        })?;
+        self.instructions.insert(id, count);
+        Ok(())
     }
 
     fn keep_model(&mut self, model: &ModelRecord) -> anyhow::Result<()> {

@@ -7,10 +7,10 @@ use super::{Header, Journal, JournalError};
 use crate::benchmark::{Outcome, run};
 use crate::plan::{Plan, Reference};
 use crate::plan_record::PlanRecord;
-use crate::record::{Host, IsolationRecord, Session, Status, Tool};
+use crate::record::{Cell, Host, IsolationRecord, ModelRecord, Session, Status, Tool};
 use crate::registry;
 use crate::rehearsal::{Deaf, Rehearsal, crash_ich, plan, spoil_vtp};
-use crate::runner::{Failure, Purpose};
+use crate::runner::{Failure, Listener, Purpose};
 use tempfile::TempDir;
 
 /// A directory with a journal in it.
@@ -173,6 +173,34 @@ fn wherever_a_run_is_killed_it_goes_on_to_the_same_result() {
             assert!(finished.starts_with(&lines[..kept].concat()));
         }
     }
+}
+
+/// Counts instructions and how often it was asked to.
+#[derive(Default)]
+struct Counting(u64);
+
+impl Listener for Counting {
+    fn count_instructions(&mut self, _: &ModelRecord, _: &Cell) -> Option<u64> {
+        self.0 += 1;
+        Some(1000 + self.0)
+    }
+}
+
+#[test]
+fn instructions_are_counted_once() {
+    let desk = Desk::new();
+    let go = |listener: &mut Counting| {
+        let mut journal = desk.open(&small()).unwrap();
+        let mut workplace = Rehearsal::default();
+        run(&small(), &mut workplace, &mut journal, listener).unwrap()
+    };
+    let mut first = Counting::default();
+    let whole = go(&mut first);
+    assert_eq!(first.0, 6);
+    assert_eq!(whole.cells[5].instructions, Some(1006));
+    let mut second = Counting::default();
+    assert_eq!(go(&mut second).cells, whole.cells);
+    assert_eq!(second.0, 0);
 }
 
 #[test]

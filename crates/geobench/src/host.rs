@@ -35,6 +35,7 @@ pub fn host() -> Host {
         load_start: fs::read_to_string("/proc/loadavg")
             .ok()
             .and_then(|text| text.split_whitespace().next()?.parse().ok()),
+        simd: Some(geobench_vtp::Instructions::detect().to_string()),
     }
 }
 

@@ -99,6 +99,10 @@ pub struct Host {
     pub kernel: Option<String>,
     /// Load average over one minute when the run started.
     pub load_start: Option<f64>,
+    /// The widest vector instructions that it has and the program uses, `avx512`, `avx2` or `scalar`. An
+    /// algorithm with a parameter `simd` takes these unless its label names others, and never wider ones.
+    #[serde(default)]
+    pub simd: Option<String>,
 }
 
 /// Where cells ran.

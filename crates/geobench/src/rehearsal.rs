@@ -158,6 +158,7 @@ pub(crate) fn result(outcome: Outcome) -> ResultFile {
             os: "some system".into(),
             kernel: None,
             load_start: Some(0.5),
+            simd: Some("avx2".into()),
         },
         command: vec!["geobench".into(), "run".into()],
         started: "2025-01-01T00:00:00Z".into(),

@@ -26,6 +26,11 @@
 //! [`algorithms`] has a page for each combination that has a name. Another one is a type:
 //! `ListPropagation::<NearestFace, OrderFree, NoPairs, AnyExit>::new(&mesh)`.
 //!
+//! # For speed
+//!
+//! [`VtpFast`] is VTP with another engine, on structures of arrays and vector instructions; see
+//! [its page](algorithms::vtp_fast).
+//!
 //! # Every deletion is beyond doubt
 //!
 //! A window or a part of one goes only if a real path is shorter by more than 1e-12 of its length
@@ -35,6 +40,7 @@
 
 mod area;
 mod exits;
+mod fast;
 mod lists;
 mod merge;
 mod orient;
@@ -51,6 +57,7 @@ pub use algorithms::{
     EdgeBased, Ftp, Opftp, Opvtp, Vtp, VtpExhaustive, VtpNoRule1, VtpNoRules23, VtpTrimming,
 };
 pub use exits::{AcrossTheFace, AnyExit, EveryPath, Exits, OneAngleTwoSides};
+pub use fast::{Instructions, Options as FastOptions, VtpFast};
 pub use merge::{Merge, OrderFree, OrderPreserving};
 pub use propagation::ListPropagation;
 pub use pruning::{AllPairs, Neighbours, NoPairs, Pairs, TiePoints};

@@ -5,7 +5,8 @@ use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_mmp::mmp;
 use geobench_oracle::zoo;
 use geobench_vtp::{
-    EdgeBased, Ftp, Opftp, Opvtp, Vtp, VtpExhaustive, VtpNoRule1, VtpNoRules23, VtpTrimming,
+    EdgeBased, FastOptions, Ftp, Instructions, Opftp, Opvtp, Vtp, VtpExhaustive, VtpFast,
+    VtpNoRule1, VtpNoRules23, VtpTrimming,
 };
 use geobench_window::{Counter, Counters, Solver};
 
@@ -37,7 +38,7 @@ fn soup_of(spec: &str) -> TriangleSoup {
 /// Compares the whole family with MMP from `count` sources spread over the mesh.
 fn check(name: &str, mesh: &Mesh, count: usize) {
     let mut reference = mmp(mesh);
-    let mut family = family(mesh);
+    let mut family: Vec<_> = family(mesh).into_iter().chain(fast(mesh)).collect();
     for i in 0..count {
         let source = VertexId::new((i * mesh.vertex_count() / count) as u32);
         let expected = reference.solve(&[source]).unwrap().distances;
@@ -51,6 +52,49 @@ fn check(name: &str, mesh: &Mesh, count: usize) {
             }
         }
     }
+}
+
+/// VTP for speed, with all sets of instructions and with each improvement switched off.
+fn fast(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver + '_>)> {
+    let all = FastOptions::default();
+    let with = |instructions| FastOptions {
+        instructions,
+        ..all
+    };
+    let options = [
+        ("scalar", with(Instructions::Scalar)),
+        ("avx2", with(Instructions::Avx2)),
+        ("avx512", with(Instructions::Avx512)),
+        ("all pairs", FastOptions { pairs: 1, ..all }),
+        ("no pairs", FastOptions { pairs: 0, ..all }),
+        (
+            "narrow buckets",
+            FastOptions {
+                bucket: 0.01,
+                ..all
+            },
+        ),
+        ("wide buckets", FastOptions { bucket: 3.0, ..all }),
+        (
+            "all around",
+            FastOptions {
+                shadow: false,
+                ..all
+            },
+        ),
+        (
+            "own numbers",
+            FastOptions {
+                renumber: false,
+                ..all
+            },
+        ),
+    ];
+    let solver = |o| -> Box<dyn Solver + '_> { Box::new(VtpFast::with_options(mesh, o)) };
+    options
+        .into_iter()
+        .map(|(name, o)| (name, solver(o)))
+        .collect()
 }
 
 #[test]
@@ -90,7 +134,7 @@ fn all_agree_on_whole_numbers_pinches_borders_and_several_components() {
 fn a_solver_gives_the_same_answer_again_and_from_several_sources() {
     let mesh = scaled(soup_of("gen:terrain,n=16,seed=5"), 1.0);
     let [a, b] = [3, 200].map(VertexId::new);
-    for (algorithm, mut solver) in family(&mesh) {
+    for (algorithm, mut solver) in family(&mesh).into_iter().chain(fast(&mesh)) {
         let [from_a, from_b] = [a, b].map(|s| solver.solve(&[s]).unwrap().distances);
         let from_both = solver.solve(&[a, b]).unwrap().distances;
         assert_eq!(solver.solve(&[a]).unwrap().distances, from_a, "{algorithm}");
@@ -99,6 +143,64 @@ fn a_solver_gives_the_same_answer_again_and_from_several_sources() {
             assert!((least - both).abs() <= 1e-12 * least, "{algorithm}");
         }
     }
+}
+
+/// Kernels that gave other bits with other registers would make distances depend on the processor.
+#[test]
+fn all_instructions_give_the_same_bits_and_counts() {
+    let mut available = 0;
+    for spec in [
+        "gen:sphere,subdiv=4,noise=0.05,seed=2",
+        "gen:terrain,n=40,seed=3",
+        "gen:grid,n=20",
+        "gen:anisotropic,faces=3000,g=6",
+    ] {
+        for scale in [1.0, 1e-40, 1e40] {
+            let mesh = scaled(soup_of(spec), scale);
+            let source = [VertexId::new(mesh.vertex_count() as u32 / 3)];
+            let run = |instructions, pairs| {
+                let options = FastOptions {
+                    instructions,
+                    pairs,
+                    ..FastOptions::default()
+                };
+                let mut solver = VtpFast::with_options(&mesh, options);
+                assert_eq!(solver.options().instructions, instructions);
+                let (solution, counters) = solver.count(&source).unwrap();
+                let bits: Vec<_> = solution.distances.iter().map(|d| d.to_bits()).collect();
+                (bits, counters)
+            };
+            for pairs in [1, 8] {
+                let scalar = run(Instructions::Scalar, pairs);
+                for wide in [Instructions::Avx2, Instructions::Avx512] {
+                    if wide.is_available() {
+                        available += 1;
+                        assert!(run(wide, pairs) == scalar, "{spec} times {scale}: {wide}");
+                    }
+                }
+            }
+        }
+    }
+    if available == 0 {
+        eprintln!("SKIPPED: this processor has no vector instructions that are used");
+    }
+}
+
+#[test]
+fn every_improvement_leaves_its_mark_on_the_counts() {
+    let mesh = scaled(soup_of("gen:sphere,subdiv=4,noise=0.05,seed=2"), 1.0);
+    let get = |options, counter| {
+        let mut solver = VtpFast::with_options(&mesh, options);
+        let counters = solver.count(&[VertexId::new(0)]).unwrap().1;
+        counters.get(counter).unwrap()
+    };
+    let all = FastOptions::default();
+    let children = |pairs| get(FastOptions { pairs, ..all }, Counter::Children);
+    assert!(children(1) < children(8) && children(8) < children(0));
+    let spawned = |shadow| get(FastOptions { shadow, ..all }, Counter::Spawned);
+    assert!(2 * spawned(true) < spawned(false));
+    let rounds = |bucket| get(FastOptions { bucket, ..all }, Counter::Iterations);
+    assert!(rounds(0.1) > 2 * rounds(0.5));
 }
 
 fn counts(mesh: &Mesh) -> Vec<(&'static str, Counters)> {

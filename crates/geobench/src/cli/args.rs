@@ -216,7 +216,7 @@ pub(super) struct DistanceOptions {
     pub(super) source: SourceSpec,
 
     /// The algorithm
-    #[arg(long, value_name = "A", default_value = "vtp", value_parser = registry::select_one)]
+    #[arg(long, value_name = "A", default_value = "vtp-fast", value_parser = registry::select_one)]
     pub(super) algo: Selection,
 
     /// File to write, by its ending: .csv, .json, .npy, .ply or .vtk

@@ -149,7 +149,8 @@ fn json() {
         "memory_bytes": 17179869184,
         "os": "some system",
         "kernel": null,
-        "load_start": 0.5
+        "load_start": 0.5,
+        "simd": "avx2"
       },
       "command": [
         "geobench",

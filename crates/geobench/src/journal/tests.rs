@@ -86,6 +86,7 @@ fn session() -> Session {
             os: "some system".into(),
             kernel: None,
             load_start: None,
+            simd: None,
         },
         command: vec!["geobench".into()],
         started: "2025-01-01T00:00:00Z".into(),

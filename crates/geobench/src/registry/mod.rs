@@ -14,6 +14,7 @@ mod parameter;
 mod select;
 mod threshold;
 mod vtp;
+mod vtp_fast;
 
 use std::sync::LazyLock;
 
@@ -25,7 +26,15 @@ pub use select::{SelectError, Selection, select, select_one};
 
 /// Every algorithm, in the order in which tables show them.
 pub fn algorithms() -> &'static [Algorithm] {
-    static ALL: LazyLock<Vec<Algorithm>> =
-        LazyLock::new(|| [mmp::FAMILY, ch::FAMILY, fwp::FAMILY, vtp::FAMILY].concat());
+    static ALL: LazyLock<Vec<Algorithm>> = LazyLock::new(|| {
+        [
+            mmp::FAMILY,
+            ch::FAMILY,
+            fwp::FAMILY,
+            vtp::FAMILY,
+            vtp_fast::FAMILY,
+        ]
+        .concat()
+    });
     &ALL
 }

@@ -49,7 +49,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         summary: "all windows around the nearest vertex cross its triangles together, pruned by rules 1, 2 and 3",
         complexity: "time O(n^2), space O(n)",
         keeps: "the windows of the wavefront, in one list for each half-edge on it",
-        choose: "for distances at vertices: it is the fastest here and takes the least memory",
+        choose: "to compare with the papers; for distances at vertices, vtp-fast is faster",
         memory_counter: Counter::PeakWindows,
         comfortable_faces: None,
         parameters: &[THRESHOLD],

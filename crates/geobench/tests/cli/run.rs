@@ -7,7 +7,7 @@ use crate::support::{NON_MANIFOLD, SQUARE, Sandbox};
 /// Every field of the contract, as paths into a result file.
 const FIELDS: &str = "
     schema tool.version tool.commit tool.rustc tool.profile tool.features
-    host.cpu host.cores host.memory_bytes host.os host.kernel host.load_start
+    host.cpu host.cores host.memory_bytes host.os host.kernel host.load_start host.simd
     command started finished
     models.0.name models.0.path models.0.sha256 models.0.vertices models.0.faces models.0.edges
     models.0.boundary_edges models.0.components models.0.genus models.0.saddles models.0.anisotropy

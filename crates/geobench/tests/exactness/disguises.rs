@@ -22,7 +22,7 @@ fn check(
     let mut failures = Failures::default();
     let runs = exact_runs(&model.name, &mesh);
     for (mut run, mut again) in pairs(runs, exact_runs(&disguised.name, &other)) {
-        if !included(run.algorithm) {
+        if !included(run.selection.algorithm()) {
             continue;
         }
         let plain = run.distances(&[source]);
@@ -37,7 +37,7 @@ fn check(
 fn pairs<'m>(runs: Vec<Run<'m>>, others: Vec<Run<'m>>) -> impl Iterator<Item = (Run<'m>, Run<'m>)> {
     let mut others = others;
     runs.into_iter().filter_map(move |run| {
-        let same = |other: &Run<'_>| other.algorithm.name == run.algorithm.name;
+        let same = |other: &Run<'_>| other.selection.label() == run.selection.label();
         let place = others.iter().position(same)?;
         Some((run, others.swap_remove(place)))
     })

@@ -132,14 +132,18 @@ fn a_source_that_does_not_exist_is_refused() {
         assert!(
             run.solver().solve(&[VertexId::new(6)]).is_err(),
             "{}",
-            run.algorithm.name
+            run.selection.label()
         );
-        assert!(run.solver().solve(&[]).is_err(), "{}", run.algorithm.name);
+        assert!(
+            run.solver().solve(&[]).is_err(),
+            "{}",
+            run.selection.label()
+        );
         assert_eq!(
             run.distances(&[0, 0]),
             run.distances(&[0]),
             "{}",
-            run.algorithm.name
+            run.selection.label()
         );
     }
 }

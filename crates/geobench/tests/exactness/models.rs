@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
-use geobench::registry::Algorithm;
+use geobench::registry::Selection;
 use geobench_mesh::{Mesh, io as mesh_io};
 use geobench_oracle::Random;
 use rayon::prelude::*;
@@ -93,7 +93,7 @@ fn load(path: &Path) -> Mesh {
 const LARGE: usize = 50_000;
 
 /// The algorithms whose parts all others are made of.
-const CORE: [&str; 3] = ["mmp", "ich", "vtp"];
+const CORE: [&str; 4] = ["mmp", "ich", "vtp", "vtp-fast"];
 
 /// Which algorithms run from which sources.
 #[derive(Clone, Copy, PartialEq)]
@@ -122,20 +122,20 @@ fn check(model: &str, extent: Extent, failures: &mut Failures) {
     let mut sources: Vec<u32> = expected.iter().map(|e| e.source).collect();
     sources.extend((0..RANDOM_SOURCES).map(|_| random.below(mesh.vertex_count() as u32)));
     let mut algorithms = exact_algorithms();
-    algorithms.retain(|algorithm| can_finish(algorithm, mesh.face_count(), 1e8));
+    algorithms.retain(|selection| can_finish(selection.algorithm(), mesh.face_count(), 1e8));
     let large = mesh.face_count() > LARGE;
-    let takes_part = |source: u32, algorithm: &Algorithm| {
+    let takes_part = |source: u32, selection: &Selection| {
         let known = expected.iter().any(|e| e.source == source);
-        extent == Extent::Full || !large || known || CORE.contains(&algorithm.name)
+        extent == Extent::Full || !large || known || CORE.contains(&selection.algorithm().name)
     };
     let cells: Vec<_> = sources
         .iter()
-        .flat_map(|&source| algorithms.iter().map(move |&algorithm| (source, algorithm)))
-        .filter(|&(source, algorithm)| takes_part(source, algorithm))
+        .flat_map(|&source| algorithms.iter().map(move |selection| (source, selection)))
+        .filter(|&(source, selection)| takes_part(source, selection))
         .collect();
-    let solve = |&(source, algorithm): &(u32, &'static Algorithm)| {
+    let solve = |&(source, selection): &(u32, &Selection)| {
         let mut failures = Failures::default();
-        let mut run = Run::new(algorithm, model, &mesh);
+        let mut run = Run::new(selection.clone(), model, &mesh);
         let found = caught(&mut failures, || run.distances(&[source]));
         (source, run.at(&[source]), found, failures)
     };

@@ -4,7 +4,7 @@ use std::any::Any;
 use std::fmt::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use geobench::registry::{Algorithm, algorithms};
+use geobench::registry::{Algorithm, Selection, select};
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_oracle::{Geometry, Model};
 use geobench_window::Solver;
@@ -15,9 +15,12 @@ pub(crate) const ROUNDING: f64 = 1e-12;
 /// The difference from an independent program that no answer may exceed.
 pub(crate) const AGREEMENT: f64 = 1e-9;
 
-/// The algorithms that claim to be exact.
-pub(crate) fn exact_algorithms() -> Vec<&'static Algorithm> {
-    algorithms().iter().filter(|a| a.exact).collect()
+/// The algorithms that claim to be exact, and other programs of those that have several.
+const EXACT: &str = "exact,vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pairs=1}";
+
+/// These, ready to be built.
+pub(crate) fn exact_algorithms() -> Vec<Selection> {
+    select(EXACT).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Whether `algorithm` can finish a mesh with this many faces within `budget` windows. CH takes some
@@ -33,7 +36,7 @@ pub(crate) fn can_finish(algorithm: &Algorithm, faces: usize, budget: f64) -> bo
 /// An algorithm at work on a mesh that has a name.
 pub(crate) struct Run<'m> {
     /// What runs.
-    pub(crate) algorithm: &'static Algorithm,
+    pub(crate) selection: Selection,
     model: &'m str,
     solver: Box<dyn Solver + 'm>,
 }
@@ -42,17 +45,17 @@ pub(crate) struct Run<'m> {
 pub(crate) fn exact_runs<'m>(model: &'m str, mesh: &'m Mesh) -> Vec<Run<'m>> {
     let faces = mesh.face_count();
     let algorithms = exact_algorithms().into_iter();
-    let algorithms = algorithms.filter(|a| can_finish(a, faces, 1e5));
+    let algorithms = algorithms.filter(|a| can_finish(a.algorithm(), faces, 1e5));
     algorithms.map(|a| Run::new(a, model, mesh)).collect()
 }
 
 impl<'m> Run<'m> {
-    /// Sets `algorithm` up for `mesh`.
-    pub(crate) fn new(algorithm: &'static Algorithm, model: &'m str, mesh: &'m Mesh) -> Self {
+    /// Sets `selection` up for `mesh`.
+    pub(crate) fn new(selection: Selection, model: &'m str, mesh: &'m Mesh) -> Self {
         Self {
-            algorithm,
+            solver: selection.build(mesh),
+            selection,
             model,
-            solver: algorithm.build_default(mesh),
         }
     }
 
@@ -79,7 +82,11 @@ impl<'m> Run<'m> {
 
     /// Where a failure happened.
     pub(crate) fn at(&self, sources: &[u32]) -> String {
-        format!("{}, {}, from {sources:?}", self.model, self.algorithm.name)
+        format!(
+            "{}, {}, from {sources:?}",
+            self.model,
+            self.selection.label()
+        )
     }
 }
 

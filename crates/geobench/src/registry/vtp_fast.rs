@@ -1,0 +1,68 @@
+//! VTP for speed, and its switches.
+
+use geobench_vtp::{FastOptions, Instructions, VtpFast};
+use geobench_window::Counter;
+
+use super::{Algorithm, Parameter, Values};
+
+const SIMD: Parameter = Parameter::word(
+    "simd",
+    &["auto", "avx512", "avx2", "scalar"],
+    "instructions to use, the widest that there are by default; narrower ones where these are missing",
+);
+
+const PAIRS: Parameter = Parameter::integer(
+    "pairs",
+    8,
+    0..=1_000_000,
+    "applies rules 2 and 3 to one in so many lists; to none if 0",
+);
+
+const BUCKET: Parameter = Parameter::real(
+    "bucket",
+    0.25,
+    0.001..=1e6,
+    "lets vertices have their turns together whose distances are within so many mean edge lengths",
+);
+
+const SHADOW: Parameter = Parameter::word(
+    "shadow",
+    &["on", "off"],
+    "sends windows from a vertex only into the shadow of the path that reached it",
+);
+
+const RENUMBER: Parameter = Parameter::word(
+    "renumber",
+    &["on", "off"],
+    "puts vertices and faces into an order of its own, breadth first",
+);
+
+pub(super) const FAMILY: &[Algorithm] = &[Algorithm {
+    name: "vtp-fast",
+    family: "vtp-family",
+    paper: "Qin et al. 2016, with improvements of our own",
+    exact: true,
+    summary: "vtp with every improvement that keeps it exact: vector instructions, vertices in buckets, fewer checks",
+    complexity: "time O(n^2), space O(n)",
+    keeps: "the windows of the wavefront, in one list for each half-edge on it",
+    choose: "for distances at vertices, always: it is the fastest, with little memory",
+    memory_counter: Counter::PeakWindows,
+    comfortable_faces: None,
+    parameters: &[SIMD, PAIRS, BUCKET, SHADOW, RENUMBER],
+    build: |mesh, values| Box::new(VtpFast::with_options(mesh, options(values))),
+}];
+
+fn options(values: &Values) -> FastOptions {
+    FastOptions {
+        instructions: match values.word(&SIMD) {
+            Some("avx512") => Instructions::Avx512,
+            Some("avx2") => Instructions::Avx2,
+            Some("scalar") => Instructions::Scalar,
+            _ => Instructions::detect(),
+        },
+        pairs: values.integer(&PAIRS) as u32,
+        bucket: values.real(&BUCKET),
+        shadow: values.word(&SHADOW) == Some("on"),
+        renumber: values.word(&RENUMBER) == Some("on"),
+    }
+}

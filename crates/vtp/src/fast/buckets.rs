@@ -1,0 +1,175 @@
+//! Vertices in the order of their distances, a bucket at a time.
+
+/// Buckets of the ring.
+const RING: u32 = 1024;
+
+/// Stands for no bucket.
+const NONE: u32 = u32::MAX;
+
+/// A queue that hands out all vertices of the nearest bucket together.
+///
+/// A vertex that improves is pushed again; what it leaves behind in a later bucket is void. Buckets
+/// less than [`RING`] ahead are lists of their own, the rest waits in one until the ring gets there.
+#[derive(Clone, Debug)]
+pub(super) struct Buckets {
+    inverse_width: f64,
+    ring: Vec<Vec<u32>>,
+    /// Entries in the ring, void ones included.
+    in_ring: usize,
+    /// Vertices beyond the ring, with their buckets.
+    far: Vec<(u32, u32)>,
+    /// The least bucket among these.
+    far_least: u32,
+    current: u32,
+    /// The bucket in which each vertex is.
+    bucket_of: Vec<u32>,
+}
+
+impl Buckets {
+    pub(super) fn new(vertices: usize, width: f64) -> Self {
+        Self {
+            inverse_width: width.recip(),
+            ring: vec![Vec::new(); RING as usize],
+            in_ring: 0,
+            far: Vec::new(),
+            far_least: NONE,
+            current: 0,
+            bucket_of: vec![NONE; vertices],
+        }
+    }
+
+    /// Starts again from distance 0; the queue is empty.
+    pub(super) fn reset(&mut self) {
+        self.current = 0;
+    }
+
+    /// Number of entries, void ones included.
+    pub(super) fn len(&self) -> usize {
+        self.in_ring + self.far.len()
+    }
+
+    /// Vertex `v` is to have a turn at distance `d`; returns whether that is news.
+    #[inline]
+    #[allow(clippy::cast_sign_loss)] // No distance is negative.
+    pub(super) fn push(&mut self, v: u32, d: f64) -> bool {
+        // A distance beyond all buckets shares the last one.
+        let bucket = ((d * self.inverse_width) as u32).clamp(self.current, NONE - 1);
+        let known = &mut self.bucket_of[v as usize];
+        if *known == bucket {
+            return false;
+        }
+        *known = bucket;
+        if bucket - self.current < RING {
+            self.ring[(bucket % RING) as usize].push(v);
+            self.in_ring += 1;
+        } else {
+            self.far.push((v, bucket));
+            self.far_least = self.far_least.min(bucket);
+        }
+        true
+    }
+
+    /// Replaces the contents of `turn` by the vertices of the nearest bucket; returns whether there are any.
+    pub(super) fn pop(&mut self, turn: &mut Vec<u32>) -> bool {
+        turn.clear();
+        while turn.is_empty() {
+            if self.in_ring == 0 {
+                if self.far.is_empty() {
+                    return false;
+                }
+                self.current = self.far_least;
+            }
+            if self.current >= self.far_least {
+                self.bring_near();
+            }
+            let bucket = &mut self.ring[(self.current % RING) as usize];
+            if bucket.is_empty() {
+                self.current += 1;
+                continue;
+            }
+            std::mem::swap(turn, bucket);
+            self.in_ring -= turn.len();
+            turn.retain(|&v| {
+                let known = &mut self.bucket_of[v as usize];
+                let valid = *known == self.current;
+                if valid {
+                    *known = NONE;
+                }
+                valid
+            });
+        }
+        true
+    }
+
+    /// Moves into the ring what it has come near to.
+    #[cold]
+    fn bring_near(&mut self) {
+        self.far_least = NONE;
+        for (v, bucket) in std::mem::take(&mut self.far) {
+            if self.bucket_of[v as usize] != bucket {
+                continue;
+            }
+            if bucket - self.current < RING {
+                self.ring[(bucket % RING) as usize].push(v);
+                self.in_ring += 1;
+            } else {
+                self.far.push((v, bucket));
+                self.far_least = self.far_least.min(bucket);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drain(buckets: &mut Buckets) -> Vec<Vec<u32>> {
+        let (mut turns, mut turn) = (Vec::new(), Vec::new());
+        while buckets.pop(&mut turn) {
+            turn.sort_unstable();
+            turns.push(turn.clone());
+        }
+        turns
+    }
+
+    #[test]
+    fn vertices_come_by_buckets_however_far_apart() {
+        let mut buckets = Buckets::new(7, 0.5);
+        let distances = [1e30, 0.1, 600.0, 1e5, 0.4, 1e30, 1e5 + 1.0];
+        for (v, d) in distances.into_iter().enumerate() {
+            assert!(buckets.push(v as u32, d));
+        }
+        assert_eq!(buckets.len(), 7);
+        let turns = drain(&mut buckets);
+        assert_eq!(turns, [vec![1, 4], vec![2], vec![3], vec![6], vec![0, 5]]);
+        assert_eq!(buckets.len(), 0);
+    }
+
+    #[test]
+    fn only_the_last_entry_of_a_vertex_counts() {
+        let mut buckets = Buckets::new(3, 1.0);
+        for d in [1e4, 2e3, 5.0, 2.0, 2.5] {
+            buckets.push(0, d);
+        }
+        assert!(!buckets.push(0, 2.9), "the same bucket is no news");
+        buckets.push(1, 3.0);
+        assert_eq!(drain(&mut buckets), [[0], [1]]);
+        buckets.reset();
+        buckets.push(2, 1.0);
+        buckets.push(0, 2.0);
+        assert_eq!(drain(&mut buckets), [[2], [0]]);
+    }
+
+    #[test]
+    fn what_comes_late_has_its_turn_at_once() {
+        let mut buckets = Buckets::new(2, 1.0);
+        let mut turn = Vec::new();
+        buckets.push(0, 5.0);
+        assert!(buckets.pop(&mut turn));
+        buckets.push(1, 1.0);
+        buckets.push(0, 5.5);
+        assert!(buckets.pop(&mut turn));
+        assert_eq!(turn, [1, 0]);
+    }
+}

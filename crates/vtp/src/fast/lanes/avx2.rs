@@ -1,0 +1,229 @@
+//! Four lanes: AVX2.
+
+use std::arch::x86_64::{
+    __m256d, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm_cvtsd_f64, _mm_min_pd, _mm_min_sd,
+    _mm_unpackhi_pd, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd,
+    _mm256_castpd_ps, _mm256_castpd256_pd128, _mm256_castps_pd, _mm256_castsi256_pd, _mm256_cmp_pd,
+    _mm256_div_pd, _mm256_extractf128_pd, _mm256_load_si256, _mm256_loadu_pd, _mm256_maskstore_pd,
+    _mm256_max_pd, _mm256_min_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_or_pd,
+    _mm256_permutevar8x32_ps, _mm256_set1_epi64x, _mm256_set1_pd, _mm256_sqrt_pd, _mm256_storeu_pd,
+    _mm256_sub_pd, _mm256_xor_pd,
+};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
+
+use super::{LaneMask, Lanes};
+
+/// Four numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Avx2(__m256d);
+
+/// Four answers: all bits of a lane are set, or none.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mask4(__m256d);
+
+/// A table of registers, one for each of the sixteen masks.
+#[repr(align(32))]
+struct Table([[u32; 8]; 16]);
+
+/// For each mask the places from which a permutation takes 32-bit halves to bring the chosen lanes
+/// to the front.
+static CHOSEN: Table = Table(chosen());
+
+/// For each mask the lanes themselves, all bits set or none.
+static LANES: Table = Table(lanes());
+
+const fn chosen() -> [[u32; 8]; 16] {
+    let mut table = [[0; 8]; 16];
+    let mut bits = 0;
+    while bits < 16 {
+        let (mut lane, mut place) = (0, 0);
+        while lane < 4 {
+            if bits >> lane & 1 != 0 {
+                table[bits][2 * place] = 2 * lane;
+                table[bits][2 * place + 1] = 2 * lane + 1;
+                place += 1;
+            }
+            lane += 1;
+        }
+        bits += 1;
+    }
+    table
+}
+
+const fn lanes() -> [[u32; 8]; 16] {
+    let mut table = [[0; 8]; 16];
+    let mut bits = 0;
+    while bits < 16 {
+        let mut half = 0;
+        while half < 8 {
+            if bits >> (half / 2) & 1 != 0 {
+                table[bits][half] = u32::MAX;
+            }
+            half += 1;
+        }
+        bits += 1;
+    }
+    table
+}
+
+/// The entry of `table` for a mask.
+///
+/// # Safety
+///
+/// The processor must have AVX.
+#[inline(always)]
+unsafe fn entry(table: &Table, bits: u8) -> __m256i {
+    let row: *const [u32; 8] = &raw const table.0[usize::from(bits & 15)];
+    // SAFETY: the row has 32 bytes, and the table is aligned to that.
+    unsafe { _mm256_load_si256(row.cast()) }
+}
+
+macro_rules! operator {
+    ($($trait:ident $method:ident $intrinsic:ident)+) => {
+        $(impl $trait for Avx2 {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: a value of this type exists, so the processor has AVX2.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        })+
+    };
+}
+
+operator! { Add add _mm256_add_pd Sub sub _mm256_sub_pd Mul mul _mm256_mul_pd Div div _mm256_div_pd }
+
+impl Lanes for Avx2 {
+    const COUNT: usize = 4;
+
+    type Mask = Mask4;
+
+    #[inline(always)]
+    unsafe fn splat(x: f64) -> Self {
+        // SAFETY: promised by the caller.
+        Self(unsafe { _mm256_set1_pd(x) })
+    }
+
+    #[inline(always)]
+    unsafe fn load(from: *const f64) -> Self {
+        // SAFETY: promised by the caller.
+        Self(unsafe { _mm256_loadu_pd(from) })
+    }
+
+    #[inline(always)]
+    unsafe fn store(self, to: *mut f64) {
+        // SAFETY: promised by the caller.
+        unsafe { _mm256_storeu_pd(to, self.0) }
+    }
+
+    #[inline(always)]
+    unsafe fn store_chosen(self, mask: Mask4, to: *mut f64) {
+        let bits = mask.bits();
+        let first = ((1_u32 << bits.count_ones()) - 1) as u8;
+        // SAFETY: promised by the caller; lanes that are not among the first are not written.
+        unsafe {
+            let front = _mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), entry(&CHOSEN, bits));
+            _mm256_maskstore_pd(to, entry(&LANES, first), _mm256_castps_pd(front));
+        }
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: a value of this type exists, so the processor has AVX2; likewise below.
+        Self(unsafe { _mm256_sqrt_pd(self.0) })
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: as for `sqrt`.
+        Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: as for `sqrt`.
+        Self(unsafe { _mm256_min_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: as for `sqrt`.
+        Self(unsafe { _mm256_max_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> Mask4 {
+        // SAFETY: as for `sqrt`.
+        Mask4(unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> Mask4 {
+        // SAFETY: as for `sqrt`.
+        Mask4(unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn select(mask: Mask4, yes: Self, no: Self) -> Self {
+        // SAFETY: as for `sqrt`.
+        Self(unsafe { _mm256_blendv_pd(no.0, yes.0, mask.0) })
+    }
+
+    #[inline(always)]
+    fn least(self) -> f64 {
+        // SAFETY: as for `sqrt`.
+        unsafe {
+            let two = _mm_min_pd(
+                _mm256_castpd256_pd128(self.0),
+                _mm256_extractf128_pd::<1>(self.0),
+            );
+            _mm_cvtsd_f64(_mm_min_sd(two, _mm_unpackhi_pd(two, two)))
+        }
+    }
+}
+
+impl BitAnd for Mask4 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        // SAFETY: a value of this type exists, so the processor has AVX2; likewise below.
+        Self(unsafe { _mm256_and_pd(self.0, other.0) })
+    }
+}
+
+impl BitOr for Mask4 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        // SAFETY: as for `bitand`.
+        Self(unsafe { _mm256_or_pd(self.0, other.0) })
+    }
+}
+
+impl Not for Mask4 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        // SAFETY: as for `bitand`.
+        Self(unsafe { _mm256_xor_pd(self.0, _mm256_castsi256_pd(_mm256_set1_epi64x(-1))) })
+    }
+}
+
+impl LaneMask for Mask4 {
+    #[inline(always)]
+    unsafe fn from_bits(bits: u8) -> Self {
+        // SAFETY: promised by the caller.
+        Self(unsafe { _mm256_castsi256_pd(entry(&LANES, bits)) })
+    }
+
+    #[inline(always)]
+    #[allow(clippy::cast_sign_loss)] // The sign is not among the four bits.
+    fn bits(self) -> u8 {
+        // SAFETY: as for `bitand`.
+        unsafe { _mm256_movemask_pd(self.0) as u8 }
+    }
+}

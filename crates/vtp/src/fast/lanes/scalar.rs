@@ -1,0 +1,138 @@
+//! One lane: the same kernels on any processor.
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
+
+use super::{LaneMask, Lanes};
+
+/// One number.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scalar(f64);
+
+/// One answer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ScalarMask(bool);
+
+macro_rules! operator {
+    ($($trait:ident $method:ident $symbol:tt)+) => {
+        $(impl $trait for Scalar {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0 $symbol other.0)
+            }
+        })+
+    };
+}
+
+operator! { Add add + Sub sub - Mul mul * Div div / }
+
+impl Lanes for Scalar {
+    const COUNT: usize = 1;
+
+    type Mask = ScalarMask;
+
+    #[inline(always)]
+    unsafe fn splat(x: f64) -> Self {
+        Self(x)
+    }
+
+    #[inline(always)]
+    unsafe fn load(from: *const f64) -> Self {
+        // SAFETY: promised by the caller.
+        Self(unsafe { from.read() })
+    }
+
+    #[inline(always)]
+    unsafe fn store(self, to: *mut f64) {
+        // SAFETY: promised by the caller.
+        unsafe { to.write(self.0) }
+    }
+
+    #[inline(always)]
+    unsafe fn store_chosen(self, mask: ScalarMask, to: *mut f64) {
+        if mask.0 {
+            // SAFETY: promised by the caller.
+            unsafe { to.write(self.0) }
+        }
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.abs())
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(if self.0 < other.0 { self.0 } else { other.0 })
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(if self.0 > other.0 { self.0 } else { other.0 })
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> ScalarMask {
+        ScalarMask(self.0 < other.0)
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> ScalarMask {
+        ScalarMask(self.0 <= other.0)
+    }
+
+    #[inline(always)]
+    fn select(mask: ScalarMask, yes: Self, no: Self) -> Self {
+        if mask.0 { yes } else { no }
+    }
+
+    #[inline(always)]
+    fn least(self) -> f64 {
+        self.0
+    }
+}
+
+impl BitAnd for ScalarMask {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for ScalarMask {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Not for ScalarMask {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+
+impl LaneMask for ScalarMask {
+    #[inline(always)]
+    unsafe fn from_bits(bits: u8) -> Self {
+        Self(bits & 1 != 0)
+    }
+
+    #[inline(always)]
+    fn bits(self) -> u8 {
+        u8::from(self.0)
+    }
+}

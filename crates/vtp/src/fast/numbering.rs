@@ -1,0 +1,140 @@
+//! An order of vertices and faces in which neighbours are near each other in memory.
+
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
+
+use super::surface::half_edge;
+
+/// From the mesh's numbers to the solver's and back.
+#[derive(Clone, Debug)]
+pub(super) struct Numbering {
+    /// Empty if the numbers are the same.
+    old_vertices: Vec<u32>,
+    new_vertices: Vec<u32>,
+    old_faces: Vec<u32>,
+    new_faces: Vec<u32>,
+}
+
+/// Not numbered yet.
+const NONE: u32 = u32::MAX;
+
+impl Numbering {
+    /// The mesh's own order.
+    pub(super) fn same() -> Self {
+        Self {
+            old_vertices: vec![],
+            new_vertices: vec![],
+            old_faces: vec![],
+            new_faces: vec![],
+        }
+    }
+
+    /// Breadth first from the first vertex of each component: close to the order in which a wavefront
+    /// meets them, wherever it starts. O(faces).
+    pub(super) fn breadth_first(mesh: &Mesh) -> Self {
+        let (vertices, faces) = (mesh.vertex_count(), mesh.face_count());
+        let mut numbering = Self {
+            old_vertices: Vec::with_capacity(vertices),
+            new_vertices: vec![NONE; vertices],
+            old_faces: Vec::with_capacity(faces),
+            new_faces: vec![NONE; faces],
+        };
+        for start in mesh.vertices() {
+            let mut place = numbering.old_vertices.len();
+            numbering.take_vertex(start);
+            while let Some(&v) = numbering.old_vertices.get(place) {
+                place += 1;
+                for &h in mesh.outgoing(VertexId::new(v)) {
+                    numbering.take_face(h.face());
+                    numbering.take_vertex(mesh.head(h));
+                    numbering.take_vertex(mesh.apex_vertex(h));
+                }
+            }
+        }
+        numbering
+    }
+
+    fn take_vertex(&mut self, v: VertexId) {
+        let new = &mut self.new_vertices[v.index()];
+        if *new == NONE {
+            *new = self.old_vertices.len() as u32;
+            self.old_vertices.push(v.raw());
+        }
+    }
+
+    fn take_face(&mut self, f: FaceId) {
+        let new = &mut self.new_faces[f.index()];
+        if *new == NONE {
+            *new = self.old_faces.len() as u32;
+            self.old_faces.push(f.raw());
+        }
+    }
+
+    pub(super) fn old_vertex(&self, v: u32) -> VertexId {
+        VertexId::new(self.old_vertices.get(v as usize).copied().unwrap_or(v))
+    }
+
+    pub(super) fn new_vertex(&self, v: VertexId) -> u32 {
+        self.new_vertices.get(v.index()).copied().unwrap_or(v.raw())
+    }
+
+    pub(super) fn old_face(&self, f: u32) -> FaceId {
+        FaceId::new(self.old_faces.get(f as usize).copied().unwrap_or(f))
+    }
+
+    pub(super) fn new_half_edge(&self, h: HalfEdgeId) -> u32 {
+        let face = self.new_faces.get(h.face().index()).copied();
+        half_edge(face.unwrap_or(h.face().raw()), h.corner() as usize)
+    }
+
+    /// Drops what only setting up needs.
+    pub(super) fn forget_faces(&mut self) {
+        self.old_faces = Vec::new();
+        self.new_faces = Vec::new();
+        self.old_vertices = Vec::new();
+    }
+
+    /// `values` of the vertices in the mesh's order.
+    pub(super) fn restore(&self, values: &[f64]) -> Vec<f64> {
+        if self.new_vertices.is_empty() {
+            return values.to_vec();
+        }
+        let places = self.new_vertices.iter();
+        places.map(|&place| values[place as usize]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use geobench_mesh::TriangleSoup;
+
+    use super::*;
+
+    #[test]
+    fn every_vertex_and_face_has_one_number_and_neighbours_are_near() {
+        // Two triangles with a common edge, one apart, and a vertex without a face.
+        let positions = (0..8)
+            .map(|i| [f64::from(i * i), f64::from(i), 0.0])
+            .collect();
+        let triangles = vec![[0, 5, 7], [7, 5, 2], [1, 3, 4]];
+        let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, triangles)).unwrap();
+        let numbering = Numbering::breadth_first(&mesh);
+        for v in mesh.vertices() {
+            assert_eq!(numbering.old_vertex(numbering.new_vertex(v)), v);
+        }
+        let mut component: Vec<_> = [0, 5, 7, 2]
+            .map(|v| numbering.new_vertex(VertexId::new(v)))
+            .into();
+        component.sort_unstable();
+        assert_eq!(component, [0, 1, 2, 3]);
+        for h in mesh.half_edges() {
+            let (f, k) = super::super::surface::parts(numbering.new_half_edge(h));
+            assert_eq!(numbering.old_face(f as u32).half_edge(k as u32), h);
+        }
+        let values: Vec<f64> = (0..8)
+            .map(|v| f64::from(numbering.old_vertex(v).raw()))
+            .collect();
+        let restored = numbering.restore(&values);
+        assert_eq!(restored, (0..8).map(f64::from).collect::<Vec<_>>());
+        assert_eq!(Numbering::same().restore(&values), values);
+    }
+}

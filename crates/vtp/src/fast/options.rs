@@ -1,0 +1,91 @@
+//! What can be switched.
+
+use std::fmt;
+
+/// The instructions of which the kernels are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Instructions {
+    /// One number at a time; any processor.
+    Scalar,
+    /// Four numbers at a time.
+    Avx2,
+    /// Eight numbers at a time.
+    Avx512,
+}
+
+impl Instructions {
+    /// The best ones that this processor has.
+    pub fn detect() -> Self {
+        [Self::Avx512, Self::Avx2]
+            .into_iter()
+            .find(|instructions| instructions.is_available())
+            .unwrap_or(Self::Scalar)
+    }
+
+    /// Whether this processor has them.
+    #[cfg(target_arch = "x86_64")]
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Scalar => true,
+            Self::Avx2 => is_x86_feature_detected!("avx2"),
+            Self::Avx512 => {
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+            }
+        }
+    }
+
+    /// Whether this processor has them.
+    #[cfg(not(target_arch = "x86_64"))]
+    pub fn is_available(self) -> bool {
+        self == Self::Scalar
+    }
+
+    /// These if the processor has them, else the best ones below that it has.
+    #[must_use]
+    pub fn or_less(self) -> Self {
+        match self {
+            _ if self.is_available() => self,
+            Self::Avx512 => Self::Avx2.or_less(),
+            _ => Self::Scalar,
+        }
+    }
+}
+
+impl fmt::Display for Instructions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Scalar => "scalar",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        })
+    }
+}
+
+/// The improvements of [`VtpFast`](crate::VtpFast). None of them changes a distance by more than rounding does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// The instructions to use; fewer if the processor lacks them.
+    pub instructions: Instructions,
+    /// Rules 2 and 3 are applied to one of so many lists; to none if 0.
+    pub pairs: u32,
+    /// Width of a bucket of vertices that have their turns together, in mean edge lengths; more than 0.
+    pub bucket: f64,
+    /// Whether vertices and faces are put into an order of their own, breadth first.
+    pub renumber: bool,
+    /// Whether pseudo-sources send windows only into the shadow of the path that reached them.
+    pub shadow: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            instructions: Instructions::detect(),
+            pairs: 8,
+            bucket: 0.25,
+            renumber: true,
+            shadow: true,
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! Where windows wait: structures of arrays in one arena.
+//!
+//! A list is a *block* of five columns, b0, b1, px, py and σ, each a whole number of cache lines; 40
+//! bytes a window. Blocks come in classes by size and are used again, last freed first, so that the
+//! few thousand windows of a wavefront stay in the same cache lines from the start to the end.
+
+/// A cache line of a column.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub(crate) struct Line(pub(crate) [f64; Line::LANES]);
+
+impl Line {
+    /// Numbers in a line.
+    pub(crate) const LANES: usize = 8;
+}
+
+/// Columns of a block.
+pub(crate) const COLUMNS: usize = 5;
+
+/// The handle of no list.
+pub(crate) const NO_LIST: u32 = 0;
+
+/// Lines of a column, in the classes of small blocks; beyond these every class is twice the last.
+const SMALL: [u32; 13] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48];
+
+/// The class for each small number of lines.
+const CLASS_OF: [u8; 49] = classes();
+
+/// Enough for every length that fits into 32 bits.
+const CLASSES: usize = SMALL.len() + 27;
+
+const fn classes() -> [u8; 49] {
+    let mut table = [0; 49];
+    let (mut lines, mut class) = (0, 0);
+    while lines < table.len() {
+        if lines as u32 > SMALL[class] {
+            class += 1;
+        }
+        table[lines] = class as u8;
+        lines += 1;
+    }
+    table
+}
+
+/// Lines of a column of a block of `class`.
+#[inline]
+const fn lines_of(class: u8) -> u32 {
+    let class = class as usize;
+    if class < SMALL.len() {
+        SMALL[class]
+    } else {
+        64 << (class - SMALL.len())
+    }
+}
+
+/// The least class with room for `windows`.
+#[inline]
+fn class_for(windows: usize) -> u8 {
+    let lines = windows.div_ceil(Line::LANES);
+    match CLASS_OF.get(lines) {
+        Some(&class) => class,
+        None => SMALL.len() as u8 + (lines.div_ceil(64).next_power_of_two().trailing_zeros()) as u8,
+    }
+}
+
+/// A list of windows.
+#[derive(Clone, Copy, Debug, Default)]
+struct List {
+    /// First line of its block.
+    start: u32,
+    len: u32,
+    class: u8,
+}
+
+/// The lists of windows that wait, each known by a handle.
+#[derive(Clone, Debug)]
+pub(crate) struct WindowStore {
+    lines: Vec<Line>,
+    /// Number of lines that belong to blocks.
+    used: usize,
+    lists: Vec<List>,
+    /// For each class the lists whose blocks are free.
+    free: Vec<Vec<u32>>,
+    waiting: usize,
+}
+
+impl WindowStore {
+    pub(crate) fn new() -> Self {
+        Self {
+            // Kernels may read, not use, one number behind a block.
+            lines: vec![Line::default(); 1],
+            used: 0,
+            // Stands for `NO_LIST`.
+            lists: vec![List::default()],
+            free: vec![Vec::new(); CLASSES],
+            waiting: 0,
+        }
+    }
+
+    /// Number of windows in all lists.
+    pub(crate) fn waiting(&self) -> usize {
+        self.waiting
+    }
+
+    /// Number of windows in a list; 0 in [`NO_LIST`].
+    #[inline]
+    pub(crate) fn len(&self, list: u32) -> usize {
+        self.lists[list as usize].len as usize
+    }
+
+    /// Makes room for `more` windows in `list`, which may be [`NO_LIST`], and returns the list, which
+    /// may have moved into another block, under another handle.
+    #[inline]
+    pub(crate) fn reserve(&mut self, list: u32, more: usize) -> u32 {
+        let old = self.lists[list as usize];
+        if list == NO_LIST {
+            // As many are likely to come from the other side of the face below.
+            return self.allocate(class_for(2 * more));
+        }
+        let needed = old.len as usize + more;
+        if needed <= lines_of(old.class) as usize * Line::LANES {
+            return list;
+        }
+        let new = self.allocate(class_for(needed));
+        let (from, to) = (old.start as usize, self.lists[new as usize]);
+        let filled = (old.len as usize).div_ceil(Line::LANES);
+        for column in 0..COLUMNS {
+            let source = from + column * lines_of(old.class) as usize;
+            let target = to.start as usize + column * lines_of(to.class) as usize;
+            self.lines.copy_within(source..source + filled, target);
+        }
+        self.lists[new as usize].len = old.len;
+        self.lists[list as usize].len = 0;
+        self.free[usize::from(old.class)].push(list);
+        new
+    }
+
+    #[inline]
+    fn allocate(&mut self, class: u8) -> u32 {
+        match self.free[usize::from(class)].pop() {
+            Some(list) => list,
+            None => self.grow(class),
+        }
+    }
+
+    #[cold]
+    fn grow(&mut self, class: u8) -> u32 {
+        let start = self.used as u32;
+        self.used += COLUMNS * lines_of(class) as usize;
+        self.lines.resize(self.used + 1, Line::default());
+        self.lists.push(List {
+            start,
+            len: 0,
+            class,
+        });
+        (self.lists.len() - 1) as u32
+    }
+
+    /// Says that `list` has `len` windows now; gives an empty one back and returns [`NO_LIST`] then.
+    #[inline]
+    pub(crate) fn set_len(&mut self, list: u32, len: usize) -> u32 {
+        let entry = &mut self.lists[list as usize];
+        self.waiting = self.waiting + len - entry.len as usize;
+        entry.len = len as u32;
+        if len > 0 {
+            return list;
+        }
+        self.free[usize::from(entry.class)].push(list);
+        NO_LIST
+    }
+
+    /// Writes a window at place `i` of `list`, which has room there.
+    #[inline]
+    pub(crate) fn put(&mut self, list: u32, i: usize, window: [f64; COLUMNS]) {
+        let List { start, class, .. } = self.lists[list as usize];
+        let mut line = start as usize + i / Line::LANES;
+        for value in window {
+            self.lines[line].0[i % Line::LANES] = value;
+            line += lines_of(class) as usize;
+        }
+    }
+
+    /// The block of `list`.
+    #[inline]
+    pub(crate) fn block(&mut self, list: u32) -> &mut [Line] {
+        let range = self.range(list);
+        &mut self.lines[range]
+    }
+
+    /// The block of `list` and the line behind it, which belongs to nobody or to another block.
+    #[inline]
+    pub(crate) fn block_and_line_behind(&mut self, list: u32) -> &mut [Line] {
+        let range = self.range(list);
+        &mut self.lines[range.start..=range.end]
+    }
+
+    /// The blocks of three different lists; none of [`NO_LIST`].
+    #[inline]
+    pub(crate) fn blocks(&mut self, lists: [u32; 3]) -> [&mut [Line]; 3] {
+        let ranges = lists.map(|list| self.range(list));
+        match self.lines.get_disjoint_mut(ranges) {
+            Ok(blocks) => blocks,
+            Err(_) => unreachable!("blocks of different lists are disjoint"),
+        }
+    }
+
+    #[inline]
+    fn range(&self, list: u32) -> std::ops::Range<usize> {
+        if list == NO_LIST {
+            return 0..0;
+        }
+        let List { start, class, .. } = self.lists[list as usize];
+        start as usize..start as usize + COLUMNS * lines_of(class) as usize
+    }
+
+    /// All windows that wait, as b0, b1, px, py and σ.
+    pub(crate) fn windows(&self) -> impl Iterator<Item = [f64; COLUMNS]> {
+        self.lists.iter().flat_map(move |list| {
+            let column = lines_of(list.class) as usize;
+            (0..list.len as usize).map(move |i| {
+                std::array::from_fn(|c| {
+                    let line = list.start as usize + c * column + i / Line::LANES;
+                    self.lines[line].0[i % Line::LANES]
+                })
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_length_has_the_least_class_that_holds_it() {
+        for windows in (1..5000).chain([1 << 20, (1 << 20) + 1, u32::MAX as usize]) {
+            let class = class_for(windows);
+            let room = |class| lines_of(class) as usize * Line::LANES;
+            assert!(room(class) >= windows, "{windows}");
+            assert!(class == 0 || room(class - 1) < windows, "{windows}");
+            assert!(usize::from(class) < CLASSES);
+        }
+    }
+
+    #[test]
+    fn windows_move_with_a_list_that_grows_and_blocks_are_used_again() {
+        let mut store = WindowStore::new();
+        for round in 0..3 {
+            let mut list = store.reserve(NO_LIST, 4);
+            let column = store.block(list).len() / COLUMNS;
+            for c in 0..COLUMNS {
+                store.block(list)[c * column].0 = [c as f64; 8];
+            }
+            list = store.set_len(list, 8);
+            list = store.reserve(list, 100);
+            let waiting: Vec<_> = store.windows().collect();
+            assert_eq!(waiting, [[0.0, 1.0, 2.0, 3.0, 4.0]; 8], "round {round}");
+            assert_eq!((store.waiting(), store.len(list)), (8, 8));
+            assert_eq!(store.set_len(list, 0), NO_LIST);
+            assert_eq!(store.lists.len(), 3);
+        }
+        assert_eq!(store.waiting(), 0);
+    }
+
+    #[test]
+    fn blocks_of_several_lists_do_not_overlap() {
+        let mut store = WindowStore::new();
+        let lists = [3, 30, 300].map(|n| store.reserve(NO_LIST, n));
+        for (i, block) in store.blocks(lists).into_iter().enumerate() {
+            block.fill(Line([i as f64; 8]));
+        }
+        for (i, block) in store.blocks(lists).into_iter().enumerate() {
+            assert!(block.iter().all(|line| line.0 == [i as f64; 8]));
+        }
+        assert!(store.blocks([lists[0], NO_LIST, NO_LIST])[1].is_empty());
+    }
+}

@@ -1,0 +1,183 @@
+//! The mesh laid out for crossing, in an order of its own.
+
+use std::ops::Range;
+
+use geobench_mesh::{HalfEdgeId, Mesh};
+
+use super::kernels::Triangle;
+use super::numbering::Numbering;
+use super::store::NO_LIST;
+
+/// Stands for a neighbour that does not exist.
+pub(super) const NOBODY: u32 = u32::MAX;
+
+/// Number 4f + k for corner k of face f, so that the face and the corner are bits of it.
+pub(super) const fn half_edge(face: u32, corner: usize) -> u32 {
+    4 * face + corner as u32
+}
+
+/// The face of a half-edge, and its corner.
+#[inline]
+pub(super) const fn parts(h: u32) -> (usize, usize) {
+    ((h >> 2) as usize, (h & 3) as usize)
+}
+
+/// The corner after this one.
+#[inline]
+pub(super) const fn next(corner: usize) -> usize {
+    if corner == 2 { 0 } else { corner + 1 }
+}
+
+/// The corner before this one.
+#[inline]
+pub(super) const fn prev(corner: usize) -> usize {
+    if corner == 0 { 2 } else { corner - 1 }
+}
+
+/// All that is needed of a face, in two cache lines: the first has what is looked at and changed
+/// when windows arrive, the second what is needed to cross.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(128))]
+pub(super) struct Face {
+    /// Length of each half-edge.
+    pub(super) length: [f64; 3],
+    /// The vertex at which each half-edge starts.
+    pub(super) vertex: [u32; 3],
+    /// The half-edge of the neighbour along each, or [`NOBODY`].
+    pub(super) twin: [u32; 3],
+    /// The windows that wait on each half-edge to cross this face.
+    pub(super) list: [u32; 3],
+    /// The run in which the face joined the traversed area last.
+    pub(super) joined: u8,
+    /// Whether the list on each half-edge is about to cross.
+    pub(super) queued: [bool; 3],
+    /// Abscissa of the opposite vertex in the frame of each half-edge.
+    pub(super) apex_x: [f64; 3],
+    pub(super) inverse_length: [f64; 3],
+    pub(super) twice_area: f64,
+}
+
+const _: () = assert!(size_of::<Face>() == 128);
+
+impl Face {
+    fn new(mesh: &Mesh, numbering: &Numbering, face: u32) -> Self {
+        let f = numbering.old_face(face);
+        let sides = [0, 1, 2].map(|corner| f.half_edge(corner));
+        let length = sides.map(|h| mesh.length(h));
+        Self {
+            length,
+            vertex: sides.map(|h| numbering.new_vertex(mesh.tail(h))),
+            twin: sides.map(|h| {
+                mesh.twin(h)
+                    .map_or(NOBODY, |twin| numbering.new_half_edge(twin))
+            }),
+            list: [NO_LIST; 3],
+            joined: 0,
+            queued: [false; 3],
+            apex_x: sides.map(|h| mesh.apex(h)[0]),
+            inverse_length: length.map(f64::recip),
+            twice_area: mesh.apex(sides[0])[1] * length[0],
+        }
+    }
+
+    /// The apex in the frame of a half-edge.
+    #[inline]
+    pub(super) fn apex(&self, corner: usize) -> [f64; 2] {
+        [
+            self.apex_x[corner],
+            self.twice_area * self.inverse_length[corner],
+        ]
+    }
+
+    /// The triangle seen from a half-edge.
+    #[inline]
+    pub(super) fn triangle(&self, corner: usize) -> Triangle {
+        let (after, before) = (next(corner), prev(corner));
+        let l = self.length[corner];
+        let [cx, cy] = self.apex(corner);
+        let (to_c, from_c) = (self.inverse_length[before], self.inverse_length[after]);
+        Triangle {
+            l,
+            exits: [self.length[before], self.length[after]],
+            apex: [cx, cy],
+            directions: [[cx * to_c, cy * to_c], [(l - cx) * from_c, -cy * from_c]],
+        }
+    }
+}
+
+/// What stands at a vertex.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Vertex {
+    /// Whether windows start from it when a path reaches it.
+    pub(super) pseudo_source: bool,
+    /// Whether they must start in all directions: what lies in the shadow of the path is not known where fans meet
+    /// or end, or angles are small.
+    pub(super) all_around: bool,
+    /// Whether its last half-edge has no face on its other side.
+    pub(super) boundary: bool,
+    /// Sum of the angles around it, in radians.
+    pub(super) total_angle: f32,
+}
+
+/// The mesh in the order of the solver.
+#[derive(Clone, Debug)]
+pub(super) struct Surface {
+    pub(super) faces: Vec<Face>,
+    pub(super) vertices: Vec<Vertex>,
+    /// Half-edges that start at each vertex, counter-clockwise.
+    ring_starts: Vec<u32>,
+    pub(super) rings: Vec<u32>,
+    /// The angle between each and the next edge, in radians.
+    pub(super) angles: Vec<f32>,
+    pub(super) mean_length: f64,
+}
+
+impl Surface {
+    pub(super) fn new(mesh: &Mesh, numbering: &Numbering) -> Self {
+        let faces = (0..mesh.face_count() as u32)
+            .map(|face| Face::new(mesh, numbering, face))
+            .collect();
+        let mut ring_starts = vec![0];
+        let mut rings = Vec::with_capacity(mesh.half_edge_count());
+        let mut angles = Vec::with_capacity(mesh.half_edge_count());
+        let angle = |h: HalfEdgeId| {
+            let [x, y] = mesh.apex(h);
+            y.atan2(x) as f32
+        };
+        let vertex_of = |v: u32| {
+            let v = numbering.old_vertex(v);
+            rings.extend(mesh.outgoing(v).iter().map(|&h| numbering.new_half_edge(h)));
+            angles.extend(mesh.outgoing(v).iter().map(|&h| angle(h)));
+            ring_starts.push(rings.len() as u32);
+            Vertex {
+                pseudo_source: mesh.is_pseudo_source(v),
+                all_around: mesh.is_boundary(v) || mesh.is_pinched(v) || mesh.is_beside_sliver(v),
+                boundary: mesh.is_boundary(v),
+                total_angle: mesh.total_angle(v) as f32,
+            }
+        };
+        let vertices = (0..mesh.vertex_count() as u32).map(vertex_of).collect();
+        let total: f64 = mesh.half_edges().map(|h| mesh.length(h)).sum();
+        Self {
+            faces,
+            vertices,
+            ring_starts,
+            rings,
+            angles,
+            mean_length: total / mesh.half_edge_count().max(1) as f64,
+        }
+    }
+
+    /// Where the half-edges that start at `v` stand in `rings` and `angles`.
+    #[inline]
+    pub(super) fn ring_places(&self, v: u32) -> Range<usize> {
+        let v = v as usize;
+        self.ring_starts[v] as usize..self.ring_starts[v + 1] as usize
+    }
+
+    /// The half-edges that start at `v`, counter-clockwise.
+    #[inline]
+    pub(super) fn ring(&self, v: u32) -> &[u32] {
+        &self.rings[self.ring_places(v)]
+    }
+}

@@ -11,6 +11,7 @@ pub mod benchmark;
 pub mod check;
 pub mod cli;
 pub mod compare;
+pub mod conditions;
 mod difference;
 pub mod expected;
 pub mod export;

@@ -6,6 +6,7 @@
 
 use serde_json::json;
 
+use crate::conditions::Conditions;
 use crate::difference;
 use crate::plan_record::{PlanRecord, PlannedGroup};
 use crate::record::{Cell, Host, ModelRecord, ResultFile};
@@ -117,6 +118,7 @@ pub fn merge(parts: Vec<(String, ResultFile)>) -> Result<ResultFile, MergeError>
     whole.models = models(&plan, &parts)?;
     whole.started = extreme(&parts, |file| &file.started, Ord::min);
     whole.finished = extreme(&parts, |file| &file.finished, Ord::max);
+    whole.conditions = Conditions::worst(parts.iter().filter_map(|p| p.file.conditions.clone()));
     whole.sessions = parts.iter().flat_map(|p| p.file.sessions.clone()).collect();
     whole.plan = Some(plan);
     Ok(whole)

@@ -4,6 +4,7 @@
 //! new, old, new. What the rounds of one of them measured is then one result file, with a sample
 //! of every round, and the files of both carry the same `pairing`.
 
+use crate::conditions::Conditions;
 use crate::record::{Cell, ResultFile, Status, Time};
 use crate::statistics::median;
 
@@ -28,7 +29,8 @@ pub enum PoolError {
 
 /// Joins `rounds`, each with the name of its file, in the order in which they were run. Samples of
 /// the same cell follow each other. A cell that failed in one round has failed; counts are those of
-/// the first round, peaks of memory the largest, set-up and phases the medians.
+/// the first round, peaks of memory the largest, set-up and phases the medians, and the conditions of
+/// the machine the worst.
 ///
 /// # Errors
 ///
@@ -39,6 +41,7 @@ pub fn pool(
 ) -> Result<ResultFile, PoolError> {
     let mut rest = rounds.into_iter();
     let (first, mut joined) = rest.next().ok_or(PoolError::Nothing)?;
+    let mut conditions = vec![joined.conditions.take()];
     let mut cells: Vec<Vec<Cell>> = joined.cells.drain(..).map(|cell| vec![cell]).collect();
     for (name, round) in rest {
         if let Some(difference) = difference(&joined, &cells, &round) {
@@ -49,11 +52,14 @@ pub fn pool(
             });
         }
         joined.finished = round.finished;
+        joined.sessions.extend(round.sessions);
+        conditions.push(round.conditions);
         for (all, cell) in cells.iter_mut().zip(round.cells) {
             all.push(cell);
         }
     }
     joined.pairing = pairing;
+    joined.conditions = Conditions::worst(conditions.into_iter().flatten());
     joined.cells = cells.into_iter().map(join).collect();
     Ok(joined)
 }

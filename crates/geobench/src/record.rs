@@ -8,6 +8,7 @@ use geobench_window::{Counter, Counters};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::conditions::Conditions;
 use crate::plan_record::PlanRecord;
 use crate::shard::Shard;
 use crate::statistics;
@@ -45,6 +46,9 @@ pub struct ResultFile {
     /// sample i of that cell in the other. Null if there is no such other file.
     #[serde(default)]
     pub pairing: Option<String>,
+    /// What the machine did besides; null in files written on the way.
+    #[serde(default)]
+    pub conditions: Option<Conditions>,
     /// What was to be run, with all parameters.
     #[serde(default)]
     pub plan: Option<PlanRecord>,

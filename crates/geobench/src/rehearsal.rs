@@ -168,6 +168,7 @@ pub(crate) fn result(outcome: Outcome) -> ResultFile {
         models: outcome.models,
         cells: outcome.cells,
         pairing: None,
+        conditions: None,
         plan: None,
         sessions: Vec::new(),
     }

@@ -61,7 +61,7 @@ pub(super) enum ColorChoice {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     /// Benchmark algorithms on models and check every answer
-    Run(RunOptions),
+    Run(Box<RunOptions>),
     /// Compare the answers of all algorithms with each other and with stored distances
     Verify(VerifyOptions),
     /// Compare two result files, and fail if the newer one is worse
@@ -136,6 +136,10 @@ pub(super) struct RunOptions {
     /// commas [default: time, propagations and two measures of memory]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = row)]
     pub(super) rows: Option<Vec<String>>,
+
+    /// Also show the ratios of all algorithms to this one, of times run by run
+    #[arg(long, value_name = "A", value_parser = registry::select_one)]
+    pub(super) ratios_to: Option<Selection>,
 
     /// Count the instructions of one solve of each cell as well, under Valgrind, which must be
     /// installed and takes some fifty times as long as the solve (row `instructions`)

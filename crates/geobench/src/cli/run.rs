@@ -11,6 +11,7 @@ use super::progress::Progress;
 use super::terminal::{self, Terminal};
 use super::{Verdict, outputs};
 use crate::benchmark;
+use crate::conditions::{Conditions, Snapshot};
 use crate::export::{self, Format};
 use crate::host;
 use crate::instructions;
@@ -85,10 +86,12 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
             models: Vec::new(),
             cells: Vec::new(),
             pairing: None,
+            conditions: None,
             plan: Some(plan),
             sessions,
         },
     };
+    let before = Snapshot::take(Path::new("/"));
     let mut verdicts = Vec::new();
     for plan in &plans {
         if listener.interrupted() {
@@ -101,6 +104,9 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         let checked = !matches!(plan.reference, Reference::None);
         verdicts.push(Tally::of(checked, &outcome.cells));
     }
+    let conditions = Conditions::between(&before, &Snapshot::take(Path::new("/")));
+    let doubts = conditions.warnings.clone();
+    listener.result.conditions = Some(conditions);
     listener.store_all()?;
     let Reporter {
         progress, result, ..
@@ -110,6 +116,11 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         terminal::print(&export::footnote(&result, terminal.styled))?;
     } else {
         terminal::print(&options.format.render(&result)?)?;
+    }
+    if !options.quiet {
+        for doubt in &doubts {
+            terminal::warning(&format!("times may be disturbed: {doubt}"));
+        }
     }
     let verdict = verdict(&verdicts);
     if interrupt::requested() {
@@ -193,7 +204,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
             .transpose()
             .context("--check")?,
         rows: options.rows.clone(),
-        ratios_to: None,
+        ratios_to: options.ratios_to.as_ref().map(|one| one.label().to_owned()),
     };
     Ok(suite::plans(suite.as_ref(), &asked)?)
 }

@@ -282,6 +282,8 @@ fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
                 file.tool.profile
             ));
         }
+        let warnings = file.conditions.iter().flat_map(|c| &c.warnings);
+        notes.extend(warnings.map(|warning| format!("during the {which} runs {warning}")));
     }
     notes
 }

@@ -1,9 +1,12 @@
-//! Ratios between algorithms over all models of a group, as in Table 2 of Qin et al. 2016.
+//! Ratios between algorithms: in each model with their intervals, and over all models of a group as in
+//! Table 2 of Qin et al. 2016. Times are compared run by run: those of one round were taken next to each
+//! other, so that a machine that drifts does not disturb their ratio.
 
 use super::figures::{Figure, figures};
 use super::grid::Entry;
 use super::view::{ModelView, Row, algorithms, overall};
 use crate::record::{Cell, GroupRecord};
+use crate::statistics::{FEWEST_FOR_INTERVAL, Ratio, paired_ratio};
 
 /// For each figure of which less is better, the mean and the standard deviation of the ratio to
 /// the algorithm that the group names; none if it names none or nothing can be compared.
@@ -43,19 +46,82 @@ fn models<'r>(cells: &[&'r Cell]) -> Vec<&'r str> {
     models
 }
 
+/// The row of a model's table with the ratios of the times to those of the algorithm that the group names, and
+/// what a reader must know of it; a column holds the cells of an algorithm. None if the group names none, or
+/// nothing can be compared.
+pub(super) fn times(
+    group: &GroupRecord,
+    algorithms: &[&str],
+    columns: &[Vec<&Cell>],
+) -> Option<(Row, Option<String>)> {
+    let baseline = group.ratios_to.as_deref()?;
+    let under = &columns[algorithms.iter().position(|name| *name == baseline)?];
+    let ratios: Vec<Option<Ratio>> = columns
+        .iter()
+        .zip(algorithms)
+        .map(|(over, name)| paired(over, under).filter(|_| *name != baseline))
+        .collect();
+    let known = || ratios.iter().flatten();
+    known().next()?;
+    let without = known().any(|ratio| ratio.ci95.is_none());
+    let entry = |ratio: &Option<Ratio>| {
+        Entry::plain(match ratio {
+            Some(Ratio {
+                ratio,
+                ci95: Some([low, high]),
+            }) => format!("{ratio:.2} [{low:.2}, {high:.2}]"),
+            Some(Ratio { ratio, ci95: None }) => format!("{ratio:.2}"),
+            None => "-".to_owned(),
+        })
+    };
+    let interval = if without { "" } else { " [95 %]" };
+    let row = Row {
+        label: format!("Time / that of {baseline}{interval}"),
+        entries: ratios.iter().map(entry).collect(),
+    };
+    let note = without.then(|| {
+        format!("ratios of times: no interval from fewer than {FEWEST_FOR_INTERVAL} pairs")
+    });
+    Some((row, note))
+}
+
+/// The ratio of the times of the cells `over` to those of `under`, pairs of all sources together; none
+/// unless both ended well from the same sources.
+fn paired(over: &[&Cell], under: &[&Cell]) -> Option<Ratio> {
+    let (mut above, mut below) = (Vec::new(), Vec::new());
+    if over.len() != under.len() {
+        return None;
+    }
+    for over in over {
+        let under = under.iter().find(|c| c.source == over.source)?;
+        if over.time.samples.len() != under.time.samples.len() {
+            return None;
+        }
+        above.extend_from_slice(&over.time.samples);
+        below.extend_from_slice(&under.time.samples);
+    }
+    paired_ratio(&above, &below)
+}
+
 fn row(figure: &Figure, baseline: &str, algorithms: &[&str], cells: &[&Cell]) -> Row {
-    let value = |model: &str, algorithm: &str| {
-        let cells: Vec<&Cell> = cells
-            .iter()
-            .copied()
+    let of = |model: &str, algorithm: &str| -> Vec<&Cell> {
+        let cells = cells.iter().copied();
+        cells
             .filter(|c| c.model == model && c.algorithm == algorithm)
-            .collect();
-        overall(figure, &cells)
+            .collect()
+    };
+    let ratio = |model: &str, algorithm: &str| {
+        let (over, under) = (of(model, algorithm), of(model, baseline));
+        if figure.key == "time" {
+            Some(paired(&over, &under)?.ratio)
+        } else {
+            Some(overall(figure, &over)? / overall(figure, &under)?)
+        }
     };
     let entry = |algorithm: &&str| {
         let ratios: Vec<f64> = models(cells)
             .into_iter()
-            .filter_map(|model| Some(value(model, algorithm)? / value(model, baseline)?))
+            .filter_map(|model| ratio(model, algorithm))
             .filter(|ratio| ratio.is_finite())
             .collect();
         let n = ratios.len() as f64;

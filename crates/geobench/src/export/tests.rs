@@ -1,7 +1,7 @@
 //! Every form of results, from made-up runs.
 
 use super::Format;
-use crate::record::{GroupRecord, ResultFile};
+use crate::record::{GroupRecord, ResultFile, Time};
 use crate::rehearsal::{Rehearsal, crash_ich, plan, rehearse, result, spoil_vtp};
 
 /// Two models, one of them with a wrong answer, and a refused one.
@@ -37,6 +37,7 @@ fn table() {
     │ Peak memory, measured (MB)      ┆ 100000.300  ┆ 0.300* ┆ 0.300* │
     └─────────────────────────────────┴─────────────┴────────┴────────┘
       checked against mmp: largest relative difference 0
+      times: 95 % intervals within 2.3 % of the medians
       unreachable vertices: 1
 
     cow|2  (V: 4, F: 96,966)  source 3
@@ -49,6 +50,7 @@ fn table() {
     │ Peak memory, measured (MB)      ┆ 100000.300  ┆ 0.300* ┆ wrong  │
     └─────────────────────────────────┴─────────────┴────────┴────────┘
       checked against mmp: largest relative difference 0
+      times: 95 % intervals within 0.4 % of the medians
       unreachable vertices: 1
       vtp, source 3: wrong: differs from mmp: vertex 2 is at 1.75 instead of 1.5 (difference 2.500e-1, relative 1.429e-1); 1 of 4 vertices differ by more than 1e-9 relative
 
@@ -74,8 +76,8 @@ fn markdown() {
     | | Peak memory, measured (MB) | 100000.300 | **0.300** | wrong |
     | broken_mesh (refused) | | refused | refused | refused |
 
-    - horse: source 0; checked against mmp: largest relative difference 0; unreachable vertices: 1
-    - cow\|2: source 3; checked against mmp: largest relative difference 0; unreachable vertices: 1; vtp, source 3: wrong: differs from mmp: vertex 2 is at 1.75 instead of 1.5 (difference 2.500e-1, relative 1.429e-1); 1 of 4 vertices differ by more than 1e-9 relative
+    - horse: source 0; checked against mmp: largest relative difference 0; times: 95 % intervals within 2.3 % of the medians; unreachable vertices: 1
+    - cow\|2: source 3; checked against mmp: largest relative difference 0; times: 95 % intervals within 0.4 % of the medians; unreachable vertices: 1; vtp, source 3: wrong: differs from mmp: vertex 2 is at 1.75 instead of 1.5 (difference 2.500e-1, relative 1.429e-1); 1 of 4 vertices differ by more than 1e-9 relative
     - broken_mesh: source 3; refused: broken_mesh.obj: edge 3-7 has 3 faces
     "#);
 }
@@ -90,6 +92,7 @@ fn latex() {
     \midrule
     % horse: source 0
     % horse: checked against mmp: largest relative difference 0
+    % horse: times: 95 % intervals within 2.3 % of the medians
     % horse: unreachable vertices: 1
     horse & Time (s) & 1.215 & 1.214 & \textbf{0.341} \\
     (V: 4, F: 96,966) & Window propagations & 3,000,009 & \textbf{9} & \textbf{9} \\
@@ -98,6 +101,7 @@ fn latex() {
     \midrule
     % cow|2: source 3
     % cow|2: checked against mmp: largest relative difference 0
+    % cow|2: times: 95 % intervals within 0.4 % of the medians
     % cow|2: unreachable vertices: 1
     % cow|2: vtp, source 3: wrong: differs from mmp: vertex 2 is at 1.75 instead of 1.5 (difference 2.500e-1, relative 1.429e-1); 1 of 4 vertices differ by more than 1e-9 relative
     cow|2 & Time (s) & 1.21 & \textbf{1.21} & wrong \\
@@ -257,6 +261,7 @@ fn json() {
         }
       ],
       "pairing": null,
+      "conditions": null,
       "plan": null,
       "sessions": []
     }
@@ -280,6 +285,7 @@ fn several_sources_are_shown_by_their_median() {
     │ Peak memory, measured (MB)      ┆ 100000.300  ┆ 0.300* │
     └─────────────────────────────────┴─────────────┴────────┘
       checked against mmp: largest relative difference 0
+      times: 95 % intervals within 1.2 % of the medians
       unreachable vertices: 1
 
     time: median of 5 runs; papers' count: 80 bytes per window; measured: heap of the algorithm without the mesh; MB = 10^6 bytes; * best
@@ -303,6 +309,7 @@ fn one_failed_source_spoils_the_column() {
     │ Peak memory, papers' count (MB) ┆      80.0 ┆ crashed │
     │ Peak memory, measured (MB)      ┆    100000 ┆ crashed │
     └─────────────────────────────────┴───────────┴─────────┘
+      times: 95 % intervals within 0.2 % of the medians
       unreachable vertices: 1
       ich, source 0: crashed: the algorithm panicked: index out of bounds
       ich, source 1: crashed: the algorithm panicked: index out of bounds
@@ -337,4 +344,46 @@ fn endings_tell_the_form() {
     assert_eq!(of("a/b.JSON"), Ok(Format::Json));
     assert_eq!(of("b.tex"), Ok(Format::Latex));
     assert!(of("b").is_err() && of("b.txt").is_err());
+}
+
+#[test]
+fn ratios_of_times_are_those_of_pairs() {
+    let mut plan = plan(&["horse", "cow"], "mmp,ich,vtp", "0,1");
+    plan.group.ratios_to = Some("vtp".into());
+    let group = plan.group.clone();
+    let mut result = result(rehearse(&plan, &mut Rehearsal::default()));
+    result.groups.push(group);
+    // The machine slows down; mmp always takes three times as long as vtp.
+    for source in [0, 1] {
+        let slower: Vec<f64> = (0..5).map(|i| f64::from(1 + i + source)).collect();
+        for cell in &mut result.cells {
+            let factor = match cell.algorithm.as_str() {
+                "mmp" => 3.0,
+                "vtp" => 1.0,
+                _ => continue,
+            };
+            if cell.model == "horse" && cell.source == Some(source) {
+                cell.time = Time::of(slower.iter().map(|t| factor * t).collect(), None);
+            }
+        }
+    }
+    insta::assert_snapshot!(Format::Table.render(&result).unwrap());
+}
+
+#[test]
+fn what_times_are_worth_is_said() {
+    let mut plan = plan(&["horse"], "mmp,vtp", "0");
+    plan.group.ratios_to = Some("vtp".into());
+    plan.repeat = 3;
+    let group = plan.group.clone();
+    let mut few = result(rehearse(&plan, &mut Rehearsal::default()));
+    few.groups.push(group.clone());
+    let mut outlier = few.clone();
+    for cell in &mut outlier.cells {
+        cell.time = Time::of(vec![1.0, 1.01, 0.99, 1.02, 0.98, 40.0], None);
+    }
+    outlier.cells[1].time.outliers = Some(0);
+    insta::assert_snapshot!(
+        Format::Markdown.render(&few).unwrap() + &Format::Markdown.render(&outlier).unwrap()
+    );
 }

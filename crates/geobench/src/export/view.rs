@@ -109,6 +109,11 @@ impl<'r> ModelView<'r> {
             .into_iter()
             .map(|figure| Row::new(figure, &columns))
             .collect();
+        let mut notes = notes(&cells);
+        if let Some((row, note)) = ratios::times(group, &algorithms, &columns) {
+            rows.push(row);
+            notes.extend(note);
+        }
         let refused = cells.iter().all(|cell| cell.status == Status::Refused);
         if refused {
             // Four times the same word says no more than once.
@@ -125,7 +130,7 @@ impl<'r> ModelView<'r> {
             },
             sources: sources(columns.first().map_or(&[], Vec::as_slice)),
             rows,
-            notes: notes(&cells),
+            notes,
             algorithms,
             refused,
         }
@@ -207,6 +212,40 @@ fn sources(cells: &[&Cell]) -> String {
     }
 }
 
+/// How far the medians of the times can be trusted, and which samples lie far from the others.
+fn notes_on_times(cells: &[&Cell]) -> Vec<String> {
+    let timed = || cells.iter().filter(|c| !c.time.samples.is_empty());
+    let widest = timed().map(|cell| {
+        let [low, high] = cell.time.ci95?;
+        let median = cell.time.median?;
+        Some((high - median).max(median - low) / median)
+    });
+    let widest: Option<Vec<f64>> = widest.collect();
+    let mut notes: Vec<String> = match widest.as_deref() {
+        Some([]) => Vec::new(),
+        Some(widths) => {
+            let widest = 100.0 * widths.iter().copied().fold(0.0, f64::max);
+            vec![format!(
+                "times: 95 % intervals within {widest:.1} % of the medians"
+            )]
+        }
+        None => timed()
+            .filter_map(|cell| cell.time.note.as_ref())
+            .take(1)
+            .map(|note| format!("times: {note}"))
+            .collect(),
+    };
+    for name in algorithms(cells.iter().copied()) {
+        let of = || timed().filter(|c| c.algorithm == name);
+        let far: usize = of().filter_map(|c| c.time.outliers).sum();
+        if far > 0 {
+            let all: usize = of().map(|c| c.time.samples.len()).sum();
+            notes.push(format!("{name}: {far} of {all} times far from the others"));
+        }
+    }
+    notes
+}
+
 /// What the checks said, and every failure.
 fn notes(cells: &[&Cell]) -> Vec<String> {
     let mut notes = Vec::new();
@@ -239,6 +278,7 @@ fn notes(cells: &[&Cell]) -> Vec<String> {
             scientific(largest)
         ));
     }
+    notes.extend(notes_on_times(cells));
     let unreachable = cells.iter().filter_map(|c| c.check.unreachable).max();
     if let Some(unreachable @ 1..) = unreachable {
         notes.push(format!("unreachable vertices: {}", grouped(unreachable)));

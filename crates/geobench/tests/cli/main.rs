@@ -4,6 +4,7 @@ mod algos;
 mod compare;
 mod distance;
 mod errors;
+mod gate;
 mod generate;
 mod info;
 mod instructions;

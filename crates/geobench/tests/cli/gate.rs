@@ -1,0 +1,119 @@
+//! The rules of `scripts/regression` on result files that its programs wrote: of one commit, of one that
+//! differs from it in comments, and of one with a short loop in a kernel, some 1 % of all instructions.
+//! Valgrind is not needed.
+
+use serde_json::Value;
+
+use crate::support::{Outcome, Sandbox};
+
+const BASE: &str = include_str!("../data/gate/base.json");
+const COMMENTS: &str = include_str!("../data/gate/comments.json");
+const SLOWER: &str = include_str!("../data/gate/slower.json");
+
+/// The rules that the script has.
+fn rules() -> String {
+    let script = include_str!("../../../../scripts/regression");
+    let line = script.lines().find_map(|l| l.strip_prefix("rules='"));
+    line.unwrap().trim_end_matches('\'').to_owned()
+}
+
+fn compared(new: &str, rules: &str) -> Outcome {
+    let sandbox = Sandbox::new();
+    sandbox.write("base.json", BASE);
+    sandbox.write("new.json", new);
+    let format = "--format markdown";
+    sandbox.call(&format!(
+        "compare base.json new.json --fail-on {rules} {format}"
+    ))
+}
+
+/// The base with a change.
+fn changed(change: impl FnOnce(&mut Value)) -> String {
+    let mut file = serde_json::from_str(BASE).unwrap();
+    change(&mut file);
+    file.to_string()
+}
+
+#[test]
+fn comments_and_short_loops_pass_and_are_shown() {
+    for new in [BASE, COMMENTS, SLOWER] {
+        let outcome = compared(new, &rules());
+        assert_eq!(outcome.code, 0, "{}{}", outcome.stdout, outcome.stderr);
+        assert!(
+            outcome
+                .stdout
+                .starts_with("### geobench: none of 4 cells is worse\n")
+        );
+        assert!(outcome.stdout.contains("times are compared pair by pair"));
+    }
+    assert!(compared(SLOWER, &rules()).stdout.contains("| +1.32 % |"));
+    // The times are those of a machine with much else to do; no interval lies wholly beyond 10 %.
+    let strict = compared(COMMENTS, &(rules() + ",time=10%"));
+    assert_eq!(strict.code, 0, "{}", strict.stdout);
+}
+
+#[test]
+fn what_the_gate_is_for_is_caught() {
+    let stricter = rules().replace("instructions=2%", "instructions=1%");
+    let outcome = compared(SLOWER, &stricter);
+    assert_eq!(outcome.code, 1);
+    assert!(outcome.stdout.starts_with(
+        "### geobench: 2 of 4 cells are worse\n\n- sphere,subdiv=3, vtp, source 0: instructions 5,568,113 -> 5,641,352 (+1.32 %) [instructions=1%]\n"
+    ), "{}", outcome.stdout);
+
+    let scaled = |value: &Value, percent: u64| Value::from(value.as_u64().unwrap() * percent / 100);
+    for (what, new) in [
+        (
+            "instructions",
+            changed(|f| {
+                let cell = &mut f["cells"][1];
+                cell["instructions"] = scaled(&cell["instructions"], 110);
+            }),
+        ),
+        (
+            "heap_peak_bytes",
+            changed(|f| {
+                let memory = &mut f["cells"][2]["memory"];
+                memory["heap_peak_bytes"] = scaled(&memory["heap_peak_bytes"], 103);
+            }),
+        ),
+        (
+            "propagated",
+            changed(|f| {
+                let counters = &mut f["cells"][0]["counters"];
+                counters["propagated"] = (counters["propagated"].as_u64().unwrap() - 1).into();
+            }),
+        ),
+        (
+            "was ok, is timeout",
+            changed(|f| f["cells"][3]["status"] = "timeout".into()),
+        ),
+    ] {
+        let outcome = compared(&new, &rules());
+        assert_eq!(outcome.code, 1, "{what}: {}", outcome.stdout);
+        assert!(
+            outcome
+                .stdout
+                .starts_with("### geobench: 1 of 4 cells is worse\n")
+        );
+        assert!(outcome.stdout.contains(what), "{what}: {}", outcome.stdout);
+    }
+}
+
+#[test]
+fn an_old_commit_that_cannot_count_instructions_is_no_failure() {
+    let sandbox = Sandbox::new();
+    let old = changed(|file| {
+        for cell in file["cells"].as_array_mut().unwrap() {
+            cell.as_object_mut().unwrap().remove("instructions");
+        }
+    });
+    sandbox.write("old.json", &old);
+    sandbox.write("new.json", SLOWER);
+    let shown = sandbox.succeed(&format!("compare old.json new.json --fail-on {}", rules()));
+    assert!(
+        shown.contains(
+            "`instructions` is not compared in 4 of 4 cells: the old file does not have it"
+        )
+    );
+}

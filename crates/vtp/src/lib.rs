@@ -57,6 +57,8 @@ pub use algorithms::{
     EdgeBased, Ftp, Opftp, Opvtp, Vtp, VtpExhaustive, VtpNoRule1, VtpNoRules23, VtpTrimming,
 };
 pub use exits::{AcrossTheFace, AnyExit, EveryPath, Exits, OneAngleTwoSides};
+#[doc(hidden)]
+pub use fast::bench_support;
 pub use fast::{Instructions, Options as FastOptions, VtpFast};
 pub use merge::{Merge, OrderFree, OrderPreserving};
 pub use propagation::ListPropagation;

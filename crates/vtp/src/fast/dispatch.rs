@@ -2,25 +2,37 @@
 
 #![allow(unsafe_code)]
 
-use geobench_window::Probe;
-
-use super::lanes::Scalar;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx2, Avx512};
+use super::lanes::{Lanes, Scalar};
 use super::options::Instructions;
-use super::propagation::VtpFast;
 
-/// Runs `solver`, whose sources have had their turns, to the end, with `instructions`, which the processor has.
-pub(super) fn run<P: Probe>(solver: &mut VtpFast<'_>, instructions: Instructions, probe: &mut P) {
+/// Something that is compiled for every set of instructions.
+pub(super) trait Program {
+    /// What comes of it.
+    type Output;
+
+    /// Runs it. Must be inlined, so that it is compiled for the features of its caller.
+    ///
+    /// # Safety
+    ///
+    /// The processor must know the instructions of `L`.
+    unsafe fn run<L: Lanes>(self) -> Self::Output;
+}
+
+/// Runs `program` with `instructions`, which the processor has.
+#[inline]
+pub(super) fn run<T: Program>(program: T, instructions: Instructions) -> T::Output {
+    debug_assert!(instructions.is_available());
     match instructions {
         // SAFETY: every processor can count to one.
-        Instructions::Scalar => unsafe { solver.run::<Scalar, P>(probe) },
+        Instructions::Scalar => unsafe { program.run::<Scalar>() },
         // SAFETY: options hold only instructions that the processor has.
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx2 => unsafe { run_avx2(solver, probe) },
+        Instructions::Avx2 => unsafe { run_avx2(program) },
         // SAFETY: likewise.
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx512 => unsafe { run_avx512(solver, probe) },
+        Instructions::Avx512 => unsafe { run_avx512(program) },
         #[cfg(not(target_arch = "x86_64"))]
         Instructions::Avx2 | Instructions::Avx512 => unreachable!("not on this processor"),
     }
@@ -31,9 +43,9 @@ pub(super) fn run<P: Probe>(solver: &mut VtpFast<'_>, instructions: Instructions
 /// The processor must have these features.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,popcnt,lzcnt")]
-unsafe fn run_avx2<P: Probe>(solver: &mut VtpFast<'_>, probe: &mut P) {
+unsafe fn run_avx2<T: Program>(program: T) -> T::Output {
     // SAFETY: promised by the caller.
-    unsafe { solver.run::<Avx2, P>(probe) }
+    unsafe { program.run::<Avx2>() }
 }
 
 /// # Safety
@@ -41,7 +53,7 @@ unsafe fn run_avx2<P: Probe>(solver: &mut VtpFast<'_>, probe: &mut P) {
 /// The processor must have these features.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,bmi1,bmi2,popcnt,lzcnt")]
-unsafe fn run_avx512<P: Probe>(solver: &mut VtpFast<'_>, probe: &mut P) {
+unsafe fn run_avx512<T: Program>(program: T) -> T::Output {
     // SAFETY: promised by the caller.
-    unsafe { solver.run::<Avx512, P>(probe) }
+    unsafe { program.run::<Avx512>() }
 }

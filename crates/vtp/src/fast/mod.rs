@@ -4,6 +4,8 @@
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
 
+#[doc(hidden)]
+pub mod bench_support;
 mod buckets;
 mod dispatch;
 mod kernels;

@@ -27,11 +27,12 @@ impl Instructions {
     pub fn is_available(self) -> bool {
         match self {
             Self::Scalar => true,
-            Self::Avx2 => is_x86_feature_detected!("avx2"),
+            Self::Avx2 => is_x86_feature_detected!("avx2") && has_bit_instructions(),
             Self::Avx512 => {
                 is_x86_feature_detected!("avx512f")
                     && is_x86_feature_detected!("avx512dq")
                     && is_x86_feature_detected!("avx512vl")
+                    && has_bit_instructions()
             }
         }
     }
@@ -51,6 +52,15 @@ impl Instructions {
             _ => Self::Scalar,
         }
     }
+}
+
+/// The instructions on bits that the vector programs use besides.
+#[cfg(target_arch = "x86_64")]
+fn has_bit_instructions() -> bool {
+    is_x86_feature_detected!("bmi1")
+        && is_x86_feature_detected!("bmi2")
+        && is_x86_feature_detected!("popcnt")
+        && is_x86_feature_detected!("lzcnt")
 }
 
 impl fmt::Display for Instructions {

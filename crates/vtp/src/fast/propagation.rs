@@ -4,7 +4,7 @@ use geobench_mesh::{Mesh, VertexId};
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution, Window};
 
 use super::buckets::Buckets;
-use super::dispatch;
+use super::dispatch::{self, Program};
 use super::kernels::{self, BestPath, Cuts, Gate, Measured, Target};
 use super::lanes::Lanes;
 use super::numbering::Numbering;
@@ -186,7 +186,7 @@ impl<'m> VtpFast<'m> {
     /// The processor must know the instructions of `L`.
     #[allow(unsafe_code)]
     #[inline(always)]
-    pub(super) unsafe fn run<L: Lanes, P: Probe>(&mut self, probe: &mut P) {
+    unsafe fn run<L: Lanes, P: Probe>(&mut self, probe: &mut P) {
         let mut turn = Vec::new();
         loop {
             let mut place = 0;
@@ -390,6 +390,23 @@ impl<'m> VtpFast<'m> {
     }
 }
 
+/// A run whose sources have had their turns.
+struct Turns<'s, 'm, P> {
+    solver: &'s mut VtpFast<'m>,
+    probe: &'s mut P,
+}
+
+impl<P: Probe> Program for Turns<'_, '_, P> {
+    type Output = ();
+
+    #[allow(unsafe_code)]
+    #[inline(always)]
+    unsafe fn run<L: Lanes>(self) {
+        // SAFETY: promised by the caller.
+        unsafe { self.solver.run::<L, P>(self.probe) }
+    }
+}
+
 impl Propagate for VtpFast<'_> {
     fn counters() -> Vec<Counter> {
         vec![
@@ -424,7 +441,14 @@ impl Propagate for VtpFast<'_> {
         for &s in &sources {
             self.start_from(s, probe);
         }
-        dispatch::run(self, self.options.instructions, probe);
+        let instructions = self.options.instructions;
+        dispatch::run(
+            Turns {
+                solver: self,
+                probe,
+            },
+            instructions,
+        );
         Solution::new(self.numbering.restore(&self.distances))
     }
 }

@@ -1,0 +1,180 @@
+//! The kernels on lists that are made up, for the benches of this crate; no part of its interface.
+
+#![allow(unsafe_code)]
+
+use super::dispatch::{self, Program};
+use super::kernels::{self, BestPath, Cuts, Gate, Measured, Target, Triangle};
+use super::lanes::Lanes;
+use super::options::Instructions;
+use super::store::{COLUMNS, NO_LIST, WindowStore};
+
+/// A list about to cross an equilateral triangle, and room for what comes of it.
+#[derive(Debug)]
+pub struct KernelBench {
+    instructions: Instructions,
+    store: WindowStore,
+    lists: [u32; 4],
+    windows: Vec<[f64; COLUMNS]>,
+    gate: Gate,
+    triangle: Triangle,
+    keep: Vec<u8>,
+    cuts: Cuts,
+    found: Option<Measured>,
+}
+
+/// A kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kernel {
+    /// Rules 2 and 3 on a copy of the list.
+    Compare,
+    /// The vertex filter and the shortest path to the apex.
+    Measure,
+    /// The crossing, with rule 1.
+    Carry,
+}
+
+impl KernelBench {
+    /// For a list of `len` windows, with instructions that the processor has or fewer.
+    pub fn new(len: usize, instructions: Instructions) -> Self {
+        let mut store = WindowStore::new();
+        let lists = [len, len, len, len].map(|n| store.reserve(NO_LIST, n));
+        // Neighbours that overlap by half of their width, from sources side by side.
+        let width = 1.0 / (len + 1) as f64;
+        let window = |i: usize| {
+            let b0 = i as f64 * width;
+            let away = (i * 7 % 5) as f64;
+            [
+                b0,
+                b0 + 2.0 * width,
+                0.5 + 0.1 * away,
+                -9.0 - 0.1 * away,
+                0.5 * away,
+            ]
+        };
+        let windows: Vec<_> = (0..len).map(window).collect();
+        for (i, &window) in windows.iter().enumerate() {
+            store.put(lists[0], i, window);
+        }
+        let height = 0.75_f64.sqrt();
+        let mut bench = Self {
+            instructions: instructions.or_less(),
+            store,
+            lists,
+            windows,
+            gate: Gate {
+                l: 1.0,
+                apex: [0.5, height],
+                ends: [30.0, 30.0],
+            },
+            triangle: Triangle {
+                l: 1.0,
+                exits: [1.0, 1.0],
+                apex: [0.5, height],
+                directions: [[0.5, height], [0.5, -height]],
+            },
+            keep: Vec::new(),
+            cuts: Cuts::default(),
+            found: None,
+        };
+        bench.run(Kernel::Measure);
+        bench
+    }
+
+    /// Runs a kernel once; returns how many windows come of it.
+    pub fn run(&mut self, kernel: Kernel) -> usize {
+        let instructions = self.instructions;
+        dispatch::run(
+            Run {
+                bench: self,
+                kernel,
+            },
+            instructions,
+        )
+    }
+}
+
+struct Run<'a> {
+    bench: &'a mut KernelBench,
+    kernel: Kernel,
+}
+
+impl Program for Run<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    unsafe fn run<L: Lanes>(self) -> usize {
+        let bench = self.bench;
+        let len = bench.windows.len();
+        let [list, copy, left, right] = bench.lists;
+        match self.kernel {
+            Kernel::Compare => {
+                for (i, &window) in bench.windows.iter().enumerate() {
+                    bench.store.put(copy, i, window);
+                }
+                let block = bench.store.block_and_line_behind(copy);
+                // SAFETY: promised by the caller.
+                unsafe { kernels::compare::<L>(block, len, &mut bench.cuts) }
+            }
+            Kernel::Measure => {
+                let block = bench.store.block(list);
+                // SAFETY: promised by the caller.
+                let found =
+                    unsafe { kernels::measure::<L>(block, len, &bench.gate, &mut bench.keep) };
+                bench.found = Some(found);
+                found.kept
+            }
+            Kernel::Carry => {
+                let Some(found) = bench.found else {
+                    return 0;
+                };
+                let [block, left, right] = bench.store.blocks([list, left, right]);
+                let best = BestPath::of(block, found.best, bench.gate.apex);
+                let [mut left, mut right] = [left, right].map(|block| Target {
+                    block,
+                    len: 0,
+                    open: true,
+                });
+                // SAFETY: promised by the caller; `keep` is of this list, and each target has room for all of it.
+                unsafe {
+                    kernels::carry::<L>(
+                        block,
+                        len,
+                        &bench.keep,
+                        &bench.triangle,
+                        &best,
+                        [&mut left, &mut right],
+                    );
+                }
+                left.len + right.len
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_instructions_bring_the_same_windows_through_every_kernel() {
+        for len in [1, 7, 8, 9, 100] {
+            let results = [
+                Instructions::Scalar,
+                Instructions::Avx2,
+                Instructions::Avx512,
+            ]
+            .map(|instructions| {
+                let mut bench = KernelBench::new(len, instructions);
+                let counts =
+                    [Kernel::Compare, Kernel::Measure, Kernel::Carry].map(|k| bench.run(k));
+                assert_eq!(counts[1], len);
+                assert!(counts[2] >= len, "{counts:?}");
+                // What the comparison has left stands first in its list.
+                let copy = bench.lists[1];
+                bench.store.set_len(copy, counts[0]);
+                (counts, bench.store.windows().collect::<Vec<_>>())
+            });
+            assert!(results.iter().all(|r| *r == results[0]), "{len}");
+        }
+    }
+}

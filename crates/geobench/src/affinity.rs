@@ -88,6 +88,15 @@ pub(crate) fn pin(cpus: &[usize]) -> io::Result<()> {
     system::pin(cpus)
 }
 
+/// The same for another process that has just been started.
+///
+/// # Errors
+///
+/// When the system refuses.
+pub(crate) fn pin_process(pid: u32, cpus: &[usize]) -> io::Result<()> {
+    system::pin_process(pid, cpus)
+}
+
 /// Numbers in order, with ranges where they follow each other.
 fn show(cpus: &[usize]) -> String {
     let mut ranges: Vec<(usize, usize)> = Vec::new();
@@ -111,6 +120,7 @@ fn show(cpus: &[usize]) -> String {
 mod system {
     use std::io;
 
+    use rustix::process::Pid;
     use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 
     pub(super) fn allowed() -> io::Result<Vec<usize>> {
@@ -121,11 +131,21 @@ mod system {
     }
 
     pub(super) fn pin(cpus: &[usize]) -> io::Result<()> {
+        Ok(sched_setaffinity(None, &set(cpus))?)
+    }
+
+    pub(super) fn pin_process(pid: u32, cpus: &[usize]) -> io::Result<()> {
+        let pid = i32::try_from(pid).ok().and_then(Pid::from_raw);
+        let pid = pid.ok_or(io::ErrorKind::InvalidInput)?;
+        Ok(sched_setaffinity(Some(pid), &set(cpus))?)
+    }
+
+    fn set(cpus: &[usize]) -> CpuSet {
         let mut set = CpuSet::new();
         for &cpu in cpus {
             set.set(cpu);
         }
-        Ok(sched_setaffinity(None, &set)?)
+        set
     }
 }
 
@@ -134,6 +154,10 @@ mod system {
     use std::io;
 
     pub(super) fn allowed() -> io::Result<Vec<usize>> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+
+    pub(super) fn pin_process(_: u32, _: &[usize]) -> io::Result<()> {
         Err(io::ErrorKind::Unsupported.into())
     }
 

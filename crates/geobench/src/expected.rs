@@ -133,7 +133,7 @@ pub(crate) fn stem(path: &Path) -> String {
     }
 }
 
-fn read(path: &Path, vertices: usize) -> Result<Field, ExpectedError> {
+pub(crate) fn read(path: &Path, vertices: usize) -> Result<Field, ExpectedError> {
     let text = fs::read_to_string(path).map_err(|error| ExpectedError::Unreadable {
         path: path.to_owned(),
         error,

@@ -30,6 +30,7 @@ pub mod merge;
 pub mod model;
 mod order;
 pub mod output;
+pub mod outside;
 pub mod plan;
 pub mod plan_record;
 pub mod pool;

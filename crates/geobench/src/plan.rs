@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::expected::Expected;
 use crate::limits::Limits;
 use crate::model::ModelRef;
+use crate::outside::{Programs, UnknownProgram};
 use crate::record::GroupRecord;
 use crate::registry::{self, SelectError, Selection};
 use crate::shard::Share;
@@ -136,6 +137,22 @@ impl Plan {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Looks up the outside programs that it asks for.
+    ///
+    /// # Errors
+    ///
+    /// Names one that there is not.
+    pub fn find_programs(&mut self, programs: &Programs) -> Result<(), UnknownProgram> {
+        let reference = match &mut self.reference {
+            Reference::Algorithm(reference) => Some(reference),
+            Reference::None | Reference::Files(_) => None,
+        };
+        for algorithm in self.algorithms.iter_mut().chain(reference) {
+            algorithm.find_program(programs)?;
+        }
+        Ok(())
     }
 
     /// Number of units, model x source, of the whole plan.

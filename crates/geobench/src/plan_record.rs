@@ -66,7 +66,7 @@ pub struct PlannedModel {
 pub struct PlannedAlgorithm {
     /// The name by which cells call it.
     pub label: String,
-    /// All its parameters, those at their defaults too.
+    /// All its parameters, those at their defaults too; of an outside program, how it is called.
     pub parameters: BTreeMap<String, serde_json::Value>,
 }
 
@@ -112,6 +112,13 @@ fn model(model: &ModelRef) -> PlannedModel {
 
 fn algorithm(selection: &Selection) -> PlannedAlgorithm {
     let parameters = selection.algorithm().parameters.iter();
+    let program = selection.program().into_iter().flat_map(|program| {
+        [
+            ("command", program.command.clone().into()),
+            ("protocol", program.keeping.name().into()),
+            ("approximate", program.approximate.into()),
+        ]
+    });
     PlannedAlgorithm {
         label: selection.label().to_owned(),
         parameters: parameters
@@ -123,6 +130,7 @@ fn algorithm(selection: &Selection) -> PlannedAlgorithm {
                 };
                 (parameter.name.to_owned(), value)
             })
+            .chain(program.map(|(name, value)| (name.to_owned(), value)))
             .collect(),
     }
 }

@@ -10,6 +10,12 @@ use crate::model;
 use crate::output::OutputFile;
 
 pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
+    if options.algo.outside_name().is_some() {
+        bail!(
+            "{} is an outside program: those take part in `run` and `verify`",
+            options.algo.label()
+        );
+    }
     let format = FieldFormat::of_path(&options.output)?;
     let output = OutputFile::prepare(&options.output)?;
     let models = model::collect(std::slice::from_ref(&options.model))?;

@@ -1,5 +1,7 @@
 //! Where cells run and what they may use: options of several commands.
 
+use std::path::PathBuf;
+
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 
@@ -7,6 +9,7 @@ use crate::affinity::{self, CpuList};
 use crate::in_process::InProcess;
 use crate::isolate::{Isolated, Sharing};
 use crate::limits::{Limits, MemoryLimit, Timeout};
+use crate::outside::{self, Programs, WithPrograms};
 use crate::record::IsolationRecord;
 use crate::runner::Workplace;
 
@@ -30,6 +33,11 @@ pub(super) struct IsolationOptions {
     /// Processors that cells may run on, such as 3 or 0,4-7 [default: all]
     #[arg(long, value_name = "LIST", allow_negative_numbers = true)]
     cpu: Option<CpuList>,
+
+    /// File with tables [ext.NAME] that describe outside programs, which are then algorithms called
+    /// ext:NAME; the suite file may hold such tables too
+    #[arg(long, value_name = "FILE")]
+    ext: Vec<PathBuf>,
 }
 
 /// Where cells run.
@@ -60,6 +68,15 @@ impl IsolationOptions {
         Ok(())
     }
 
+    /// The outside programs that the files describe; of two of one name, that of the first file.
+    pub(super) fn programs(&self) -> anyhow::Result<Programs> {
+        let mut programs = Programs::default();
+        for path in &self.ext {
+            programs = programs.or(&outside::read_programs(path)?);
+        }
+        Ok(programs)
+    }
+
     /// Whether limits are kept.
     pub(super) fn keeps_limits(&self) -> bool {
         self.isolate == Isolate::Process
@@ -87,7 +104,7 @@ impl IsolationOptions {
         limits: Limits,
         sharing: Sharing,
     ) -> anyhow::Result<Box<dyn Workplace>> {
-        Ok(match self.isolate {
+        let inner: Box<dyn Workplace> = match self.isolate {
             Isolate::Process => Box::new(
                 Isolated::new(limits)
                     .on_cpus(self.cpu.clone())
@@ -99,6 +116,8 @@ impl IsolationOptions {
                 }
                 Box::new(InProcess)
             }
-        })
+        };
+        let cpus = self.cpu.clone();
+        Ok(Box::new(WithPrograms::new(inner, limits, cpus)))
     }
 }

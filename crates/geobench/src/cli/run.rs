@@ -186,6 +186,10 @@ pub(super) fn verdict(tallies: &[Tally]) -> Verdict {
 /// What the suite file, if there is one, and the options ask for.
 fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let suite = options.config.as_deref().map(Suite::read).transpose()?;
+    let mut programs = options.isolation.programs()?;
+    if let Some(suite) = &suite {
+        programs = programs.or(&suite.programs);
+    }
     let asked = Settings {
         models: (!options.models.is_empty())
             .then(|| options.models.iter().map(|m| WantedModel::new(m)).collect()),
@@ -206,7 +210,11 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         rows: options.rows.clone(),
         ratios_to: options.ratios_to.as_ref().map(|one| one.label().to_owned()),
     };
-    Ok(suite::plans(suite.as_ref(), &asked)?)
+    let mut plans = suite::plans(suite.as_ref(), &asked)?;
+    for plan in &mut plans.plans {
+        plan.find_programs(&programs)?;
+    }
+    Ok(plans)
 }
 
 /// Takes limits away that nobody would keep, and says so where somebody asked for them.
@@ -373,6 +381,10 @@ impl Listener for Reporter {
     }
 
     fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<u64> {
+        // Nobody could tell the solve of an outside program from the rest of it.
+        if cell.algorithm.starts_with("ext:") {
+            return None;
+        }
         if !self.instructions {
             return None;
         }

@@ -35,6 +35,10 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     algorithms.retain(|a| a.label() != REFERENCE);
     algorithms.insert(0, reference);
 
+    let programs = options.isolation.programs()?;
+    for algorithm in &mut algorithms {
+        algorithm.find_program(&programs)?;
+    }
     options.isolation.check()?;
     let limits = options.isolation.limits();
     let mut workplace = options.isolation.workplace(limits, Sharing::All)?;

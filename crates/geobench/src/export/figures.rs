@@ -149,6 +149,12 @@ fn all() -> &'static [Figure] {
                 Decimals(3),
                 |c| c.memory.heap_peak_bytes.map(|n| n as f64 / MEGABYTE),
             ),
+            Figure::computed(
+                "rss_memory",
+                "Peak memory of the process (MB)",
+                Decimals(3),
+                |c| c.memory.rss_peak_bytes.map(|n| n as f64 / MEGABYTE),
+            ),
             Figure::computed("instructions", "Instructions", Count, |c| {
                 c.instructions.map(|n| n as f64)
             }),

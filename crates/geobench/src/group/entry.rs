@@ -73,6 +73,9 @@ impl<'p> Entry<'p> {
             cell.message = Some(failure.message);
             return cell;
         }
+        if self.algorithm.is_approximate() {
+            cell.message = Some("approximate: compared, but not held to the tolerance".to_owned());
+        }
         let (mut samples, mut setup) = (Vec::new(), None);
         for ((purpose, _), finding) in self.findings {
             let observation = finding.observation;

@@ -1,6 +1,5 @@
 //! The parent's end of a child.
 
-use std::ffi::OsStr;
 use std::io::{self, Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::process::CommandExt;
@@ -26,7 +25,7 @@ const GRACE: Duration = Duration::from_secs(1);
 /// A process that waits for orders. It is the leader of a process group of its own, which ends
 /// with this value whatever it is at.
 #[derive(Debug)]
-pub(super) struct Child {
+pub(crate) struct Child {
     process: process::Child,
     orders: ChildStdin,
     replies: ChildStdout,
@@ -39,14 +38,9 @@ pub(super) struct Child {
 }
 
 impl Child {
-    /// Starts `program` with the hidden command for `model`.
-    pub(super) fn start(mut program: Command, model: &OsStr) -> io::Result<Self> {
-        let mut process = program
-            .arg0("geobench")
-            .args([super::COMMAND, "--"])
-            .arg(model)
-            // Its last words are to say why it ended, not where it was.
-            .env("RUST_BACKTRACE", "0")
+    /// Starts `command`.
+    pub(crate) fn start(mut command: Command) -> io::Result<Self> {
+        let mut process = command
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -77,8 +71,13 @@ impl Child {
     }
 
     /// Bytes that it occupies, with whatever it has started.
-    pub(super) fn resident(&self) -> Option<u64> {
+    pub(crate) fn resident(&self) -> Option<u64> {
         system::resident(self.process.id())
+    }
+
+    /// Its number.
+    pub(crate) fn id(&self) -> u32 {
+        self.process.id()
     }
 
     /// Sends an order and waits for the answer, of at most `longest` bytes. Nothing runs here
@@ -89,13 +88,26 @@ impl Child {
         limits: &Limits,
         longest: usize,
     ) -> Result<Reply, Trouble> {
+        let mut line = serde_json::to_vec(order).map_err(|error| Trouble::Pipe(error.into()))?;
+        line.push(b'\n');
+        let answer = self.ask_line(&line, limits, longest)?;
+        serde_json::from_slice(&answer).map_err(|_| {
+            self.kill();
+            Trouble::garbage(&answer)
+        })
+    }
+
+    /// Sends `order`, if it is not empty, and waits for a line of at most `longest` bytes.
+    pub(crate) fn ask_line(
+        &mut self,
+        order: &[u8],
+        limits: &Limits,
+        longest: usize,
+    ) -> Result<Vec<u8>, Trouble> {
         let kills = system::kernel_out_of_memory_kills();
         let answer = self.converse(order, limits, longest);
         match answer {
-            Ok(Some(line)) => serde_json::from_slice(&line).map_err(|_| {
-                self.kill();
-                Trouble::Garbage(beginning(&line))
-            }),
+            Ok(Some(line)) => Ok(line),
             // The pipe has come to its end.
             Ok(None) => {
                 let Some(status) = self.wait_for_end() else {
@@ -103,7 +115,7 @@ impl Child {
                     return Err(Trouble::Closed);
                 };
                 if !self.received.is_empty() {
-                    return Err(Trouble::Garbage(beginning(&self.received)));
+                    return Err(Trouble::garbage(&self.received));
                 }
                 Err(Trouble::Ended(Ending {
                     status,
@@ -121,15 +133,13 @@ impl Child {
     /// The line that answers an order, or nothing if the pipe ends before it does.
     fn converse(
         &mut self,
-        order: &Order,
+        order: &[u8],
         limits: &Limits,
         longest: usize,
     ) -> Result<Option<Vec<u8>>, Trouble> {
         let start = Instant::now();
         let deadline = limits.timeout.0.and_then(|time| start.checked_add(time));
-        let mut line = serde_json::to_vec(order).map_err(|error| Trouble::Pipe(error.into()))?;
-        line.push(b'\n');
-        match self.orders.write_all(&line) {
+        match self.orders.write_all(order) {
             // It is gone; why, is found below.
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {}
             done => done.map_err(Trouble::Pipe)?,
@@ -142,7 +152,7 @@ impl Child {
             }
             searched = self.received.len();
             if searched > longest {
-                return Err(Trouble::Garbage(beginning(&self.received)));
+                return Err(Trouble::garbage(&self.received));
             }
             if interrupt::requested() {
                 return Err(Trouble::Interrupted);
@@ -258,15 +268,4 @@ fn is_temporary(error: &io::Error) -> bool {
         error.kind(),
         io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted
     )
-}
-
-/// The first words of what is no answer.
-fn beginning(bytes: &[u8]) -> String {
-    const MOST: usize = 60;
-    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(4 * MOST)]);
-    let text = text.trim();
-    match text.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text.to_owned(),
-    }
 }

@@ -66,7 +66,7 @@ impl<'w> Crew<'w> {
     /// A child that has loaded the model, and what it found.
     fn load(&self) -> Result<(Worker, ModelRecord), Failure> {
         let trouble = |trouble: &Trouble| trouble.failure(&self.place.limits, "loading the model");
-        let mut child = Child::start(self.place.command(), self.model.argument())
+        let mut child = Child::start(self.place.command_for(self.model))
             .map_err(|error| trouble(&Trouble::Start(error)))?;
         let order = Order::Load {
             name: self.model.name.clone(),

@@ -39,10 +39,13 @@ mod system;
 mod tail;
 mod trouble;
 
+use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::Command;
 
 pub(crate) use cell::cell;
+pub(crate) use child::Child;
+pub(crate) use trouble::Trouble;
 
 use crate::affinity::CpuList;
 use crate::limits::Limits;
@@ -118,10 +121,19 @@ impl Isolated {
         }
     }
 
-    fn command(&self) -> Command {
-        self.program
+    /// The command of a child that is to work on `model`.
+    fn command_for(&self, model: &ModelRef) -> Command {
+        let mut command = self
+            .program
             .as_ref()
-            .map_or_else(system::this_program, Command::new)
+            .map_or_else(system::this_program, Command::new);
+        command
+            .arg0("geobench")
+            .args([COMMAND, "--"])
+            .arg(model.argument())
+            // Its last words are to say why it ended, not where it was.
+            .env("RUST_BACKTRACE", "0");
+        command
     }
 }
 

@@ -13,7 +13,7 @@ use crate::runner::Failure;
 
 /// Why there is no answer. The child is gone in every case.
 #[derive(Debug)]
-pub(super) enum Trouble {
+pub(crate) enum Trouble {
     /// Somebody asked to stop.
     Interrupted,
     /// It took longer than it may.
@@ -34,18 +34,29 @@ pub(super) enum Trouble {
 
 /// How a process ended.
 #[derive(Debug)]
-pub(super) struct Ending {
+pub(crate) struct Ending {
     /// What it left to its parent.
-    pub(super) status: ExitStatus,
+    pub(crate) status: ExitStatus,
     /// The last that it wrote to standard error.
-    pub(super) last_words: String,
+    pub(crate) last_words: String,
     /// Whether the kernel has ended a process for want of memory meanwhile.
-    pub(super) kernel_out_of_memory: bool,
+    pub(crate) kernel_out_of_memory: bool,
 }
 
 impl Trouble {
+    /// It wrote this line, which is no answer.
+    pub(crate) fn garbage(line: &[u8]) -> Self {
+        const MOST: usize = 60;
+        let text = String::from_utf8_lossy(&line[..line.len().min(4 * MOST)]);
+        let text = text.trim();
+        Self::Garbage(match text.char_indices().nth(MOST) {
+            Some((end, _)) => format!("{}...", &text[..end]),
+            None => text.to_owned(),
+        })
+    }
+
     /// What a row says of it, if it came while the child was `doing` something under `limits`.
-    pub(super) fn failure(&self, limits: &Limits, doing: &str) -> Failure {
+    pub(crate) fn failure(&self, limits: &Limits, doing: &str) -> Failure {
         let (status, message) = match self {
             Self::Interrupted => (Status::Crashed, "interrupted".to_owned()),
             Self::Timeout => (

@@ -10,6 +10,7 @@ mod ch;
 mod fwp;
 mod hidden;
 mod mmp;
+mod outside;
 mod parameter;
 mod select;
 mod threshold;

@@ -1,9 +1,13 @@
 //! How users ask for algorithms.
 
+use std::sync::Arc;
+
 use geobench_mesh::Mesh;
 use geobench_window::Solver;
 
+use super::outside::{OUTSIDE, PREFIX};
 use super::{Algorithm, Parameter, Value, Values, algorithms, hidden};
+use crate::outside::{Program, Programs, UnknownProgram};
 
 /// An algorithm that a user asked for, with the values of its parameters.
 #[derive(Clone, Debug)]
@@ -11,6 +15,8 @@ pub struct Selection {
     algorithm: Algorithm,
     values: Values,
     label: String,
+    /// The outside program behind it, if it is one and has been found.
+    program: Option<Arc<Program>>,
 }
 
 impl Selection {
@@ -20,7 +26,45 @@ impl Selection {
             algorithm: *algorithm,
             label: format!("{}{values}", algorithm.name),
             values,
+            program: None,
         }
+    }
+
+    /// The outside program of this name, which is still to be found.
+    fn outside(name: &str) -> Self {
+        Self {
+            label: format!("{PREFIX}{name}"),
+            ..Self::new(&OUTSIDE, Values::default())
+        }
+    }
+
+    /// Name of the outside program that it asks for; none if it is an algorithm of the suite.
+    pub fn outside_name(&self) -> Option<&str> {
+        self.label.strip_prefix(PREFIX)
+    }
+
+    /// The outside program behind it, once it has been [found](Self::find_program).
+    pub const fn program(&self) -> Option<&Arc<Program>> {
+        self.program.as_ref()
+    }
+
+    /// Looks up the outside program that it asks for, if it asks for one.
+    ///
+    /// # Errors
+    ///
+    /// When there is none of its name.
+    pub fn find_program(&mut self, programs: &Programs) -> Result<(), UnknownProgram> {
+        if let Some(name) = self.outside_name() {
+            self.program = Some(programs.find(name)?);
+        }
+        Ok(())
+    }
+
+    /// Whether its distances are not held to the tolerance, because nobody says that they are exact.
+    pub fn is_approximate(&self) -> bool {
+        self.program
+            .as_ref()
+            .is_some_and(|program| program.approximate)
     }
 
     /// The algorithm.
@@ -41,6 +85,10 @@ impl Selection {
     }
 
     /// Sets the algorithm up for `mesh`.
+    ///
+    /// # Panics
+    ///
+    /// When it is an outside program, which has no solver here.
     pub fn build<'m>(&self, mesh: &'m Mesh) -> Box<dyn Solver + 'm> {
         (self.algorithm.build)(mesh, &self.values)
     }
@@ -166,6 +214,16 @@ fn matches(item: &str, list: &str) -> Result<Vec<Selection>, SelectError> {
     let (name, settings) = split_parameters(item)?;
     if name.is_empty() {
         return Err(SelectError::Empty { list: list.into() });
+    }
+    if let Some(program) = name.strip_prefix(PREFIX) {
+        return match settings.first() {
+            _ if program.is_empty() => Err(SelectError::Empty { list: list.into() }),
+            Some((key, _)) => Err(SelectError::NoParameters {
+                name: name.clone(),
+                key: key.clone(),
+            }),
+            None => Ok(vec![Selection::outside(program)]),
+        };
     }
     let found: Vec<_> = algorithms()
         .iter()

@@ -26,28 +26,28 @@ fn at(line: Option<usize>) -> String {
 
 /// A suite file while it is read.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Document<'t> {
-    pub(super) path: &'t Path,
-    pub(super) text: &'t str,
+pub(crate) struct Document<'t> {
+    pub(crate) path: &'t Path,
+    pub(crate) text: &'t str,
 }
 
 /// A value with its key and its place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry<'t> {
-    pub(super) document: Document<'t>,
-    pub(super) key: &'t str,
-    pub(super) value: &'t Spanned<DeValue<'t>>,
+pub(crate) struct Entry<'t> {
+    pub(crate) document: Document<'t>,
+    pub(crate) key: &'t str,
+    pub(crate) value: &'t Spanned<DeValue<'t>>,
 }
 
 impl<'t> Document<'t> {
-    pub(super) fn parse(&self) -> Result<DeTable<'t>, SuiteError> {
+    pub(crate) fn parse(&self) -> Result<DeTable<'t>, SuiteError> {
         match DeTable::parse(self.text) {
             Ok(table) => Ok(table.into_inner()),
             Err(error) => Err(self.error(error.span(), error.message())),
         }
     }
 
-    pub(super) fn error(&self, span: Option<Range<usize>>, problem: &str) -> SuiteError {
+    pub(crate) fn error(&self, span: Option<Range<usize>>, problem: &str) -> SuiteError {
         SuiteError {
             path: self.path.to_owned(),
             line: span.map(|span| self.line(&span)),
@@ -61,7 +61,7 @@ impl<'t> Document<'t> {
     }
 
     /// Complains about a key that is none of `known`.
-    pub(super) fn unknown_key(&self, key: &Spanned<DeString<'_>>, known: &[&str]) -> SuiteError {
+    pub(crate) fn unknown_key(&self, key: &Spanned<DeString<'_>>, known: &[&str]) -> SuiteError {
         let name = key.get_ref();
         let suggestion = nearest(&name.to_lowercase(), known)
             .map_or_else(String::new, |known| format!(", did you mean `{known}`?"));
@@ -76,24 +76,24 @@ impl<'t> Document<'t> {
 }
 
 impl<'t> Entry<'t> {
-    pub(super) fn error(&self, problem: &str) -> SuiteError {
+    pub(crate) fn error(&self, problem: &str) -> SuiteError {
         let problem = format!("`{}`: {problem}", self.key);
         self.document.error(Some(self.value.span()), &problem)
     }
 
-    pub(super) fn line(&self) -> usize {
+    pub(crate) fn line(&self) -> usize {
         self.document.line(&self.value.span())
     }
 
     /// A text.
-    pub(super) fn text(&self) -> Result<&'t str, SuiteError> {
+    pub(crate) fn text(&self) -> Result<&'t str, SuiteError> {
         match self.value.get_ref() {
             DeValue::String(text) => Ok(text),
             _ => Err(self.error("a text in quotes is expected")),
         }
     }
 
-    pub(super) fn boolean(&self) -> Result<bool, SuiteError> {
+    pub(crate) fn boolean(&self) -> Result<bool, SuiteError> {
         match self.value.get_ref() {
             DeValue::Boolean(value) => Ok(*value),
             _ => Err(self.error("true or false is expected")),
@@ -101,7 +101,7 @@ impl<'t> Entry<'t> {
     }
 
     /// A whole number in `range`.
-    pub(super) fn whole(&self, range: Range<u32>) -> Result<u32, SuiteError> {
+    pub(crate) fn whole(&self, range: Range<u32>) -> Result<u32, SuiteError> {
         let number = match self.value.get_ref() {
             DeValue::Integer(n) => u32::from_str_radix(n.as_str(), n.radix()).ok(),
             _ => None,
@@ -115,7 +115,7 @@ impl<'t> Entry<'t> {
     }
 
     /// A number.
-    pub(super) fn number(&self) -> Option<f64> {
+    pub(crate) fn number(&self) -> Option<f64> {
         match self.value.get_ref() {
             DeValue::Float(x) => x.as_str().parse().ok(),
             DeValue::Integer(n) if n.radix() == 10 => n.as_str().parse().ok(),
@@ -124,7 +124,7 @@ impl<'t> Entry<'t> {
     }
 
     /// The text, or the number as it is written.
-    pub(super) fn word(&self) -> Result<String, SuiteError> {
+    pub(crate) fn word(&self) -> Result<String, SuiteError> {
         match self.value.get_ref() {
             DeValue::String(text) => Ok(text.clone().into_owned()),
             DeValue::Integer(n) => Ok(n.to_string()),
@@ -134,7 +134,7 @@ impl<'t> Entry<'t> {
     }
 
     /// The elements of a list that is not empty.
-    pub(super) fn list(&self) -> Result<Vec<Entry<'t>>, SuiteError> {
+    pub(crate) fn list(&self) -> Result<Vec<Entry<'t>>, SuiteError> {
         match self.value.get_ref() {
             DeValue::Array(array) if !array.is_empty() => {
                 Ok(array.iter().map(|value| Entry { value, ..*self }).collect())
@@ -145,7 +145,7 @@ impl<'t> Entry<'t> {
     }
 
     /// The keys and values of a table.
-    pub(super) fn table(&self) -> Result<&'t DeTable<'t>, SuiteError> {
+    pub(crate) fn table(&self) -> Result<&'t DeTable<'t>, SuiteError> {
         match self.value.get_ref() {
             DeValue::Table(table) => Ok(table),
             _ => Err(self.error("a table is expected")),

@@ -10,6 +10,7 @@ use super::document::{Document, Entry, SuiteError};
 use super::{MOST_RUNS, Settings, WantedModel, tolerance};
 use crate::export;
 use crate::limits::LimitError;
+use crate::outside::{self, Programs};
 use crate::plan::Reference;
 use crate::registry::{self, Selection};
 use crate::source::SourceSpec;
@@ -21,6 +22,8 @@ pub struct Suite {
     pub path: PathBuf,
     /// Its groups, in the order of the file; at least one.
     pub groups: Vec<SuiteGroup>,
+    /// The outside programs that it describes.
+    pub programs: Programs,
 }
 
 /// A group of a suite.
@@ -75,7 +78,11 @@ impl Suite {
         let table = document.parse()?;
         let mut common = Settings::default();
         let mut groups: Vec<SuiteGroup> = Vec::new();
-        let known: Vec<&str> = ["group"].into_iter().chain(SETTINGS).collect();
+        let mut programs = Programs::default();
+        let known: Vec<&str> = ["group", outside::KEY]
+            .into_iter()
+            .chain(SETTINGS)
+            .collect();
         for (key, value) in &table {
             let entry = Entry {
                 document,
@@ -90,6 +97,8 @@ impl Suite {
                     }
                     groups.push(group);
                 }
+            } else if entry.key == outside::KEY {
+                programs = outside::tables(&entry)?;
             } else {
                 setting(&entry, key, &known, &mut common)?;
             }
@@ -106,6 +115,7 @@ impl Suite {
         Ok(Self {
             path: path.to_owned(),
             groups,
+            programs,
         })
     }
 }

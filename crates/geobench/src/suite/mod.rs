@@ -6,7 +6,7 @@
 //! groups. `bench-configs/README.md` describes the format.
 
 mod builtin;
-mod document;
+pub(crate) mod document;
 mod file;
 mod plans;
 

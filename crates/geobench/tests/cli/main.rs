@@ -10,6 +10,7 @@ mod info;
 mod instructions;
 mod isolation;
 mod merge;
+mod outside;
 mod pool;
 mod resume;
 mod run;

@@ -1,0 +1,218 @@
+//! Outside programs, `ext:NAME`, played by shell scripts: how they are asked, checked and told apart
+//! from those that lie, crash or talk.
+
+use serde_json::{Value, json};
+
+use crate::support::Sandbox;
+
+/// Loads, and answers each request with the right distances of the square from vertex 0.
+const HONEST: &str = r#"
+echo "$0 loads $1" >> log
+grep -c '^v ' "$1" >> log
+echo '{"ready": true}'
+while read -r request; do
+    echo "$request from $2" >> log
+    printf 'vertex,distance\n0,0\n1,1\n2,1.4142135623730951\n3,1\n' > "$3"
+    echo '{"seconds": 0.25, "counters": {"propagated": 7}, "rss_peak_bytes": 4096}'
+done
+"#;
+
+/// A script for each misbehaviour: what it does once it is asked.
+const SCRIPTS: [(&str, &str); 7] = [
+    (
+        "lies",
+        r#"printf '0,0\n1,1\n2,1.5\n3,1\n' > "$3"; echo '{"seconds": 0.001}'"#,
+    ),
+    (
+        "half",
+        r#"printf '0,0\n1,1\n' > "$3"; echo '{"seconds": 0.001}'"#,
+    ),
+    ("silent", r#"echo '{"seconds": 0.001}'"#),
+    ("talks", "echo 'half way there'"),
+    ("dies", "echo 'no such luck' >&2; exit 3"),
+    ("sleeps", "exec sleep 60"),
+    ("refuses", r#"echo '{"refused": "too few faces"}'"#),
+];
+
+/// A sandbox with `square.off`, the scripts and a file `peers.toml` that describes them.
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::with_square();
+    let mut peers = String::new();
+    let mut describe = |name: &str, more: &str| {
+        let table = format!(
+            "[ext.{name}]\ncommand = ['sh', '{name}.sh', '{{model}}', '{{source}}', '{{output}}']\n{more}\n"
+        );
+        peers.push_str(&table);
+    };
+    sandbox.write("honest.sh", HONEST);
+    describe("honest", "");
+    for (name, does) in SCRIPTS {
+        let script =
+            format!("echo '{{\"ready\": true}}'\nwhile read -r request; do\n{does}\ndone\n");
+        sandbox.write(&format!("{name}.sh"), &script);
+        describe(name, "");
+    }
+    let once = r#"printf '0,0\n1,1\n2,1.4142135623730951\n3,1\n' > "$3"; echo run >> log
+        echo '{"seconds": 0.5}'"#;
+    sandbox.write("once.sh", once);
+    describe("once", "protocol = 'once'");
+    sandbox.write(
+        "roughly.sh",
+        &format!(
+            "echo '{{\"ready\": true}}'\nwhile read -r _; do {}\ndone\n",
+            SCRIPTS[0].1
+        ),
+    );
+    describe("roughly", "approximate = true");
+    sandbox.write("peers.toml", &peers);
+    sandbox
+}
+
+/// Runs `algorithms` on the square, which ends with `code`, and returns the cells.
+fn run(sandbox: &Sandbox, algorithms: &str, code: i32) -> Vec<Value> {
+    let call = sandbox.call(&format!(
+        "run square.off --ext peers.toml --algo {algorithms} --repeat 3 --warmup 1 --timeout 2s -o r.json"
+    ));
+    assert_eq!(call.code, code, "{}", call.stderr);
+    sandbox.json("r.json")["cells"].as_array().unwrap().clone()
+}
+
+#[test]
+fn an_outside_program_is_one_process_that_is_asked_and_checked_like_any_algorithm() {
+    let sandbox = sandbox();
+    let cells = run(&sandbox, "vtp,ext:Honest", 0);
+    let cell = &cells[1];
+    assert_eq!(cell["algorithm"], "ext:honest");
+    assert_eq!(cell["status"], "ok");
+    assert_eq!(cell["time"]["samples"], json!([0.25, 0.25, 0.25]));
+    assert_eq!(cell["counters"]["propagated"], 7);
+    assert_eq!(cell["counters"]["kept"], Value::Null);
+    assert_eq!(cell["memory"]["rss_peak_bytes"], 4096);
+    assert_eq!(cell["memory"]["heap_peak_bytes"], Value::Null);
+    assert_eq!(cell["phases"]["propagation"], Value::Null);
+    assert_eq!(cell["check"]["reference"], "vtp");
+    assert!(cell["check"]["max_rel"].as_f64().unwrap() < 1e-12);
+    // One process, which read the four vertices of an OBJ file and was asked four times.
+    let log = sandbox.read("log");
+    let lines: Vec<&str> = log.lines().collect();
+    assert!(
+        lines[0].starts_with("honest.sh loads ") && lines[0].ends_with("model.obj"),
+        "{log}"
+    );
+    assert_eq!(
+        lines[1..],
+        [
+            "4",
+            "solve from 0",
+            "solve from 0",
+            "solve from 0",
+            "solve from 0"
+        ]
+    );
+}
+
+#[test]
+fn a_program_that_is_called_once_for_each_run_needs_no_asking() {
+    let sandbox = sandbox();
+    let cells = run(&sandbox, "vtp,ext:once", 0);
+    assert_eq!(cells[1]["time"]["samples"], json!([0.5, 0.5, 0.5]));
+    assert_eq!(sandbox.read("log"), "run\n".repeat(4));
+}
+
+#[test]
+fn whatever_an_outside_program_does_costs_its_own_row() {
+    let sandbox = sandbox();
+    let all: Vec<String> = SCRIPTS
+        .iter()
+        .map(|(name, _)| format!("ext:{name}"))
+        .collect();
+    let cells = run(&sandbox, &format!("vtp,{},mmp", all.join(",")), 1);
+    for cell in [&cells[0], &cells[8]] {
+        assert_eq!(cell["status"], "ok");
+        assert_eq!(cell["time"]["samples"].as_array().unwrap().len(), 3);
+    }
+    let rows: Vec<String> = cells[1..8]
+        .iter()
+        .map(|cell| {
+            assert_eq!(cell["time"]["samples"], json!([]));
+            format!(
+                "{}: {}: {}",
+                cell["algorithm"].as_str().unwrap(),
+                cell["status"].as_str().unwrap(),
+                cell["message"].as_str().unwrap()
+            )
+        })
+        .collect();
+    // The folder of the files that go to and fro has another name each time.
+    let rows = rows.join("\n");
+    let rows: Vec<&str> = rows
+        .split(' ')
+        .map(|word| match word.split_once("geobench-") {
+            Some(_) if word.ends_with(".csv:") => "FOLDER/silent.csv:",
+            _ => word,
+        })
+        .collect();
+    insta::assert_snapshot!(rows.join(" "));
+}
+
+#[test]
+fn approximate_distances_are_compared_and_not_held_to_the_tolerance() {
+    let sandbox = sandbox();
+    let cells = run(&sandbox, "vtp,ext:roughly", 0);
+    let cell = &cells[1];
+    assert_eq!(cell["status"], "ok");
+    assert_eq!(
+        cell["message"],
+        "approximate: compared, but not held to the tolerance"
+    );
+    let max_rel = cell["check"]["max_rel"].as_f64().unwrap();
+    assert!((0.05..0.06).contains(&max_rel), "{max_rel}");
+}
+
+#[test]
+fn a_suite_describes_its_own_programs() {
+    let sandbox = sandbox();
+    let suite = format!(
+        "{}\n[[group]]\nname = 'g'\nmodels = ['square.off']\nalgorithms = ['vtp', 'ext:honest']\n",
+        sandbox.read("peers.toml")
+    );
+    sandbox.write("suite.toml", &suite);
+    let call = sandbox.call("run --config suite.toml --repeat 1 --warmup 0 -o r.json");
+    assert_eq!(call.code, 0, "{}", call.stderr);
+    let cell = &sandbox.json("r.json")["cells"][1];
+    assert_eq!(cell["time"]["samples"], json!([0.25]));
+    // And stands for a file of programs.
+    let call = sandbox.call("verify square.off --algo ext:honest --ext suite.toml");
+    assert_eq!(call.code, 0, "{}", call.stderr);
+}
+
+#[test]
+fn what_nobody_has_described_is_refused_before_anything_runs() {
+    let sandbox = sandbox();
+    for (arguments, complaint) in [
+        (
+            "run square.off --algo ext:honets --ext peers.toml",
+            "there is no outside program `honets`, did you mean `ext:honest`?",
+        ),
+        (
+            "run square.off --algo ext:honest",
+            "describe it in a table [ext.honest] of the suite file, or of a file given with --ext\n",
+        ),
+        (
+            "run square.off --algo ext:honest{k=1} --ext peers.toml",
+            "algorithm `ext:honest` takes no parameters, but `k` is given",
+        ),
+        (
+            "run square.off --algo ext:",
+            "an algorithm name is missing in `ext:`",
+        ),
+        (
+            "distance square.off --source 0 --algo ext:honest -o d.csv",
+            "ext:honest is an outside program: those take part in `run` and `verify`",
+        ),
+    ] {
+        let call = sandbox.call(arguments);
+        assert_eq!(call.code, 2, "{arguments}");
+        assert!(call.stderr.contains(complaint), "{}", call.stderr);
+    }
+}

@@ -3,7 +3,7 @@
 //! Times on a shared machine vary by 10 % and more; the number of instructions hardly varies at all, and a
 //! gate can hold it to a per cent or two. It is no time: it knows nothing of caches, branches and the
 //! width of vectors. The program starts itself under callgrind, which counts only while it is inside
-//! [`counted_solve`], so that loading the model and setting the algorithm up do not dilute the
+//! `counted_solve`, so that loading the model and setting the algorithm up do not dilute the
 //! figure.
 //!
 //! What callgrind runs is its own processor, so the counts do not depend on this one's vector

@@ -13,7 +13,7 @@ pub enum Measure {
     WavefrontDeviation,
     /// Instructions.
     Instructions,
-    /// A figure of memory, by its place in [`MEMORY`].
+    /// A figure of memory, by its place in the list of them.
     Memory(usize),
 }
 

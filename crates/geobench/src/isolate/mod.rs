@@ -2,7 +2,7 @@
 //! costs its own row and nothing else.
 //!
 //! Each process is this very program, called with a hidden command. Parent and child talk in lines
-//! of JSON ([`message`]) through the child's standard input and output; what the child says on
+//! of JSON (`message`) through the child's standard input and output; what the child says on
 //! standard error is kept for the row, should it crash. The parent never loads a mesh.
 //!
 //! **Who lives how long.** The runs of the cells of one model and source are interleaved between

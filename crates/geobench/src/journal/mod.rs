@@ -3,7 +3,7 @@
 //!
 //! A journal is a text file of JSON lines. The first says which program made it and what was to be
 //! run ([`Header`]); a journal is continued by the same program with the same plan only. Each of the
-//! others holds a session, a model or a run ([`Line`]). A last line without its end is what a process
+//! others holds a session, a model or a run (`line`). A last line without its end is what a process
 //! was writing when it was killed: it is cut off. Any other line that is not understood is an error,
 //! because then it is not known what else is wrong with the file.
 //!

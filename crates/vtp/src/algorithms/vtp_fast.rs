@@ -2,7 +2,7 @@
 //!
 //! The same algorithm as [`vtp`](super::vtp), the filter, rules 1, 2 and 3, with another engine. Its distances
 //! differ from those of the others by rounding only, and are the same bits on every processor. What is
-//! different, each with its switch in [`FastOptions`](crate::FastOptions):
+//! different, each with its switch in [`FastOptions`]:
 //!
 //! * **Vector instructions** (`simd`). A list is a structure of arrays, and three short kernels work on four (AVX2) or
 //!   eight (AVX-512) windows at once; chosen when the program runs. The kernels are written once, over registers with

@@ -38,6 +38,7 @@ pub mod record;
 pub mod registry;
 #[cfg(test)]
 mod rehearsal;
+pub mod report;
 pub mod result_file;
 mod rng;
 pub mod runner;

@@ -1,7 +1,7 @@
 //! The arguments of every command, as clap reads them.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -11,6 +11,7 @@ use crate::export::{self, ComparisonFormat, Format};
 use crate::instructions;
 use crate::isolate;
 use crate::registry::{self, Selection};
+use crate::report::{Form, Tables, Wanted};
 use crate::shard::Shard;
 use crate::source::SourceSpec;
 use crate::suite::{self, MOST_RUNS};
@@ -66,6 +67,8 @@ pub(super) enum Command {
     Verify(VerifyOptions),
     /// Compare two result files, and fail if the newer one is worse
     Compare(CompareOptions),
+    /// Make tables, plots and a picture of result files: one page, or files to take into a paper
+    Report(ReportOptions),
     /// Write the distances of all vertices from one or several sources
     Distance(DistanceOptions),
     /// Write a generated model to a file
@@ -82,6 +85,10 @@ pub(super) enum Command {
     /// Join the rounds of a benchmark that was started once for each round, as when two versions of
     /// geobench take turns
     Pool(PoolOptions),
+    /// Print a script that lets a shell complete commands, options and values
+    Completions(CompletionsOptions),
+    /// Print the manual page of the program or of a command
+    Man(ManOptions),
     /// Solve once, under callgrind
     #[command(hide = true, name = instructions::COMMAND)]
     CountOneSolve(CountOneSolveOptions),
@@ -233,6 +240,54 @@ pub(super) struct DistanceOptions {
 }
 
 #[derive(Args, Debug)]
+pub(super) struct ReportOptions {
+    /// Result files (.json)
+    #[arg(value_name = "RESULT", required = true)]
+    pub(super) results: Vec<PathBuf>,
+
+    /// Page to write: one self-contained HTML file
+    #[arg(short, long, value_name = "FILE", required_unless_present = "format")]
+    pub(super) output: Option<PathBuf>,
+
+    /// Files to write into a directory: html (the page), svg (every plot), csv (every table and the
+    /// numbers behind every plot) or tex (every table and plot for LaTeX); may be repeated
+    #[arg(long, num_args = 2, value_names = ["FORMAT", "DIR"])]
+    pub(super) format: Vec<String>,
+
+    /// Algorithm to which all are compared [default: that of the suite, else vtp, else the reference
+    /// of the checks]
+    #[arg(long, value_name = "ALGO")]
+    pub(super) ratio_to: Option<String>,
+
+    /// Model of the result to draw coloured by distance from a vertex, or none [default: the first
+    /// one that can be loaded again and is the same, from its first source]
+    #[arg(long, value_name = "MODEL[:SOURCE]")]
+    pub(super) picture: Option<Wanted>,
+
+    /// Tables of the papers to compare ratios with, such as 000-table-1, separated by commas, or none
+    /// [default: that of the suite that the result was made with]
+    #[arg(long, value_name = "LIST")]
+    pub(super) papers: Option<Tables>,
+
+    /// No summary, no warnings
+    #[arg(long)]
+    pub(super) quiet: bool,
+}
+
+impl ReportOptions {
+    /// The forms of files with their directories.
+    pub(super) fn files(&self) -> anyhow::Result<Vec<(Form, &Path)>> {
+        let pairs = self.format.chunks_exact(2);
+        pairs
+            .map(|pair| match Form::from_str(&pair[0], true) {
+                Ok(form) => Ok((form, Path::new(&pair[1]))),
+                Err(_) => anyhow::bail!("--format {}: use html, svg, csv or tex", pair[0]),
+            })
+            .collect()
+    }
+}
+
+#[derive(Args, Debug)]
 pub(super) struct GenOptions {
     /// NAME[,key=value...], such as torus,faces=50000,bump=0.1,seed=7
     #[arg(value_name = "SPEC")]
@@ -304,6 +359,24 @@ pub(super) struct PoolOptions {
     /// i of the one was taken next to sample i of the other
     #[arg(long, value_name = "ID")]
     pub(super) pairing: Option<String>,
+}
+
+#[derive(Args, Debug)]
+#[command(
+    after_help = "For bash: geobench completions bash > ~/.local/share/bash-completion/completions/geobench"
+)]
+pub(super) struct CompletionsOptions {
+    /// The shell
+    #[arg(value_name = "SHELL", value_enum)]
+    pub(super) shell: clap_complete::Shell,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = "To read it: geobench man run | man -l -")]
+pub(super) struct ManOptions {
+    /// The command; without one, the page of the program, which lists all commands
+    #[arg(value_name = "COMMAND")]
+    pub(super) command: Option<String>,
 }
 
 #[derive(Args, Debug)]

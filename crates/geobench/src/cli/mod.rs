@@ -11,7 +11,9 @@ mod merge;
 mod outputs;
 mod pool;
 mod progress;
+mod report;
 mod run;
+mod shell;
 mod terminal;
 mod verify;
 
@@ -54,6 +56,7 @@ pub fn main() -> ExitCode {
         Command::Run(options) => run::run(&options, terminal),
         Command::Verify(options) => verify::verify(&options),
         Command::Compare(options) => compare::compare(&options, terminal),
+        Command::Report(options) => report::report(&options),
         Command::Distance(options) => distance::distance(&options),
         Command::Gen(options) => generate::generate(&options),
         Command::Info(options) => info::info(&options),
@@ -63,6 +66,8 @@ pub fn main() -> ExitCode {
             .map_err(anyhow::Error::from),
         Command::Merge(options) => merge::merge(&options),
         Command::Pool(options) => pool::pool(&options),
+        Command::Completions(options) => shell::completions(&options),
+        Command::Man(options) => shell::man(&options),
         Command::CountOneSolve(o) => {
             instructions::solve_once(&o.model, &o.algorithm, o.source).map(|()| Verdict::Passed)
         }

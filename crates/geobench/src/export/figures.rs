@@ -13,17 +13,17 @@ pub struct Figure {
     /// The name by which suites and `--rows` ask for it.
     pub key: &'static str,
     /// What stands in front of the row.
-    pub(super) label: String,
+    pub(crate) label: String,
     /// How it is shown.
-    pub(super) style: Style,
+    pub(crate) style: Style,
     /// Whether less of it is better, so that the least can be marked and ratios mean something.
-    pub(super) less_is_better: bool,
+    pub(crate) less_is_better: bool,
     of: Of,
 }
 
 /// How a figure is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Style {
+pub(crate) enum Style {
     /// A whole number.
     Count,
     /// With as many decimals as it takes, but no more than these.
@@ -42,7 +42,7 @@ enum Of {
 const MEGABYTE: f64 = 1e6;
 
 /// The rows of a table where nothing else is asked for.
-pub(super) const USUAL: [&str; 4] = ["time", "propagated", "papers_memory", "heap_memory"];
+pub(crate) const USUAL: [&str; 4] = ["time", "propagated", "papers_memory", "heap_memory"];
 
 /// A name that is not that of a figure.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -77,7 +77,7 @@ pub fn figure(name: &str) -> Result<&'static Figure, UnknownFigure> {
 }
 
 /// The figures of these names, as far as there are any; the usual ones if none are named.
-pub(super) fn figures<S: AsRef<str>>(names: &[S]) -> Vec<&'static Figure> {
+pub(crate) fn figures<S: AsRef<str>>(names: &[S]) -> Vec<&'static Figure> {
     if names.is_empty() {
         USUAL.iter().flat_map(|name| figure(name)).collect()
     } else {
@@ -112,7 +112,7 @@ impl Figure {
     }
 
     /// The figure of a cell, if it has it.
-    pub(super) fn of(&self, cell: &Cell) -> Option<f64> {
+    pub(crate) fn of(&self, cell: &Cell) -> Option<f64> {
         match self.of {
             Of::Counter(counter) => count(cell, counter),
             Of::Computed(of) => of(cell),

@@ -4,12 +4,12 @@ use comfy_table::{Attribute, Cell as TableCell, CellAlignment, Color, Table, pre
 
 /// A figure in a table, or what stands in its place.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Entry {
-    pub(super) text: String,
+pub(crate) struct Entry {
+    pub(crate) text: String,
     /// Whether it is to be set off as the best of its row.
-    pub(super) best: bool,
+    pub(crate) best: bool,
     /// Whether it says that something failed.
-    pub(super) failed: bool,
+    pub(crate) failed: bool,
 }
 
 impl Entry {

@@ -65,7 +65,7 @@ fn entry(entry: &Entry) -> String {
 }
 
 /// Text with the characters that mean something to LaTeX made harmless.
-fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

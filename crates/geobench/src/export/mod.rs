@@ -2,17 +2,17 @@
 
 mod comparison;
 mod csv;
-mod figures;
+pub(crate) mod figures;
 mod grid;
 mod json;
-mod latex;
+pub(crate) mod latex;
 mod markdown;
 pub(crate) mod number;
 mod ratios;
 mod table;
 #[cfg(test)]
 mod tests;
-mod view;
+pub(crate) mod view;
 
 use std::path::Path;
 

@@ -8,41 +8,41 @@ use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
 use crate::statistics::median;
 
 /// The tables of one group.
-pub(super) struct Section<'r> {
+pub(crate) struct Section<'r> {
     /// The group, if it has a name or a text.
-    pub(super) group: Option<&'r GroupRecord>,
+    pub(crate) group: Option<&'r GroupRecord>,
     /// All algorithms of the group, in the order in which they first appear.
-    pub(super) algorithms: Vec<&'r str>,
+    pub(crate) algorithms: Vec<&'r str>,
     /// One for each model, and one for ratios if they are asked for.
-    pub(super) views: Vec<ModelView<'r>>,
+    pub(crate) views: Vec<ModelView<'r>>,
 }
 
 /// The part of a table that belongs to one model.
-pub(super) struct ModelView<'r> {
+pub(crate) struct ModelView<'r> {
     /// The model.
-    pub(super) name: String,
+    pub(crate) name: String,
     /// Number of vertices and faces.
-    pub(super) size: String,
+    pub(crate) size: String,
     /// What the sources are, in words.
-    pub(super) sources: String,
+    pub(crate) sources: String,
     /// Names of the algorithms.
-    pub(super) algorithms: Vec<&'r str>,
-    pub(super) rows: Vec<Row>,
+    pub(crate) algorithms: Vec<&'r str>,
+    pub(crate) rows: Vec<Row>,
     /// Whether there is no figure because the model or its sources cannot be used.
-    pub(super) refused: bool,
+    pub(crate) refused: bool,
     /// What else a reader must know about these figures.
-    pub(super) notes: Vec<String>,
+    pub(crate) notes: Vec<String>,
 }
 
 /// A row of a table.
-pub(super) struct Row {
-    pub(super) label: String,
+pub(crate) struct Row {
+    pub(crate) label: String,
     /// One entry for each algorithm.
-    pub(super) entries: Vec<Entry>,
+    pub(crate) entries: Vec<Entry>,
 }
 
 /// The names of all algorithms in `result`, in the order in which they first appear.
-pub(super) fn algorithms<'r>(cells: impl IntoIterator<Item = &'r Cell>) -> Vec<&'r str> {
+pub(crate) fn algorithms<'r>(cells: impl IntoIterator<Item = &'r Cell>) -> Vec<&'r str> {
     let mut names: Vec<&str> = Vec::new();
     for cell in cells {
         if !names.contains(&cell.algorithm.as_str()) {
@@ -53,7 +53,7 @@ pub(super) fn algorithms<'r>(cells: impl IntoIterator<Item = &'r Cell>) -> Vec<&
 }
 
 /// The sections of all groups, in the order of the run.
-pub(super) fn sections(result: &ResultFile) -> Vec<Section<'_>> {
+pub(crate) fn sections(result: &ResultFile) -> Vec<Section<'_>> {
     static ALONE: GroupRecord = GroupRecord::unnamed();
     let groups = if result.groups.is_empty() {
         std::slice::from_ref(&ALONE)
@@ -85,7 +85,7 @@ impl<'r> Section<'r> {
 
 impl<'r> ModelView<'r> {
     /// The part of `model` in the table of `group`, to which some of `cells` belong.
-    pub(super) fn new(
+    pub(crate) fn new(
         group: &GroupRecord,
         model: &ModelRecord,
         cells: impl IntoIterator<Item = &'r Cell>,
@@ -139,14 +139,14 @@ impl<'r> ModelView<'r> {
 
 impl ModelView<'_> {
     /// The entry of an algorithm in a row, if the view has that algorithm.
-    pub(super) fn entry<'s>(&self, row: &'s Row, algorithm: &str) -> Option<&'s Entry> {
+    pub(crate) fn entry<'s>(&self, row: &'s Row, algorithm: &str) -> Option<&'s Entry> {
         let place = self.algorithms.iter().position(|name| *name == algorithm)?;
         row.entries.get(place)
     }
 }
 
 /// The figure of the cells of all sources in a model: the median, and none if one has failed.
-pub(super) fn overall(figure: &Figure, cells: &[&Cell]) -> Option<f64> {
+pub(crate) fn overall(figure: &Figure, cells: &[&Cell]) -> Option<f64> {
     let values: Option<Vec<f64>> = cells
         .iter()
         .map(|cell| figure.of(cell).filter(|_| cell.status == Status::Ok))

@@ -4,7 +4,7 @@ mod bytes;
 mod json;
 mod npy;
 mod ply;
-mod ramp;
+pub(crate) mod ramp;
 mod vtk;
 
 use std::path::Path;

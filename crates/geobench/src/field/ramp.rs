@@ -15,10 +15,21 @@ const RAMP: [[u8; 3]; 9] = [
 ];
 
 /// The colour of vertices that no path reaches.
-const UNREACHED: [u8; 3] = [128, 128, 128];
+pub(crate) const UNREACHED: [u8; 3] = [128, 128, 128];
+
+/// The colour at a place on the ramp, from 0 to 1.
+#[allow(clippy::cast_sign_loss)] // Neither places nor parts of colours are negative.
+pub(crate) fn colour(share: f64) -> [u8; 3] {
+    let place = share.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
+    let (low, between) = (place.floor() as usize, place.fract());
+    let (from, to) = (RAMP[low], RAMP[(low + 1).min(RAMP.len() - 1)]);
+    std::array::from_fn(|k| {
+        let (from, to) = (f64::from(from[k]), f64::from(to[k]));
+        (from + between * (to - from)).round() as u8
+    })
+}
 
 /// A colour for each distance: the ramp from 0 to the largest finite distance.
-#[allow(clippy::cast_sign_loss)] // Neither distances nor parts of colours are negative.
 pub(super) fn colours(distances: &[f64]) -> impl Iterator<Item = [u8; 3]> {
     let largest = distances
         .iter()
@@ -27,19 +38,12 @@ pub(super) fn colours(distances: &[f64]) -> impl Iterator<Item = [u8; 3]> {
         .fold(0.0, f64::max);
     distances.iter().map(move |&distance| {
         if !distance.is_finite() {
-            return UNREACHED;
-        }
-        let place = if largest > 0.0 {
-            distance / largest * (RAMP.len() - 1) as f64
+            UNREACHED
+        } else if largest > 0.0 {
+            colour(distance / largest)
         } else {
-            0.0
-        };
-        let (low, between) = (place.floor() as usize, place.fract());
-        let (from, to) = (RAMP[low], RAMP[(low + 1).min(RAMP.len() - 1)]);
-        std::array::from_fn(|k| {
-            let (from, to) = (f64::from(from[k]), f64::from(to[k]));
-            (from + between * (to - from)).round() as u8
-        })
+            RAMP[0]
+        }
     })
 }
 

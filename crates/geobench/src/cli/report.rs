@@ -1,0 +1,55 @@
+//! `geobench report`.
+
+use anyhow::bail;
+
+use super::Verdict;
+use super::args::ReportOptions;
+use super::terminal;
+use crate::output::OutputFile;
+use crate::report::{self, Input, Options, Wanted};
+use crate::result_file;
+
+pub(super) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
+    let files = options.files()?;
+    let page = options
+        .output
+        .as_deref()
+        .map(OutputFile::prepare)
+        .transpose()?;
+    let mut inputs = Vec::new();
+    for path in &options.results {
+        let result = result_file::read(path)?;
+        if result.cells.is_empty() {
+            bail!(
+                "{}: it has no cells, so there is nothing to report",
+                path.display()
+            );
+        }
+        inputs.push(Input {
+            path: path.clone(),
+            result,
+        });
+    }
+    let wanted = Options {
+        ratio_to: options.ratio_to.clone(),
+        picture: options.picture.clone().unwrap_or(Wanted::Any),
+        tables: options.papers.clone().unwrap_or_default(),
+    };
+    let report = report::build(&inputs, &wanted)?;
+    let mut written = Vec::new();
+    if let (Some(page), Some(path)) = (page, &options.output) {
+        page.write(report::page(&report).as_bytes())?;
+        written.push(path.display().to_string());
+    }
+    for (form, directory) in files {
+        let paths = report::write_files(&report, form, directory)?;
+        written.push(match paths.len() {
+            1 => paths[0].display().to_string(),
+            n => format!("{n} files in {}", directory.display()),
+        });
+    }
+    if !options.quiet {
+        terminal::print(&format!("{}\n", written.join("\n")))?;
+    }
+    Ok(Verdict::Passed)
+}

@@ -1,0 +1,195 @@
+//! Bars made of parts: where the time of each algorithm goes.
+
+use super::axis::{Axis, Scale};
+use super::dots::axis_below;
+use super::{Datum, LINE, WIDTH, fitted, width_of};
+use crate::report::svg::{Svg, px};
+
+/// The most parts that a bar can have: there are so many patterns.
+pub(crate) const PARTS: usize = 3;
+
+/// A chart of bars made of parts.
+#[derive(Clone, Debug)]
+pub(crate) struct Bars {
+    pub(crate) axis: Axis,
+    /// Names of the parts.
+    pub(crate) parts: [String; PARTS],
+    pub(crate) groups: Vec<Group>,
+}
+
+/// Bars that belong together, such as the algorithms on one model.
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    pub(crate) title: String,
+    pub(crate) bars: Vec<Bar>,
+}
+
+/// A bar, or what stands in its place.
+#[derive(Clone, Debug)]
+pub(crate) struct Bar {
+    pub(crate) label: String,
+    /// Lengths of the parts, in the unit of the axis.
+    pub(crate) parts: [f64; PARTS],
+    /// What stands behind it: its sum in a unit of its own, or why there is no bar.
+    pub(crate) note: String,
+    /// Whether that says that something failed.
+    pub(crate) failed: bool,
+}
+
+impl Bars {
+    /// Draws it and returns its height. Patterns are known by `id` in the page.
+    pub(super) fn draw(&self, svg: &mut Svg, id: &str) -> f64 {
+        patterns(svg, id);
+        let bars = || self.groups.iter().flat_map(|group| &group.bars);
+        let widest = bars().map(|bar| width_of(&bar.label)).fold(0.0, f64::max);
+        let left = widest.min(165.0) + 12.0;
+        let notes = bars()
+            .filter(|bar| !bar.failed)
+            .map(|bar| width_of(&bar.note))
+            .fold(0.0, f64::max);
+        let sums = bars().map(|bar| bar.parts.iter().sum());
+        let scale = Scale::new(&self.axis, sums, [left, WIDTH - notes - 12.0], true);
+        let mut x = 4.0;
+        for (k, name) in self.parts.iter().enumerate() {
+            part(svg, id, k, [x, 5.0], [12.0, 9.0]);
+            svg.text([x + 17.0, 13.5], "t", name);
+            x += width_of(name) + 36.0;
+        }
+        let top = 24.0;
+        let height = |group: &Group| LINE + 7.0 + LINE * group.bars.len() as f64;
+        let bottom = top + self.groups.iter().map(height).sum::<f64>();
+        axis_below(svg, &scale, &self.axis.label, [top, bottom]);
+        let mut y = top;
+        for group in &self.groups {
+            svg.text([4.0, y + 12.0], "b", &fitted(&group.title, WIDTH - 20.0));
+            y += LINE + 2.0;
+            for bar in &group.bars {
+                let end = self.draw_bar(svg, id, bar, &scale, y);
+                let class = if bar.failed { "f" } else { "t" };
+                svg.text(
+                    [end + 5.0, y + 11.3],
+                    class,
+                    &fitted(&bar.note, WIDTH - end - 5.0),
+                );
+                y += LINE;
+            }
+            y += 5.0;
+        }
+        bottom + 34.0
+    }
+
+    /// Draws a bar and returns where it ends.
+    fn draw_bar(&self, svg: &mut Svg, id: &str, bar: &Bar, scale: &Scale, y: f64) -> f64 {
+        svg.text(
+            [scale.start() - 8.0, y + 11.3],
+            "e",
+            &fitted(&bar.label, 165.0),
+        );
+        svg.open("g", &[]);
+        let texts: Vec<String> = self
+            .parts
+            .iter()
+            .zip(bar.parts)
+            .map(|(name, length)| format!("{name} {length:.3}"))
+            .collect();
+        svg.holding(
+            "title",
+            &[],
+            &format!("{}: {}", bar.label, texts.join(", ")),
+        );
+        let (mut sum, mut from) = (0.0, scale.start());
+        for (k, length) in bar.parts.into_iter().enumerate() {
+            sum += length;
+            let to = scale.clamped(sum);
+            if to > from {
+                part(svg, id, k, [from, y + 2.5], [to - from, LINE - 5.0]);
+            }
+            from = to;
+        }
+        svg.close();
+        from
+    }
+
+    pub(super) fn data(&self) -> Vec<Datum> {
+        let mut data = Vec::new();
+        for group in &self.groups {
+            for bar in &group.bars {
+                let datum = |series: String, value, absent| Datum {
+                    of: group.title.clone(),
+                    series,
+                    x: None,
+                    value,
+                    interval: None,
+                    absent,
+                };
+                if bar.failed {
+                    data.push(datum(bar.label.clone(), None, Some(bar.note.clone())));
+                    continue;
+                }
+                for (name, length) in self.parts.iter().zip(bar.parts) {
+                    data.push(datum(format!("{}: {name}", bar.label), Some(length), None));
+                }
+            }
+        }
+        data
+    }
+}
+
+/// The classes of the parts: the colours of the first three styles.
+const CLASSES: [&str; PARTS] = ["s0", "s4", "s2"];
+
+/// A rectangle of the colour and the pattern of part `k`.
+fn part(svg: &mut Svg, id: &str, k: usize, at: [f64; 2], size: [f64; 2]) {
+    let attributes = [
+        ("class", CLASSES[k].to_owned()),
+        ("x", px(at[0])),
+        ("y", px(at[1])),
+        ("width", px(size[0])),
+        ("height", px(size[1])),
+        (
+            "fill",
+            match k {
+                0 => "currentColor".to_owned(),
+                _ => format!("url(#{id}-p{k})"),
+            },
+        ),
+        ("stroke", "currentColor".to_owned()),
+        ("stroke-width", "0.8".to_owned()),
+    ];
+    svg.leaf("rect", &attributes);
+}
+
+/// The patterns: one part is filled, one hatched, one dotted.
+fn patterns(svg: &mut Svg, id: &str) {
+    svg.open("defs", &[]);
+    for (k, (size, d, width)) in [
+        (5.0, "M-1 1l2 -2M0 5l5 -5M4 6l2 -2", "1.4"),
+        (4.0, "M1 1h1.3M3 3h1.3", "1.3"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let k = k + 1;
+        svg.open(
+            "pattern",
+            &[
+                ("id", format!("{id}-p{k}")),
+                ("class", CLASSES[k].to_owned()),
+                ("width", px(size)),
+                ("height", px(size)),
+                ("patternUnits", "userSpaceOnUse".to_owned()),
+            ],
+        );
+        svg.leaf(
+            "path",
+            &[
+                ("d", d.to_owned()),
+                ("stroke", "currentColor".to_owned()),
+                ("stroke-width", width.to_owned()),
+                ("fill", "none".to_owned()),
+            ],
+        );
+        svg.close();
+    }
+    svg.close();
+}

@@ -1,0 +1,248 @@
+//! Points on lanes: one band for each model, one lane for each algorithm. Where there would be too
+//! many lanes, a band becomes a single one that all algorithms share.
+
+use super::axis::{self, Axis, Scale};
+use super::{Datum, LINE, Point, WIDTH, fitted, legend, marker, width_of};
+use crate::report::svg::Svg;
+
+/// Most lanes that have a line of their own.
+const MOST_LANES: usize = 64;
+
+/// Widest that the names of lanes may be.
+const WIDEST_NAME: f64 = 165.0;
+
+/// A chart of points on lanes.
+#[derive(Clone, Debug)]
+pub(crate) struct Dots {
+    pub(crate) axis: Axis,
+    /// A value at which a line stands, such as 1 in a chart of ratios.
+    pub(crate) reference: Option<f64>,
+    pub(crate) bands: Vec<Band>,
+    /// What markers mean, where the lanes do not say it.
+    pub(crate) legend: Vec<(usize, bool, String)>,
+}
+
+/// What belongs together, such as the algorithms on one model.
+#[derive(Clone, Debug)]
+pub(crate) struct Band {
+    pub(crate) title: String,
+    pub(crate) lanes: Vec<Lane>,
+}
+
+/// A line of points.
+#[derive(Clone, Debug)]
+pub(crate) struct Lane {
+    pub(crate) label: String,
+    pub(crate) points: Vec<Point>,
+    /// What stands there if there is no point.
+    pub(crate) absent: Option<String>,
+}
+
+impl Dots {
+    /// Draws it and returns its height.
+    pub(super) fn draw(&self, svg: &mut Svg) -> f64 {
+        let lanes: usize = self.bands.iter().map(|band| band.lanes.len()).sum();
+        if lanes > MOST_LANES && self.bands.len() > 1 {
+            return self.merged().draw(svg);
+        }
+        let names = || {
+            self.bands
+                .iter()
+                .flat_map(|b| &b.lanes)
+                .map(|l| l.label.as_str())
+        };
+        let widest = names().map(width_of).fold(0.0, f64::max).min(WIDEST_NAME);
+        let left = widest + 12.0;
+        let legends: Vec<(usize, bool, &str)> = self
+            .legend
+            .iter()
+            .map(|(style, hollow, name)| (*style, *hollow, name.as_str()))
+            .collect();
+        let top = 4.0 + legend(svg, [4.0, 2.0], WIDTH - 8.0, &legends);
+        let reference = self.reference;
+        let values = self.points().flat_map(|p| {
+            let [low, high] = p.value.interval.unwrap_or([p.value.value; 2]);
+            [low, p.value.value, high]
+        });
+        let scale = Scale::new(
+            &self.axis,
+            values.chain(reference),
+            [left, WIDTH - 14.0],
+            false,
+        );
+        let height = |band: &Band| {
+            let title = if band.title.is_empty() {
+                0.0
+            } else {
+                LINE + 2.0
+            };
+            title + LINE * band.lanes.len() as f64 + 5.0
+        };
+        let bottom = top + self.bands.iter().map(height).sum::<f64>();
+        axis_below(svg, &scale, &self.axis.label, [top, bottom]);
+        if let Some(place) = reference.and_then(|value| scale.place(value)) {
+            svg.line("one", [place, top], [place, bottom]);
+        }
+        let mut y = top;
+        for band in &self.bands {
+            if !band.title.is_empty() {
+                svg.text([4.0, y + 12.0], "b", &fitted(&band.title, WIDTH - 20.0));
+                y += LINE + 2.0;
+            }
+            for lane in &band.lanes {
+                draw_lane(svg, lane, &scale, y + LINE / 2.0);
+                y += LINE;
+            }
+            y += 5.0;
+        }
+        bottom + 34.0
+    }
+
+    /// The same with one lane for each band, and a legend that names the markers.
+    fn merged(&self) -> Self {
+        let mut legend = self.legend.clone();
+        let lanes = self.bands.iter().map(|band| {
+            let points: Vec<Point> = band.lanes.iter().flat_map(|l| l.points.clone()).collect();
+            for point in &points {
+                let entry = (point.style, point.hollow, point.name.clone());
+                if !legend.contains(&entry) {
+                    legend.push(entry);
+                }
+            }
+            let absent: Vec<String> = band
+                .lanes
+                .iter()
+                .filter_map(|l| Some(format!("{} {}", l.label, l.absent.as_ref()?)))
+                .collect();
+            Lane {
+                label: band.title.clone(),
+                points,
+                absent: (!absent.is_empty()).then(|| absent.join(", ")),
+            }
+        });
+        let lanes = lanes.collect();
+        Self {
+            axis: self.axis.clone(),
+            reference: self.reference,
+            bands: vec![Band {
+                title: String::new(),
+                lanes,
+            }],
+            legend,
+        }
+    }
+
+    fn points(&self) -> impl Iterator<Item = &Point> {
+        let lanes = self.bands.iter().flat_map(|band| &band.lanes);
+        lanes.flat_map(|lane| &lane.points)
+    }
+
+    pub(super) fn data(&self) -> Vec<Datum> {
+        let mut data = Vec::new();
+        for band in &self.bands {
+            for lane in &band.lanes {
+                data.extend(lane.points.iter().map(|point| Datum {
+                    of: band.title.clone(),
+                    series: point.name.clone(),
+                    x: None,
+                    value: Some(point.value.value),
+                    interval: point.value.interval,
+                    absent: None,
+                }));
+                data.extend(lane.absent.iter().map(|absent| Datum {
+                    of: band.title.clone(),
+                    series: lane.label.clone(),
+                    x: None,
+                    value: None,
+                    interval: None,
+                    absent: Some(absent.clone()),
+                }));
+            }
+        }
+        data
+    }
+}
+
+fn draw_lane(svg: &mut Svg, lane: &Lane, scale: &Scale, y: f64) {
+    let (left, right) = (scale.start(), scale.end());
+    svg.text(
+        [left - 8.0, y + 3.8],
+        "e",
+        &fitted(&lane.label, WIDEST_NAME),
+    );
+    svg.line("lane", [left, y], [right, y]);
+    for point in &lane.points {
+        let Some(place) = scale.place(point.value.value) else {
+            continue;
+        };
+        let class = marker::class(point.style);
+        svg.open("g", &[]);
+        svg.holding("title", &[], &spoken(point));
+        if let Some([low, high]) = point.value.interval {
+            let (low, high) = (scale.clamped(low), scale.clamped(high));
+            // Ends that lie within the marker would only blur it.
+            if high - low > 8.0 {
+                let whisker = format!("whisker {class}");
+                svg.line(&whisker, [low, y], [high, y]);
+                svg.line(&whisker, [low, y - 3.0], [low, y + 3.0]);
+                svg.line(&whisker, [high, y - 3.0], [high, y + 3.0]);
+            }
+        }
+        marker::draw(svg, point.style, point.hollow, [place, y]);
+        svg.close();
+    }
+    if let Some(absent) = &lane.absent {
+        let farthest = lane
+            .points
+            .iter()
+            .filter_map(|p| scale.place(p.value.value))
+            .fold(left, f64::max);
+        // Where there is room: after the points, or before them.
+        let at = if farthest + 12.0 + width_of(absent) < right {
+            farthest + 8.0
+        } else {
+            left + 4.0
+        };
+        svg.text([at, y + 3.8], "f", &fitted(absent, right - at));
+    }
+}
+
+/// What a pointer over the marker says.
+fn spoken(point: &Point) -> String {
+    let text = format!("{}: {}", point.name, significant(point.value.value));
+    match point.value.interval {
+        Some([low, high]) => format!("{text} ({} to {})", significant(low), significant(high)),
+        None => text,
+    }
+}
+
+/// A number with four digits that say something.
+fn significant(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || !size.is_finite() {
+        return format!("{value}");
+    }
+    if size >= 1e4 && value.fract() == 0.0 {
+        return format!("{value:.0}");
+    }
+    let decimals = (3 - size.log10().floor() as i32).clamp(0, 9);
+    format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
+}
+
+/// The axis of a chart below it, and the lines of its ticks.
+pub(super) fn axis_below(svg: &mut Svg, scale: &Scale, label: &str, [top, bottom]: [f64; 2]) {
+    let (major, minor) = scale.ticks();
+    for place in minor.into_iter().filter_map(|tick| scale.place(tick)) {
+        svg.line("minor", [place, top], [place, bottom]);
+    }
+    for tick in major {
+        let Some(place) = scale.place(tick) else {
+            continue;
+        };
+        svg.line("grid", [place, top], [place, bottom]);
+        svg.text([place, bottom + 13.0], "m", &axis::label(tick));
+    }
+    svg.line("axis", [scale.start(), bottom], [scale.end(), bottom]);
+    let middle = f64::midpoint(scale.start(), scale.end());
+    svg.text([middle, bottom + 28.0], "m", label);
+}

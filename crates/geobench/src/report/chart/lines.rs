@@ -1,0 +1,127 @@
+//! Lines over two axes: how algorithms scale.
+
+use super::axis::{self, Axis, Scale};
+use super::dots::axis_below;
+use super::{Datum, Value, WIDTH, fitted, legend, marker};
+use crate::report::svg::{Svg, px};
+
+/// Height of the field in which lines are drawn.
+const HEIGHT: f64 = 230.0;
+
+/// A chart of lines.
+#[derive(Clone, Debug)]
+pub(crate) struct Lines {
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
+    /// A value at which a line stands across the chart.
+    pub(crate) reference: Option<f64>,
+    pub(crate) series: Vec<Series>,
+}
+
+/// A line with markers, or markers alone.
+#[derive(Clone, Debug)]
+pub(crate) struct Series {
+    pub(crate) style: usize,
+    pub(crate) name: String,
+    /// Whether neighbouring points are joined.
+    pub(crate) joined: bool,
+    /// Places on the x-axis with values, from left to right.
+    pub(crate) points: Vec<(f64, Value)>,
+}
+
+impl Lines {
+    /// Draws it and returns its height.
+    pub(super) fn draw(&self, svg: &mut Svg) -> f64 {
+        let names: Vec<(usize, bool, &str)> = self
+            .series
+            .iter()
+            .map(|series| (series.style, false, series.name.as_str()))
+            .collect();
+        let top = 24.0 + legend(svg, [4.0, 2.0], WIDTH - 8.0, &names);
+        let bottom = top + HEIGHT;
+        let points = || self.series.iter().flat_map(|s| &s.points);
+        let ys = points().flat_map(|(_, v)| {
+            let [low, high] = v.interval.unwrap_or([v.value; 2]);
+            [low, v.value, high]
+        });
+        let x = Scale::new(
+            &self.x,
+            points().map(|(x, _)| *x),
+            [52.0, WIDTH - 14.0],
+            false,
+        );
+        let y = Scale::new(&self.y, ys.chain(self.reference), [bottom, top], false);
+        svg.text([4.0, top - 9.0], "t", &fitted(&self.y.label, WIDTH - 8.0));
+        let (major, minor) = y.ticks();
+        for place in minor.into_iter().filter_map(|tick| y.place(tick)) {
+            svg.line("minor", [x.start(), place], [x.end(), place]);
+        }
+        for tick in major {
+            if let Some(place) = y.place(tick) {
+                svg.line("grid", [x.start(), place], [x.end(), place]);
+                svg.text([46.0, place + 3.8], "e", &axis::label(tick));
+            }
+        }
+        svg.line("axis", [x.start(), top], [x.start(), bottom]);
+        if let Some(place) = self.reference.and_then(|value| y.place(value)) {
+            svg.line("one", [x.start(), place], [x.end(), place]);
+        }
+        axis_below(svg, &x, &self.x.label, [top, bottom]);
+        for series in &self.series {
+            draw_series(svg, series, &x, &y);
+        }
+        bottom + 34.0
+    }
+
+    pub(super) fn data(&self) -> Vec<Datum> {
+        let mut data = Vec::new();
+        for series in &self.series {
+            data.extend(series.points.iter().map(|(x, value)| Datum {
+                of: self.x.label.clone(),
+                series: series.name.clone(),
+                x: Some(*x),
+                value: Some(value.value),
+                interval: value.interval,
+                absent: None,
+            }));
+        }
+        data
+    }
+}
+
+fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
+    let class = marker::class(series.style);
+    svg.open("g", &[]);
+    svg.holding("title", &[], &series.name);
+    let places: Vec<([f64; 2], &Value)> = series
+        .points
+        .iter()
+        .filter_map(|(at, value)| Some(([x.place(*at)?, y.place(value.value)?], value)))
+        .collect();
+    if series.joined && places.len() > 1 {
+        let points: Vec<String> = places
+            .iter()
+            .map(|([x, y], _)| format!("{},{}", px(*x), px(*y)))
+            .collect();
+        svg.leaf(
+            "polyline",
+            &[
+                ("class", format!("curve {class}")),
+                ("points", points.join(" ")),
+            ],
+        );
+    }
+    for (at, value) in places {
+        if let Some([low, high]) = value.interval {
+            let (low, high) = (y.clamped(low), y.clamped(high));
+            if low - high > 8.0 {
+                let whisker = format!("whisker {class}");
+                svg.line(&whisker, [at[0], low], [at[0], high]);
+                svg.line(&whisker, [at[0] - 3.0, low], [at[0] + 3.0, low]);
+                svg.line(&whisker, [at[0] - 3.0, high], [at[0] + 3.0, high]);
+            }
+        }
+        marker::draw(svg, series.style, false, at);
+    }
+    svg.close();
+}

@@ -1,0 +1,194 @@
+//! Charts: what they show, and drawing them.
+//!
+//! A chart is drawn as SVG that stands in a page or in a file of its own. Its text is text, its ink
+//! the colour of the text around it, so that it follows a dark page, and no meaning hangs on
+//! colour alone: every algorithm has a marker of its own, every part of a bar a pattern.
+
+mod axis;
+mod bars;
+mod dots;
+mod lines;
+mod marker;
+
+use super::picture::Picture;
+use super::svg::Svg;
+
+pub(crate) use axis::Axis;
+pub(crate) use bars::{Bar, Bars, Group as BarGroup, PARTS};
+pub(crate) use dots::{Band, Dots, Lane};
+pub(crate) use lines::{Lines, Series};
+pub(crate) use marker::pgf as pgf_mark;
+
+/// Width of all charts, in pixels at their natural size: readable on a phone held upright.
+pub(crate) const WIDTH: f64 = 480.0;
+
+/// Height of a line of text.
+pub(super) const LINE: f64 = 15.0;
+
+/// A chart.
+#[derive(Clone, Debug)]
+pub(crate) enum Chart {
+    Dots(Dots),
+    Bars(Bars),
+    Lines(Lines),
+    Picture(Picture),
+}
+
+/// A value with its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Value {
+    pub(crate) value: f64,
+    /// The ends of its 95 % interval.
+    pub(crate) interval: Option<[f64; 2]>,
+}
+
+/// A value that is shown by the marker of an algorithm.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Point {
+    /// Whose marker.
+    pub(crate) style: usize,
+    /// What it is the value of.
+    pub(crate) name: String,
+    pub(crate) value: Value,
+    /// Whether only the outline of the marker is drawn.
+    pub(crate) hollow: bool,
+}
+
+/// A row of the numbers behind a chart: what is drawn where, in words and numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Datum {
+    /// The band, the panel or the family.
+    pub(crate) of: String,
+    /// The algorithm, or what else is shown by a marker or pattern.
+    pub(crate) series: String,
+    /// Where it stands if the chart has two axes.
+    pub(crate) x: Option<f64>,
+    pub(crate) value: Option<f64>,
+    pub(crate) interval: Option<[f64; 2]>,
+    /// What stands in the place of a value.
+    pub(crate) absent: Option<String>,
+}
+
+/// What a drawing says to those who do not see it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spoken<'a> {
+    /// Unique in the page.
+    pub(crate) id: &'a str,
+    pub(crate) title: &'a str,
+    pub(crate) description: &'a str,
+}
+
+impl Chart {
+    /// The drawing, as an `svg` element. One that is to stand in a file `alone` says how its parts
+    /// look; in a page the page does.
+    pub(crate) fn draw(&self, spoken: Spoken<'_>, alone: bool) -> String {
+        let mut inside = Svg::default();
+        let [width, height] = match self {
+            Self::Dots(dots) => [WIDTH, dots.draw(&mut inside)],
+            Self::Bars(bars) => [WIDTH, bars.draw(&mut inside, spoken.id)],
+            Self::Lines(lines) => [WIDTH, lines.draw(&mut inside)],
+            Self::Picture(picture) => picture.draw(&mut inside),
+        };
+        let mut svg = Svg::default();
+        let id = |part: &str| format!("{}-{part}", spoken.id);
+        let mut attributes = vec![
+            ("xmlns", "http://www.w3.org/2000/svg".to_owned()),
+            ("class", "chart".to_owned()),
+            ("role", "img".to_owned()),
+            ("viewBox", format!("0 0 {width:.0} {height:.0}")),
+            ("aria-labelledby", format!("{} {}", id("title"), id("desc"))),
+        ];
+        if alone {
+            attributes.push(("width", format!("{width:.0}")));
+            attributes.push(("height", format!("{height:.0}")));
+        }
+        svg.open("svg", &attributes);
+        svg.holding("title", &[("id", id("title"))], spoken.title);
+        svg.holding("desc", &[("id", id("desc"))], spoken.description);
+        if alone {
+            svg.open("style", &[]);
+            svg.raw(include_str!("chart.css"));
+            svg.close();
+        }
+        svg.raw(&inside.finish());
+        svg.finish()
+    }
+
+    /// The numbers behind it.
+    pub(crate) fn data(&self) -> Vec<Datum> {
+        match self {
+            Self::Dots(dots) => dots.data(),
+            Self::Bars(bars) => bars.data(),
+            Self::Lines(lines) => lines.data(),
+            Self::Picture(_) => Vec::new(),
+        }
+    }
+}
+
+/// How a drawing looks, for the page that holds some.
+pub(crate) const STYLE: &str = include_str!("chart.css");
+
+/// About as wide as `text` is drawn, for a wide font, because nobody knows which one is there.
+pub(crate) fn width_of(text: &str) -> f64 {
+    text.chars().map(letter).sum()
+}
+
+/// About as wide as a letter is drawn.
+fn letter(c: char) -> f64 {
+    match c {
+        'i' | 'j' | 'l' | ' ' | '.' | ',' | ':' | ';' | '|' | '\'' => 3.6,
+        'f' | 'r' | 't' | '-' | '/' | '(' | ')' | '[' | ']' => 4.6,
+        'm' | 'w' | 'M' | 'W' | '%' | '=' | '+' | '<' | '>' | '\u{2026}' => 11.0,
+        'A'..='Z' => 8.0,
+        _ => 7.1,
+    }
+}
+
+/// `text` cut to a width, with a sign that something is missing.
+pub(super) fn fitted(text: &str, width: f64) -> String {
+    if width_of(text) <= width {
+        return text.to_owned();
+    }
+    let mut room = width - letter('\u{2026}');
+    let fits = text.chars().take_while(|&c| {
+        room -= letter(c);
+        room >= 0.0
+    });
+    fits.collect::<String>() + "\u{2026}"
+}
+
+/// A legend: markers with names, in lines from `at` on that are at most `width` wide. Returns its
+/// height.
+fn legend(svg: &mut Svg, at: [f64; 2], width: f64, names: &[(usize, bool, &str)]) -> f64 {
+    let [mut x, mut y] = at;
+    for (style, hollow, name) in names {
+        let wide = width_of(name) + 26.0;
+        if x > at[0] && x + wide > at[0] + width {
+            x = at[0];
+            y += LINE;
+        }
+        marker::draw(svg, *style, *hollow, [x + 6.0, y + 7.5]);
+        svg.text([x + 15.0, y + 11.5], "t", name);
+        x += wide;
+    }
+    if names.is_empty() {
+        0.0
+    } else {
+        y + LINE + 4.0 - at[1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_cut_where_it_does_not_fit() {
+        assert_eq!(fitted("vtp", 100.0), "vtp");
+        let name = "fwp-mmp{bucket=2,kmax=5000}";
+        let cut = fitted(name, 100.0);
+        assert!(cut.ends_with('\u{2026}') && name.starts_with(cut.trim_end_matches('\u{2026}')));
+        assert!(width_of(&cut) <= 100.0 && width_of(&cut) > 85.0, "{cut}");
+        assert_eq!(fitted(name, 0.0), "\u{2026}");
+    }
+}

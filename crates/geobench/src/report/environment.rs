@@ -1,0 +1,202 @@
+//! Where and how a result was measured.
+
+use serde_json::Value;
+
+use crate::record::{ResultFile, Status};
+
+/// Names and values of all that is known.
+pub(crate) fn facts(result: &ResultFile) -> Vec<(String, String)> {
+    let (tool, host) = (&result.tool, &result.host);
+    let or_unknown = |text: Option<&String>| text.map_or("unknown", String::as_str).to_owned();
+    let mut facts: Vec<(String, String)> = [
+        ("Command", command(&result.command)),
+        ("Started", result.started.clone()),
+        ("Finished", result.finished.clone()),
+        (
+            "Program",
+            format!(
+                "geobench {}, commit {}, {} build",
+                tool.version,
+                or_unknown(tool.commit.as_ref()),
+                tool.profile
+            ),
+        ),
+        ("Compiler", or_unknown(tool.rustc.as_ref())),
+        ("Processor", or_unknown(host.cpu.as_ref())),
+        ("Processors in use", host.cores.to_string()),
+        (
+            "Main memory",
+            host.memory_bytes.map_or_else(
+                || "unknown".to_owned(),
+                |bytes| format!("{:.1} GB", bytes as f64 / 1e9),
+            ),
+        ),
+        (
+            "System",
+            match &host.kernel {
+                Some(kernel) => format!("{}, kernel {kernel}", host.os),
+                None => host.os.clone(),
+            },
+        ),
+    ]
+    .map(|(name, value)| (name.to_owned(), value))
+    .to_vec();
+    if let Some(load) = host.load_start {
+        facts.push(("Load at the start".to_owned(), format!("{load:.2}")));
+    }
+    if !tool.features.is_empty() {
+        facts.push(("Features".to_owned(), tool.features.join(", ")));
+    }
+    facts.extend(others(result));
+    // A run that was interrupted, or of which several machines did parts.
+    if result.sessions.len() > 1 {
+        for (i, session) in result.sessions.iter().enumerate() {
+            let cpu = or_unknown(session.host.cpu.as_ref());
+            let shard = session.shard.as_ref();
+            let part =
+                shard.map_or_else(String::new, |shard| format!(", part {shard} of the plan"));
+            facts.push((
+                format!("Session {}", i + 1),
+                format!(
+                    "{} on {cpu}{part}: {}",
+                    session.started,
+                    command(&session.command)
+                ),
+            ));
+        }
+    }
+    facts
+}
+
+/// What the file says about the conditions of the run in fields that not every version has.
+fn others(result: &ResultFile) -> Vec<(String, String)> {
+    let mut facts = Vec::new();
+    let Ok(Value::Object(fields)) = serde_json::to_value(result) else {
+        return facts;
+    };
+    for name in ["isolation", "conditions"] {
+        if let Some(value) = fields.get(name) {
+            flatten(name, value, &mut facts);
+        }
+    }
+    facts
+}
+
+/// A line for each value that there is, named after where it stands.
+fn flatten(name: &str, value: &Value, facts: &mut Vec<(String, String)>) {
+    let text = match value {
+        Value::Null => return,
+        Value::Object(fields) => {
+            for (key, value) in fields {
+                flatten(&format!("{name}, {}", key.replace('_', " ")), value, facts);
+            }
+            return;
+        }
+        Value::Array(items) if items.is_empty() => return,
+        Value::Array(items) => {
+            let texts: Vec<String> = items.iter().map(plain).collect();
+            texts.join(", ")
+        }
+        value => plain(value),
+    };
+    let mut letters = name.chars();
+    let first = letters.next().map(|c| c.to_uppercase().to_string());
+    facts.push((first.unwrap_or_default() + letters.as_str(), text));
+}
+
+fn plain(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Bool(true) => "yes".to_owned(),
+        Value::Bool(false) => "no".to_owned(),
+        value => value.to_string(),
+    }
+}
+
+/// A command as it would be typed into a shell.
+fn command(words: &[String]) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_=./:,@%+".contains(c);
+    let quoted = words.iter().map(|word| {
+        if !word.is_empty() && word.chars().all(plain) {
+            word.clone()
+        } else {
+            format!("'{}'", word.replace('\'', "'\\''"))
+        }
+    });
+    quoted.collect::<Vec<_>>().join(" ")
+}
+
+/// What came of the run, in a sentence or two.
+pub(crate) fn summary(result: &ResultFile) -> String {
+    let cells = result.cells.len();
+    let count = |status: Status| result.cells.iter().filter(|c| c.status == status).count();
+    let ok = count(Status::Ok);
+    let mut text = format!(
+        "{} on {}; {ok} of {} ended well.",
+        counted(algorithms(result), "algorithm"),
+        counted(result.models.len(), "model"),
+        counted(cells, "cell"),
+    );
+    let failed: Vec<String> = [
+        Status::Wrong,
+        Status::Crashed,
+        Status::Timeout,
+        Status::OutOfMemory,
+        Status::Refused,
+    ]
+    .into_iter()
+    .map(|status| (count(status), status))
+    .filter(|(count, _)| *count > 0)
+    .map(|(count, status)| format!("{count} {}", status.name().replace('_', " ")))
+    .collect();
+    if !failed.is_empty() {
+        text += &format!(" The others: {}.", failed.join(", "));
+    }
+    if result.tool.profile != "release" {
+        text += " This was not a release build: its times mean little.";
+    }
+    text
+}
+
+fn algorithms(result: &ResultFile) -> usize {
+    crate::export::view::algorithms(&result.cells).len()
+}
+
+fn counted(count: usize, thing: &str) -> String {
+    match count {
+        1 => format!("1 {thing}"),
+        _ => format!("{count} {thing}s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_can_be_pasted_into_a_shell() {
+        let words = ["geobench", "run", "--algo", "fwp-mmp{kmax=5}", "it's"];
+        assert_eq!(
+            command(&words.map(str::to_owned)),
+            "geobench run --algo 'fwp-mmp{kmax=5}' 'it'\\''s'"
+        );
+    }
+
+    #[test]
+    fn fields_of_other_versions_are_shown_by_their_names() {
+        let mut facts = Vec::new();
+        let value = serde_json::json!({
+            "turbo": false, "governor": "performance", "cpus": [0, 1], "none": null,
+        });
+        flatten("conditions", &value, &mut facts);
+        let lines: Vec<String> = facts.iter().map(|(k, v)| format!("{k}: {v}")).collect();
+        assert_eq!(
+            lines,
+            [
+                "Conditions, cpus: 0, 1",
+                "Conditions, governor: performance",
+                "Conditions, turbo: no"
+            ]
+        );
+    }
+}

@@ -1,0 +1,321 @@
+//! Reports that people look at: tables, plots and a picture of some results.
+//!
+//! Three steps, each of which knows nothing of the next. [`build`] turns results into a document:
+//! sections with tables, charts and remarks, in numbers and words. A [`chart`] can be drawn as SVG, or
+//! listed as numbers. [`html`], [`files`] and [`tex`] write the document down: as one page that needs
+//! nothing else, or as a file for each table and plot.
+//!
+//! What tables show is decided in `export::view`, so that a report says the same as the tables in the
+//! terminal. The SVG is written here and not by a crate, because the page needs what those that were
+//! looked at do not give: text as text, ink in the colour of the page, whatever that is,
+//! descriptions for those who do not see, and patterns beside colours.
+
+// Places, sizes and counts are never negative here, and a page is not written in a hot loop.
+#![allow(clippy::cast_sign_loss, clippy::format_push_string)]
+
+mod chart;
+mod document;
+mod environment;
+mod files;
+mod group;
+mod html;
+mod papers;
+mod picture;
+mod plots;
+mod svg;
+mod tables;
+#[cfg(test)]
+mod tests;
+mod tex;
+
+use std::path::PathBuf;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use crate::export::Format;
+use crate::export::view::{self, algorithms, sections};
+use crate::record::{GroupRecord, ResultFile};
+use document::{Block, Document, Link, Note, Section, slug};
+use group::Group;
+use plots::Setting;
+
+pub use files::{Form, write_files};
+pub use html::page;
+pub use papers::{Tables, UnknownTable};
+pub use picture::{PictureError, Wanted};
+
+/// A result file that a report is made from.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// The file.
+    pub path: PathBuf,
+    /// What it holds.
+    pub result: ResultFile,
+}
+
+/// What a report is to hold.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The algorithm to which all are compared; if none, the one that a group names, else `vtp`, else the
+    /// reference of the checks.
+    pub ratio_to: Option<String>,
+    /// The picture.
+    pub picture: Wanted,
+    /// The papers' tables to compare with.
+    pub tables: Tables,
+}
+
+/// A report that can be written down.
+#[derive(Clone, Debug)]
+pub struct Report {
+    document: Document,
+}
+
+/// What a report cannot be made from.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReportError {
+    /// The algorithm to which all are to be compared is nowhere.
+    #[error("--ratio-to {name}: no group has this algorithm; there are {}", known.join(", "))]
+    UnknownBase {
+        /// Its name.
+        name: String,
+        /// Those that there are.
+        known: Vec<String>,
+    },
+    /// The picture that was asked for cannot be drawn.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+}
+
+/// Largest result that is part of the page, in bytes; a larger one is linked.
+const MOST_EMBEDDED: usize = 4 << 20;
+
+/// The report on `inputs`.
+///
+/// # Errors
+///
+/// When what `options` ask for is not in the results.
+pub fn build(inputs: &[Input], options: &Options) -> Result<Report, ReportError> {
+    if let Some(name) = &options.ratio_to {
+        let mut known: Vec<String> = Vec::new();
+        for input in inputs {
+            for algorithm in algorithms(&input.result.cells) {
+                if !known.iter().any(|k| k == algorithm) {
+                    known.push(algorithm.to_owned());
+                }
+            }
+        }
+        if !known.contains(name) {
+            let name = name.clone();
+            return Err(ReportError::UnknownBase { name, known });
+        }
+    }
+    let mut sections = Vec::new();
+    let mut pictured = options.picture == Wanted::None;
+    let mut missing = None;
+    for (i, input) in inputs.iter().enumerate() {
+        let prefix = if inputs.len() == 1 {
+            String::new()
+        } else {
+            format!("r{}-", i + 1)
+        };
+        let result = with_base(&input.result, options.ratio_to.as_deref());
+        let picture = if pictured {
+            None
+        } else {
+            match picture::plot(&result, &options.picture, &format!("{prefix}result")) {
+                Ok(picture) => picture,
+                // Another of the results may have that model.
+                Err(error) => {
+                    missing = missing.or(Some(error));
+                    None
+                }
+            }
+        };
+        pictured |= picture.is_some();
+        sections.extend(of_result(input, &result, &prefix, picture, options));
+    }
+    if let (false, Some(error), Wanted::Of { .. }) = (pictured, missing, &options.picture) {
+        return Err(error.into());
+    }
+    let title = match inputs {
+        [one] => format!("Exact geodesic distances: {}", stem(&one.path)),
+        _ => "Exact geodesic distances".to_owned(),
+    };
+    Ok(Report {
+        document: Document { title, sections },
+    })
+}
+
+/// `result` with groups that name the algorithm of their ratios.
+fn with_base(result: &ResultFile, wanted: Option<&str>) -> ResultFile {
+    let mut result = result.clone();
+    if result.groups.is_empty() {
+        result.groups.push(GroupRecord::unnamed());
+    }
+    let bases: Vec<Option<String>> = result
+        .groups
+        .iter()
+        .map(|record| {
+            let group = Group::new(record, &result);
+            let wanted = wanted.filter(|name| group.algorithms.contains(name));
+            let one = group.algorithms.len() < 2;
+            wanted
+                .filter(|_| !one)
+                .or_else(|| group.base())
+                .map(str::to_owned)
+        })
+        .collect();
+    for (group, base) in result.groups.iter_mut().zip(bases) {
+        group.ratios_to = base;
+    }
+    result
+}
+
+fn of_result(
+    input: &Input,
+    result: &ResultFile,
+    prefix: &str,
+    picture: Option<document::Plot>,
+    options: &Options,
+) -> Vec<Section> {
+    let name = stem(&input.path);
+    let mut head = vec![Block::Text(environment::summary(result))];
+    head.push(Block::Links(raw_numbers(input)));
+    head.extend(picture.map(|plot| Block::Plots(vec![plot])));
+    let mut all = vec![Section {
+        id: format!("{prefix}result"),
+        heading: name,
+        top: true,
+        blocks: head,
+    }];
+    let styles = algorithms(&result.cells);
+    let tables = options.tables.of(&result.command);
+    let sections = sections(result);
+    for (i, (record, section)) in result.groups.iter().zip(&sections).enumerate() {
+        let group = Group::new(record, result);
+        let id = match record.name.as_deref().map(slug) {
+            Some(slug) if !slug.is_empty() => format!("{prefix}g{}-{slug}", i + 1),
+            _ => format!("{prefix}g{}", i + 1),
+        };
+        let setting = Setting {
+            prefix: &id,
+            styles: &styles,
+            base: record.ratios_to.as_deref(),
+        };
+        let mut blocks = of_group(&group, section, setting);
+        for (k, table) in tables.iter().enumerate() {
+            let prefix = format!("{id}-paper-{}", k + 1);
+            blocks.extend(papers::compare(
+                &group,
+                table,
+                setting.base,
+                &styles,
+                &prefix,
+            ));
+        }
+        all.push(Section {
+            heading: record.name.clone().unwrap_or_else(|| "Figures".to_owned()),
+            top: false,
+            blocks,
+            id,
+        });
+    }
+    all.push(Section {
+        id: format!("{prefix}models"),
+        heading: "Models".to_owned(),
+        top: false,
+        blocks: vec![Block::Table(tables::models(
+            &format!("{prefix}models-table"),
+            result,
+        ))],
+    });
+    all.push(Section {
+        id: format!("{prefix}environment"),
+        heading: "Environment".to_owned(),
+        top: false,
+        blocks: vec![
+            Block::Facts(environment::facts(result)),
+            Block::Text(reading(result)),
+        ],
+    });
+    all
+}
+
+fn of_group(group: &Group<'_>, section: &view::Section<'_>, setting: Setting<'_>) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    if let Some(shows) = &group.record.shows {
+        blocks.push(Block::Text(
+            shows.split_whitespace().collect::<Vec<_>>().join(" "),
+        ));
+    }
+    if group.cells.is_empty() {
+        let text = "No cell of this group is in the file: the run ended before it.".to_owned();
+        blocks.push(Block::Notes(vec![Note {
+            text,
+            failure: true,
+        }]));
+        return blocks;
+    }
+    blocks.push(Block::Table(tables::figures(
+        &format!("{}-table", setting.prefix),
+        section,
+    )));
+    let notes = tables::notes(section);
+    if !notes.is_empty() {
+        blocks.push(Block::Notes(notes));
+    }
+    let plots = plots::plots(group, setting);
+    if !plots.is_empty() {
+        blocks.push(Block::Plots(plots));
+    }
+    blocks
+}
+
+/// What the figures mean.
+fn reading(result: &ResultFile) -> String {
+    let mut text = crate::export::footnote(result, true).trim_end().to_owned();
+    if !text.is_empty() {
+        text += ". ";
+    }
+    text += "Every answer was compared with the reference that the remarks name; a wrong one has no time. \
+             Intervals are 95 % bootstrap intervals of medians.";
+    text
+}
+
+/// The result as JSON and CSV, in the page if it is small enough.
+fn raw_numbers(input: &Input) -> Vec<Link> {
+    let stem = stem(&input.path);
+    let mut links = Vec::new();
+    for (format, ending, kind) in [
+        (Format::Json, "json", "application/json"),
+        (Format::Csv, "csv", "text/csv"),
+    ] {
+        let Ok(text) = format.render(&input.result) else {
+            continue;
+        };
+        if text.len() <= MOST_EMBEDDED {
+            links.push(Link {
+                label: format!("All numbers as {}", ending.to_uppercase()),
+                address: format!("data:{kind};base64,{}", STANDARD.encode(&text)),
+                file: format!("{stem}.{ending}"),
+            });
+        } else if format == Format::Json {
+            links.push(Link {
+                label: format!("All numbers: {}", input.path.display()),
+                address: input.path.display().to_string(),
+                file: format!("{stem}.{ending}"),
+            });
+        }
+    }
+    links
+}
+
+fn stem(path: &std::path::Path) -> String {
+    path.file_stem().map_or_else(
+        || path.display().to_string(),
+        |stem| stem.to_string_lossy().into_owned(),
+    )
+}

@@ -1,0 +1,344 @@
+//! A paper's ratios and ours side by side.
+
+use super::PaperTable;
+use crate::export::figures::Figure;
+use crate::export::number::grouped;
+use crate::report::chart::{Axis, Band, Chart, Dots, Lane, Point, Value};
+use crate::report::document::{Block, Column, Entry, Plot, Table, TablePart, slug};
+use crate::report::group::Group;
+
+/// What the paper and we have of one figure of two algorithms.
+#[derive(Clone, Debug)]
+struct Pair {
+    figure: &'static Figure,
+    algorithm: String,
+    to: String,
+    paper: Vec<Known>,
+    /// Our ratios, one for each model.
+    ours: Vec<(String, Value)>,
+}
+
+/// A ratio that the paper has, printed or from what it printed.
+#[derive(Clone, Debug)]
+struct Known {
+    model: String,
+    faces: Option<u64>,
+    value: f64,
+    deviation: Option<f64>,
+}
+
+/// The ratios of `table` beside those of `group`, as far as they have figures and algorithms in
+/// common; to `base` if the table has it, else to the last algorithm of the table.
+pub(crate) fn compare(
+    group: &Group<'_>,
+    table: &PaperTable,
+    base: Option<&str>,
+    styles: &[&str],
+    prefix: &str,
+) -> Vec<Block> {
+    let pairs = pairs(group, table, base);
+    if pairs.is_empty() {
+        return Vec::new();
+    }
+    let source = format!("{}, {}", table.paper, table.table);
+    let same = same_models(group, &pairs);
+    let mut text = format!(
+        "Ratios between algorithms in {source} and here. Machines and programs differ, so times themselves are \
+         not compared."
+    );
+    text += &match &same[..] {
+        [] => " No model is the paper's own; ranges are over different models.".to_owned(),
+        [(paper, ours)] => format!(" {paper} is the same model as {ours} here, by name and size."),
+        several => {
+            let names: Vec<String> = several.iter().map(|(p, o)| format!("{p} ({o})")).collect();
+            format!(" The same models, by name and size: {}.", names.join(", "))
+        }
+    };
+    vec![
+        Block::Heading(format!("Beside {source}")),
+        Block::Text(text),
+        Block::Table(side_by_side(&pairs, &same, &source, prefix)),
+        Block::Plots(plots(&pairs, styles, &source, prefix)),
+    ]
+}
+
+/// Every ratio that both have.
+fn pairs(group: &Group<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair> {
+    let mut pairs: Vec<Pair> = Vec::new();
+    let mut add = |figure: &'static Figure, algorithm: &str, to: &str, known: Known| {
+        let found = pairs.iter_mut().find(|pair| {
+            pair.figure.key == figure.key && pair.algorithm == algorithm && pair.to == to
+        });
+        match found {
+            Some(pair) => pair.paper.push(known),
+            None => pairs.push(Pair {
+                figure,
+                algorithm: algorithm.to_owned(),
+                to: to.to_owned(),
+                paper: vec![known],
+                ours: Vec::new(),
+            }),
+        }
+    };
+    let has = |name: &str| table.measured.iter().any(|m| m.algorithm == name);
+    let last = table.measured.last().map(|m| m.algorithm.as_str());
+    if let Some(base) = base.filter(|base| has(base)).or(last) {
+        for measured in table.measured.iter().filter(|m| m.algorithm != base) {
+            let under = table.measured.iter().find(|other| {
+                other.algorithm == base
+                    && other.model == measured.model
+                    && other.figure.key == measured.figure.key
+            });
+            if let Some(under) = under {
+                let known = Known {
+                    model: measured.model.clone(),
+                    faces: measured.faces,
+                    value: measured.value / under.value,
+                    deviation: None,
+                };
+                add(measured.figure, &measured.algorithm, base, known);
+            }
+        }
+    }
+    for ratio in &table.ratios {
+        let known = Known {
+            model: ratio.model.clone(),
+            faces: ratio.faces,
+            value: ratio.value,
+            deviation: ratio.deviation,
+        };
+        add(ratio.figure, &ratio.algorithm, &ratio.to, known);
+    }
+    for pair in &mut pairs {
+        let models = group.models.iter();
+        pair.ours = models
+            .filter_map(|model| {
+                let ratio = group.ratio(pair.figure, &model.name, &pair.algorithm, &pair.to)?;
+                Some((model.name.clone(), ratio))
+            })
+            .collect();
+    }
+    pairs.retain(|pair| !pair.ours.is_empty());
+    // Figure by figure, algorithms in the paper's order.
+    let mut order: Vec<&str> = Vec::new();
+    for pair in &pairs {
+        if !order.contains(&pair.figure.key) {
+            order.push(pair.figure.key);
+        }
+    }
+    let order: Vec<&str> = order;
+    pairs.sort_by_key(|pair| order.iter().position(|key| *key == pair.figure.key));
+    pairs
+}
+
+/// The paper's models that are in the group too, with their names there: the one name is part of the other, and
+/// the numbers of faces are within one in a hundred.
+fn same_models(group: &Group<'_>, pairs: &[Pair]) -> Vec<(String, String)> {
+    let mut same: Vec<(String, String)> = Vec::new();
+    for known in pairs.iter().flat_map(|pair| &pair.paper) {
+        let Some(faces) = known.faces else {
+            continue;
+        };
+        let found = group.models.iter().find(|model| {
+            model
+                .name
+                .to_lowercase()
+                .contains(&known.model.to_lowercase())
+                && model
+                    .faces
+                    .is_some_and(|ours| ours.abs_diff(faces) * 100 <= faces)
+        });
+        if let Some(model) = found
+            && same.iter().all(|(paper, _)| *paper != known.model)
+        {
+            same.push((known.model.clone(), model.name.clone()));
+        }
+    }
+    same
+}
+
+fn side_by_side(pairs: &[Pair], same: &[(String, String)], source: &str, prefix: &str) -> Table {
+    let column = |over: &str, head: &str| Column {
+        over: over.to_owned(),
+        ..Column::number(head)
+    };
+    let mut columns = vec![
+        Column::text("Ratio"),
+        column("mean", "paper"),
+        column("mean", "here"),
+        column("least to greatest", "paper"),
+        column("least to greatest", "here"),
+    ];
+    for (paper, _) in same {
+        columns.extend([column(paper, "paper"), column(paper, "here")]);
+    }
+    let row = |pair: &Pair| {
+        let paper: Vec<f64> = pair.paper.iter().map(|known| known.value).collect();
+        let ours: Vec<f64> = pair.ours.iter().map(|(_, ratio)| ratio.value).collect();
+        let printed = match &pair.paper[..] {
+            [
+                Known {
+                    deviation: Some(deviation),
+                    value,
+                    ..
+                },
+            ] => {
+                format!("{} \u{b1} {}", plain(*value), plain(*deviation))
+            }
+            _ => mean(&paper),
+        };
+        let mut row = vec![
+            format!("{} / {}", pair.algorithm, pair.to),
+            printed,
+            mean(&ours),
+            range(&paper),
+            range(&ours),
+        ];
+        for (theirs, name) in same {
+            let printed = pair.paper.iter().find(|known| known.model == *theirs);
+            let found = pair.ours.iter().find(|(model, _)| model == name);
+            row.push(printed.map_or_else(|| "-".to_owned(), |known| plain(known.value)));
+            row.push(found.map_or_else(|| "-".to_owned(), |(_, ratio)| plain(ratio.value)));
+        }
+        row.into_iter().map(Entry::new).collect()
+    };
+    let mut parts: Vec<TablePart> = Vec::new();
+    for pair in pairs {
+        let title = without_unit(&pair.figure.label).to_owned();
+        match parts.last_mut().filter(|part| part.title == title) {
+            Some(part) => part.rows.push(row(pair)),
+            None => parts.push(TablePart {
+                title,
+                detail: models(pair),
+                rows: vec![row(pair)],
+            }),
+        }
+    }
+    Table {
+        id: format!("{prefix}-table"),
+        caption: format!(
+            "Ratios in {source} and here; means with the standard deviation over models."
+        ),
+        columns,
+        parts,
+    }
+}
+
+/// Over how many models the ratios of a figure are.
+fn models(pair: &Pair) -> String {
+    let paper = match &pair.paper[..] {
+        [one] => one.model.clone(),
+        several => counted(several.len()),
+    };
+    format!("paper: {paper}; here: {}", counted(pair.ours.len()))
+}
+
+fn counted(models: usize) -> String {
+    match models {
+        1 => "1 model".to_owned(),
+        n => format!("{} models", grouped(n as u64)),
+    }
+}
+
+fn mean(values: &[f64]) -> String {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    if values.len() < 2 {
+        return plain(mean);
+    }
+    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    format!(
+        "{} \u{b1} {}",
+        plain(mean),
+        plain((squares / (n - 1.0)).sqrt())
+    )
+}
+
+fn range(values: &[f64]) -> String {
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if values.len() < 2 {
+        "-".to_owned()
+    } else {
+        format!("{} to {}", plain(least), plain(greatest))
+    }
+}
+
+/// A ratio: two decimals, none where they would say nothing.
+fn plain(ratio: f64) -> String {
+    if ratio >= 99.5 {
+        format!("{ratio:.0}")
+    } else {
+        format!("{ratio:.2}")
+    }
+}
+
+/// A plot for each figure, the ratios of which may be of very different sizes.
+fn plots(pairs: &[Pair], styles: &[&str], source: &str, prefix: &str) -> Vec<Plot> {
+    let of_figure = pairs.chunk_by(|a, b| a.figure.key == b.figure.key);
+    of_figure
+        .map(|pairs| plot(pairs, styles, source, prefix))
+        .collect()
+}
+
+fn plot(pairs: &[Pair], styles: &[&str], source: &str, prefix: &str) -> Plot {
+    let figure = pairs[0].figure;
+    let name = without_unit(&figure.label);
+    Plot {
+        id: format!("{prefix}-{}", slug(figure.key)),
+        title: format!("{name}: ratios in {source} and here"),
+        caption: "Logarithmic scale. Outlines: the paper's models, or its mean with the standard deviation; filled: \
+                  the models here."
+            .to_owned(),
+        chart: Chart::Dots(Dots {
+            axis: Axis {
+                label: format!("{name}, ratio"),
+                log: true,
+            },
+            reference: Some(1.0),
+            bands: vec![Band {
+                title: String::new(),
+                lanes: pairs.iter().map(|pair| lane(pair, styles)).collect(),
+            }],
+            legend: vec![(0, true, "paper".to_owned()), (0, false, "here".to_owned())],
+        }),
+    }
+}
+
+/// The paper's models and ours.
+fn lane(pair: &Pair, styles: &[&str]) -> Lane {
+    let found = styles.iter().position(|name| *name == pair.algorithm);
+    let style = found.unwrap_or(0);
+    let paper = pair.paper.iter().map(|known| Point {
+        style,
+        name: format!("paper, {}", known.model),
+        value: Value {
+            value: known.value,
+            // A deviation larger than the mean would reach below 0, where a logarithmic axis ends.
+            interval: known
+                .deviation
+                .map(|d| [(known.value - d).max(known.value / 10.0), known.value + d]),
+        },
+        hollow: true,
+    });
+    // Without their intervals, which would hide one another.
+    let ours = pair.ours.iter().map(|(model, ratio)| Point {
+        style,
+        name: format!("here, {model}"),
+        value: Value {
+            value: ratio.value,
+            interval: None,
+        },
+        hollow: false,
+    });
+    Lane {
+        label: format!("{} / {}", pair.algorithm, pair.to),
+        points: paper.chain(ours).collect(),
+        absent: None,
+    }
+}
+
+/// The name of a figure without its unit, which ratios do not have.
+fn without_unit(label: &str) -> &str {
+    label.split(" (").next().unwrap_or(label)
+}

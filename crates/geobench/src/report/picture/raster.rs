@@ -1,0 +1,262 @@
+//! Filling triangles.
+
+use geobench_mesh::{Mesh, VertexId};
+
+use super::camera::{Camera, dot, face_normal, unit};
+use crate::field::ramp;
+
+/// Samples for each pixel of the picture, each way.
+const SAMPLES: usize = 2;
+
+/// Where the light comes from: from behind the viewer, from the left and above.
+const LIGHT: [f64; 3] = [-0.35, 0.55, 0.76];
+
+/// Faces that meet at a larger angle than this have an edge between them and no smooth bend: the
+/// cosine of 40 degrees.
+const SHARP: f64 = 0.766;
+
+/// What is seen at a sample.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    /// How near it is to the viewer, in samples; minus infinity if nothing is there.
+    depth: f32,
+    /// The distance from the source; infinite where no path leads.
+    distance: f32,
+    /// How bright it is, from 0 to 1.
+    light: f32,
+}
+
+const NOTHING: Sample = Sample {
+    depth: f32::NEG_INFINITY,
+    distance: 0.0,
+    light: 0.0,
+};
+
+/// A picture.
+#[derive(Clone, Debug)]
+pub(super) struct Image {
+    size: [usize; 2],
+    /// Red, green, blue and opacity of every pixel.
+    pixels: Vec<[u8; 4]>,
+    samples: Vec<Sample>,
+}
+
+/// The surface of `mesh` as `camera` sees it, its colours from 0 to `farthest`, an isoline every
+/// `step`. O(faces + samples).
+pub(super) fn render(
+    mesh: &Mesh,
+    distances: &[f64],
+    camera: &Camera,
+    farthest: f64,
+    step: f64,
+) -> Image {
+    let view = camera.enlarged(SAMPLES);
+    let mut samples = vec![NOTHING; view.size[0] * view.size[1]];
+    let seen: Vec<[f64; 3]> = mesh.positions().iter().map(|&p| view.project(p)).collect();
+    let smooth = vertex_normals(mesh);
+    for face in mesh.faces() {
+        let corners = mesh.face_vertices(face).map(VertexId::index);
+        let flat = unit(face_normal(corners.map(|v| mesh.positions()[v])));
+        let light = corners.map(|v| {
+            let normal = if dot(smooth[v], flat) > SHARP {
+                smooth[v]
+            } else {
+                flat
+            };
+            brightness(view.turn(normal))
+        });
+        fill(
+            &mut samples,
+            view.size,
+            corners.map(|v| seen[v]),
+            corners.map(|v| distances[v]),
+            light,
+        );
+    }
+    let pixels = resolve(&samples, camera.size, |at| {
+        colour(&samples, view.size, at, farthest, step)
+    });
+    Image {
+        size: camera.size,
+        pixels,
+        samples,
+    }
+}
+
+/// The mean of the normals around each vertex, larger faces counting more.
+fn vertex_normals(mesh: &Mesh) -> Vec<[f64; 3]> {
+    let mut sums = vec![[0.0; 3]; mesh.vertex_count()];
+    for face in mesh.faces() {
+        let corners = mesh.face_vertices(face).map(VertexId::index);
+        let normal = face_normal(corners.map(|v| mesh.positions()[v]));
+        for v in corners {
+            for k in 0..3 {
+                sums[v][k] += normal[k];
+            }
+        }
+    }
+    sums.into_iter().map(unit).collect()
+}
+
+/// How bright a surface with this normal is, whichever side is seen.
+fn brightness(normal: [f64; 3]) -> f64 {
+    let towards = if normal[2] < 0.0 {
+        normal.map(|x| -x)
+    } else {
+        normal
+    };
+    0.55 + 0.45 * dot(towards, unit(LIGHT)).max(0.0)
+}
+
+/// Fills the samples of a triangle where it is nearer than what was there.
+fn fill(
+    samples: &mut [Sample],
+    [width, height]: [usize; 2],
+    corners: [[f64; 3]; 3],
+    distances: [f64; 3],
+    light: [f64; 3],
+) {
+    let [a, b, c] = corners;
+    let side = |from: [f64; 3], to: [f64; 3], x: f64, y: f64| {
+        (to[0] - from[0]) * (y - from[1]) - (to[1] - from[1]) * (x - from[0])
+    };
+    let area = side(a, b, c[0], c[1]);
+    if area == 0.0 || !area.is_finite() {
+        return;
+    }
+    let range = |k: usize, size: usize| {
+        let low = a[k].min(b[k]).min(c[k]).floor().max(0.0) as usize;
+        let high = a[k].max(b[k]).max(c[k]).ceil().max(0.0) as usize;
+        low..high.saturating_add(1).min(size)
+    };
+    let blend = |shares: [f64; 3], of: [f64; 3]| dot(shares, of);
+    for row in range(1, height) {
+        for column in range(0, width) {
+            let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
+            let shares = [
+                side(b, c, x, y) / area,
+                side(c, a, x, y) / area,
+                side(a, b, x, y) / area,
+            ];
+            // A hair beyond the edge, so that nothing shines through between neighbours.
+            if shares.iter().any(|share| *share < -1e-9) {
+                continue;
+            }
+            let depth = blend(shares, corners.map(|corner| corner[2])) as f32;
+            let sample = &mut samples[column + width * row];
+            if depth > sample.depth {
+                *sample = Sample {
+                    depth,
+                    distance: blend(shares, distances) as f32,
+                    light: blend(shares, light) as f32,
+                };
+            }
+        }
+    }
+}
+
+/// The colour of a sample, if there is something.
+fn colour(
+    samples: &[Sample],
+    [width, height]: [usize; 2],
+    [column, row]: [usize; 2],
+    farthest: f64,
+    step: f64,
+) -> Option<[f64; 3]> {
+    let sample = samples[column + width * row];
+    if sample.depth == f32::NEG_INFINITY {
+        return None;
+    }
+    let light = f64::from(sample.light);
+    let distance = f64::from(sample.distance);
+    if !distance.is_finite() {
+        return Some(ramp::UNREACHED.map(|part| f64::from(part) * light));
+    }
+    let band = |sample: &Sample| (f64::from(sample.distance) / step).floor();
+    // An isoline passes where a neighbour on the same sheet lies in another band.
+    let near = width.max(height) as f32 * 0.01;
+    let crosses = |c: usize, r: usize| {
+        let other = &samples[c + width * r];
+        (other.depth - sample.depth).abs() < near
+            && other.distance.is_finite()
+            && band(other) != band(&sample)
+    };
+    let isoline = (column + 1 < width && crosses(column + 1, row))
+        || (row + 1 < height && crosses(column, row + 1))
+        || (column > 0 && crosses(column - 1, row))
+        || (row > 0 && crosses(column, row - 1));
+    let ink = if isoline { 0.45 } else { 1.0 };
+    let share = if farthest > 0.0 {
+        distance / farthest
+    } else {
+        0.0
+    };
+    Some(ramp::colour(share).map(|part| f64::from(part) * light * ink))
+}
+
+/// The pixels of a picture of `size`, each the mean of its samples.
+fn resolve(
+    samples: &[Sample],
+    [width, height]: [usize; 2],
+    colour: impl Fn([usize; 2]) -> Option<[f64; 3]>,
+) -> Vec<[u8; 4]> {
+    debug_assert_eq!(samples.len(), width * height * SAMPLES * SAMPLES);
+    let pixel = |column: usize, row: usize| {
+        let mut sum = [0.0; 3];
+        let mut count = 0_u32;
+        for dy in 0..SAMPLES {
+            for dx in 0..SAMPLES {
+                if let Some(colour) = colour([column * SAMPLES + dx, row * SAMPLES + dy]) {
+                    count += 1;
+                    for k in 0..3 {
+                        sum[k] += colour[k];
+                    }
+                }
+            }
+        }
+        if count == 0 {
+            return [0; 4];
+        }
+        let [r, g, b] = sum.map(|part| level(part / f64::from(count)));
+        let opacity = level(255.0 * f64::from(count) / (SAMPLES * SAMPLES) as f64);
+        [r, g, b, opacity]
+    };
+    let rows = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+    rows.map(|(column, row)| pixel(column, row)).collect()
+}
+
+fn level(part: f64) -> u8 {
+    part.round().clamp(0.0, 255.0) as u8
+}
+
+impl Image {
+    /// The picture as a PNG file.
+    pub(super) fn png(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let [width, height] = self.size.map(|s| s as u32);
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::High);
+        // Writing to memory cannot fail, and the sizes agree.
+        if let Ok(mut writer) = encoder.write_header() {
+            let _ = writer.write_image_data(self.pixels.as_flattened());
+        }
+        bytes
+    }
+
+    /// Where a point of the surface is seen, in pixels, unless something is in front of it.
+    pub(super) fn sees(&self, position: [f64; 3], camera: &Camera) -> Option<[f64; 2]> {
+        let view = camera.enlarged(SAMPLES);
+        let [x, y, depth] = view.project(position);
+        let [width, height] = view.size;
+        let (column, row) = (x as usize, y as usize);
+        if column >= width || row >= height {
+            return None;
+        }
+        let front = f64::from(self.samples[column + width * row].depth);
+        // The sample's middle may be a little nearer than the point itself.
+        let slack = width.max(height) as f64 * 0.01;
+        (depth > front - slack).then(|| [x, y].map(|t| t / SAMPLES as f64))
+    }
+}

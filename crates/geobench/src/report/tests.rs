@@ -1,0 +1,392 @@
+//! Reports of made-up results.
+
+use std::path::PathBuf;
+
+use super::files::files;
+use super::{Form, Input, Options, Report, Tables, Wanted, build, page};
+use crate::model::ModelRef;
+use crate::record::{GroupRecord, ResultFile};
+use crate::rehearsal::{Rehearsal, crash_ich, plan, rehearse, result, spoil_vtp};
+
+/// A model of that name, whatever it holds.
+const NASTY: &str = "<b>&\"'";
+
+/// A good model, one with a wrong answer and a nasty name, a refused one.
+fn mixed() -> ResultFile {
+    let mut good = rehearse(
+        &plan(&["horse"], "mmp,ich,vtp", "0"),
+        &mut Rehearsal::default(),
+    );
+    let mut spoilt = Rehearsal {
+        alter: Some(spoil_vtp),
+        refuse: vec!["broken_mesh"],
+        ..Rehearsal::default()
+    };
+    let bad = rehearse(
+        &plan(&[NASTY, "broken_mesh"], "mmp,ich,vtp", "3"),
+        &mut spoilt,
+    );
+    good.models.extend(bad.models);
+    good.cells.extend(bad.cells);
+    result(good)
+}
+
+fn options() -> Options {
+    Options {
+        ratio_to: None,
+        picture: Wanted::None,
+        tables: Tables::OfSuite,
+    }
+}
+
+fn report_on(result: ResultFile, options: &Options) -> Report {
+    let path = PathBuf::from("some/run.json");
+    build(&[Input { path, result }], options).unwrap()
+}
+
+/// The file of this name in one form, as text.
+fn file(report: &Report, form: Form, name: &str) -> String {
+    let all = files(report, form).unwrap();
+    let names: Vec<&String> = all.iter().map(|(name, _)| name).collect();
+    let found = all.iter().find(|(n, _)| n == name);
+    let (_, contents) = found.unwrap_or_else(|| panic!("{name} is not among {names:?}"));
+    String::from_utf8(contents.clone()).unwrap()
+}
+
+#[test]
+fn the_table_as_csv_and_tex() {
+    let report = report_on(mixed(), &options());
+    insta::assert_snapshot!("table_csv", file(&report, Form::Csv, "g1-table.csv"));
+    insta::assert_snapshot!("table_tex", file(&report, Form::Tex, "g1-table.tex"));
+}
+
+#[test]
+fn the_numbers_behind_the_plots() {
+    let report = report_on(mixed(), &options());
+    insta::assert_snapshot!("ratio_csv", file(&report, Form::Csv, "g1-ratio.csv"));
+    insta::assert_snapshot!("phases_csv", file(&report, Form::Csv, "g1-phases.csv"));
+}
+
+#[test]
+fn plots_as_svg_and_pgfplots() {
+    let report = report_on(mixed(), &options());
+    insta::assert_snapshot!("time_svg", file(&report, Form::Svg, "g1-time.svg"));
+    insta::assert_snapshot!("phases_svg", file(&report, Form::Svg, "g1-phases.svg"));
+    insta::assert_snapshot!("time_tex", file(&report, Form::Tex, "g1-time.tex"));
+    insta::assert_snapshot!("phases_tex", file(&report, Form::Tex, "g1-phases.tex"));
+}
+
+/// The page without what is long and says nothing here: styles, drawings and data.
+fn bare(page: &str) -> String {
+    let mut text = page.to_owned();
+    for (from, to) in [
+        ("<style>", "</style>"),
+        ("<svg", "</svg>"),
+        ("base64,", "\""),
+    ] {
+        let mut rest = text.as_str();
+        let mut kept = String::new();
+        while let Some(start) = rest.find(from) {
+            let end = rest[start..].find(to).map_or(rest.len(), |e| start + e);
+            kept += &rest[..start + from.len()];
+            kept.push_str("...");
+            rest = &rest[end..];
+        }
+        text = kept + rest;
+    }
+    text.replace(env!("CARGO_PKG_VERSION"), "VERSION")
+}
+
+#[test]
+fn the_page() {
+    let html = page(&report_on(mixed(), &options()));
+    insta::assert_snapshot!("page", bare(&html));
+}
+
+#[test]
+fn names_cannot_break_the_page() {
+    let mut result = mixed();
+    result.groups = vec![GroupRecord {
+        shows: Some("<script>alert(1)</script> & more".into()),
+        ..GroupRecord::unnamed()
+    }];
+    result.command.push("</style><img src=x>".into());
+    let html = page(&report_on(result, &options()));
+    for raw in ["<script", "<img", "<b>&", "\"'"] {
+        assert!(!html.contains(raw), "{raw}");
+    }
+    for escaped in [
+        "&lt;b&gt;&amp;&quot;&#39;",
+        "&lt;script&gt;alert(1)&lt;/script&gt; &amp; more",
+    ] {
+        assert!(html.contains(escaped), "{escaped}");
+    }
+}
+
+#[test]
+fn elements_are_balanced_and_identifiers_unique() {
+    let html = page(&report_on(mixed(), &options()));
+    let mut ids: Vec<&str> = html
+        .split(" id=\"")
+        .skip(1)
+        .filter_map(|rest| rest.split('"').next())
+        .collect();
+    let count = ids.len();
+    ids.sort_unstable();
+    ids.dedup();
+    assert_eq!(ids.len(), count, "an identifier stands there twice");
+    for name in [
+        "section", "table", "tbody", "tr", "figure", "svg", "g", "ul", "dl", "div", "p",
+    ] {
+        let opened =
+            html.matches(&format!("<{name}>")).count() + html.matches(&format!("<{name} ")).count();
+        let closed = html.matches(&format!("</{name}>")).count();
+        assert_eq!(opened, closed, "{name}");
+    }
+    // Whatever a link or a pattern refers to is there.
+    for target in html
+        .split("href=\"#")
+        .skip(1)
+        .chain(html.split("url(#").skip(1))
+    {
+        let id = target.split(['"', ')']).next().unwrap();
+        assert!(ids.binary_search(&id).is_ok(), "{id}");
+    }
+}
+
+#[test]
+fn nothing_is_asked_of_the_network_and_no_script_runs() {
+    let html = page(&report_on(mixed(), &options()));
+    for word in [
+        "<script",
+        "http://",
+        "https://",
+        "@import",
+        "javascript:",
+        " onload",
+    ] {
+        // The name of SVG's namespace is an address that nobody asks for.
+        let text = html.replace("http://www.w3.org/2000/svg", "");
+        assert!(!text.contains(word), "{word}");
+    }
+}
+
+#[test]
+fn a_crash_is_seen_in_table_plot_and_remarks() {
+    let mut rehearsal = Rehearsal {
+        alter: Some(crash_ich),
+        ..Rehearsal::default()
+    };
+    let outcome = rehearse(&plan(&["horse"], "mmp,ich,vtp", "0"), &mut rehearsal);
+    let report = report_on(result(outcome), &options());
+    let html = page(&report);
+    assert!(html.contains("<td class=\"n failed\">crashed</td>"));
+    assert!(html.contains(
+        "<li class=\"failed\">horse: ich, source 0: crashed: the algorithm panicked: index out of bounds</li>"
+    ));
+    let svg = file(&report, Form::Svg, "g1-time.svg");
+    assert!(svg.contains(">crashed</text>"), "{svg}");
+    let csv = file(&report, Form::Csv, "g1-time.csv");
+    assert!(csv.contains("horse,ich,,,,,crashed"), "{csv}");
+}
+
+#[test]
+fn if_all_failed_there_is_a_page_all_the_same() {
+    let mut rehearsal = Rehearsal {
+        refuse: vec!["a", "b"],
+        ..Rehearsal::default()
+    };
+    let outcome = rehearse(&plan(&["a", "b"], "mmp,vtp", "0"), &mut rehearsal);
+    let report = report_on(result(outcome), &options());
+    let html = page(&report);
+    assert!(
+        html.contains("0 of 4 cells ended well. The others: 4 refused."),
+        "{}",
+        bare(&html)
+    );
+    assert!(!html.contains("<figure"));
+    for form in [Form::Svg, Form::Csv, Form::Tex] {
+        files(&report, form).unwrap();
+    }
+}
+
+#[test]
+fn ratios_are_to_the_algorithm_that_was_asked_for() {
+    let to = |name: &str| Options {
+        ratio_to: Some(name.to_owned()),
+        ..options()
+    };
+    let report = report_on(mixed(), &to("ich"));
+    let csv = file(&report, Form::Csv, "g1-ratio.csv");
+    assert!(
+        csv.contains("horse,mmp,,") && !csv.contains("horse,ich,"),
+        "{csv}"
+    );
+    let path = PathBuf::from("r.json");
+    let inputs = [Input {
+        path,
+        result: mixed(),
+    }];
+    let error = build(&inputs, &to("fwp-ch")).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "--ratio-to fwp-ch: no group has this algorithm; there are mmp, ich, vtp"
+    );
+}
+
+/// Models that differ in size alone.
+fn sizes() -> ResultFile {
+    let mut plan = plan(&[], "mmp,vtp", "0");
+    let sizes = [1, 2, 3, 4].map(|n| format!("gen:sphere,subdiv={n}"));
+    plan.models = sizes
+        .iter()
+        .map(|spec| ModelRef::generated(spec).unwrap())
+        .collect();
+    let mut result = result(rehearse(&plan, &mut Rehearsal::default()));
+    for (i, model) in result.models.iter_mut().enumerate() {
+        model.faces = Some(80 << (2 * i));
+    }
+    result
+}
+
+#[test]
+fn models_that_differ_in_size_alone_make_lines() {
+    let report = report_on(sizes(), &options());
+    insta::assert_snapshot!(
+        "scaling_csv",
+        file(&report, Form::Csv, "g1-ratio-faces-0.csv")
+    );
+    insta::assert_snapshot!(
+        "scaling_svg",
+        file(&report, Form::Svg, "g1-time-faces-0.svg")
+    );
+    insta::assert_snapshot!(
+        "scaling_tex",
+        file(&report, Form::Tex, "g1-ratio-faces-0.tex")
+    );
+}
+
+#[test]
+fn many_models_share_lanes() {
+    let names: Vec<String> = (0..30).map(|i| format!("model {i}")).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let outcome = rehearse(&plan(&names, "mmp,ich,vtp", "0"), &mut Rehearsal::default());
+    let report = report_on(result(outcome), &options());
+    let svg = file(&report, Form::Svg, "g1-time.svg");
+    // A lane for each model, named once, and a legend that names each algorithm once.
+    assert_eq!(svg.matches(">model 7</text>").count(), 1);
+    assert_eq!(svg.matches(">ich</text>").count(), 1);
+    assert_eq!(svg.matches("class=\"lane\"").count(), 30);
+    let csv = file(&report, Form::Csv, "g1-time.csv");
+    assert_eq!(csv.lines().count(), 1 + 30 * 3);
+}
+
+#[test]
+fn the_papers_ratios_stand_beside_ours() {
+    let outcome = rehearse(
+        &plan(&["horse"], "mmp,ich,vtp,fwp-ch", "0"),
+        &mut Rehearsal::default(),
+    );
+    let mut result = result(outcome);
+    result.command = [
+        "geobench",
+        "run",
+        "--config",
+        "bench-configs/003-table-1.toml",
+    ]
+    .map(str::to_owned)
+    .to_vec();
+    let report = report_on(result, &options());
+    // The made-up horse has as many faces as the paper's.
+    insta::assert_snapshot!(
+        "papers_csv",
+        file(&report, Form::Csv, "g1-paper-1-table.csv")
+    );
+    let svg = file(&report, Form::Svg, "g1-paper-1-time.svg");
+    assert!(svg.contains("<title>paper, Horse: 1.585</title>"), "{svg}");
+}
+
+#[test]
+fn a_mean_of_ratios_is_compared_with_ours() {
+    let outcome = rehearse(
+        &plan(&["a", "b"], "mmp,ich,vtp", "0"),
+        &mut Rehearsal::default(),
+    );
+    let wanted = Options {
+        tables: "000-table-2".parse().unwrap(),
+        ..options()
+    };
+    let report = report_on(result(outcome), &wanted);
+    let csv = file(&report, Form::Csv, "g1-paper-1-table.csv");
+    assert!(csv.contains("Time,ich / vtp,6.21 \u{b1} 1.88,"), "{csv}");
+    assert!(!csv.contains("fwp-ch"), "{csv}");
+}
+
+#[test]
+fn several_results_are_apart() {
+    let input = |name: &str| Input {
+        path: PathBuf::from(name),
+        result: mixed(),
+    };
+    let report = build(&[input("old.json"), input("new.json")], &options()).unwrap();
+    let html = page(&report);
+    for id in ["r1-result", "r2-result", "r1-g1-time", "r2-g1-time"] {
+        assert!(html.contains(&format!(" id=\"{id}\"")), "{id}");
+    }
+}
+
+#[test]
+fn a_picture_is_of_the_model_that_was_measured() {
+    let mut plan = plan(&[], "vtp", "0");
+    plan.models = vec![ModelRef::generated("gen:sphere,subdiv=2").unwrap()];
+    let mut result = result(rehearse(&plan, &mut Rehearsal::default()));
+    let wanted = Options {
+        picture: "sphere,subdiv=2:5".parse().unwrap(),
+        ..options()
+    };
+    let input = |result: &ResultFile| Input {
+        path: PathBuf::from("r.json"),
+        result: result.clone(),
+    };
+    // The hash is made up.
+    let error = build(&[input(&result)], &wanted).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "no picture of sphere,subdiv=2: gen:sphere,subdiv=2 is not what was measured, its hash differs"
+    );
+    let unasked = Options {
+        picture: Wanted::Any,
+        ..options()
+    };
+    assert!(!page(&report_on(result.clone(), &unasked)).contains("data:image/png"));
+
+    let model = ModelRef::generated("gen:sphere,subdiv=2")
+        .unwrap()
+        .load()
+        .unwrap();
+    result.models[0].sha256 = model.record.sha256;
+    for wanted in [&wanted, &unasked] {
+        let report = report_on(result.clone(), wanted);
+        assert_eq!(page(&report).matches("data:image/png").count(), 1);
+        let tex = file(&report, Form::Tex, "result-picture-sphere-subdiv-2.tex");
+        assert!(tex.contains("\\includegraphics"), "{tex}");
+    }
+    let beyond = Options {
+        picture: "sphere,subdiv=2:99999".parse().unwrap(),
+        ..options()
+    };
+    let error = build(&[input(&result)], &beyond).unwrap_err().to_string();
+    assert!(
+        error.ends_with("vertex 99999 does not exist or has no face"),
+        "{error}"
+    );
+    let other = Options {
+        picture: "cube".parse().unwrap(),
+        ..options()
+    };
+    let error = build(&[input(&result)], &other).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "--picture cube: the result has no such model; it has sphere,subdiv=2"
+    );
+}

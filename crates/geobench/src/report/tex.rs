@@ -1,0 +1,239 @@
+//! Tables and plots in LaTeX: booktabs and pgfplots, with the numbers in the source, so that a paper can set them
+//! in its own type.
+
+use std::fmt::Write;
+
+use super::chart::{Axis, Bars, Chart, Dots, Lines, Point, Value, pgf_mark};
+use super::document::{Entry, Mark, Plot, Table};
+use super::html::overs;
+use crate::export::latex::escape;
+
+/// A `tabular`.
+pub(super) fn table(table: &Table) -> String {
+    let kinds: String = table
+        .columns
+        .iter()
+        .map(|column| if column.numeric { 'r' } else { 'l' })
+        .collect();
+    let mut tex = format!(
+        "% {}\n% Needs \\usepackage{{booktabs}}.\n",
+        remark(&table.caption)
+    );
+    tex += &format!("\\begin{{tabular}}{{{kinds}}}\n\\toprule\n");
+    if table.columns.iter().any(|column| !column.over.is_empty()) {
+        let cells = overs(table).into_iter().map(|(text, width)| match text {
+            "" => vec![""; width].join(" & "),
+            text => format!("\\multicolumn{{{width}}}{{c}}{{{}}}", symbols(text)),
+        });
+        tex += &row(cells);
+    }
+    tex += &row(table.columns.iter().map(|column| symbols(&column.head)));
+    for part in &table.parts {
+        tex += "\\midrule\n";
+        if !part.title.is_empty() {
+            let mut title = symbols(&part.title);
+            if !part.detail.is_empty() {
+                title += &format!(" ({})", symbols(&part.detail));
+            }
+            tex += &format!(
+                "\\multicolumn{{{}}}{{l}}{{{title}}} \\\\\n",
+                table.columns.len()
+            );
+        }
+        for entries in &part.rows {
+            tex += &row(entries.iter().map(entry));
+        }
+    }
+    tex + "\\bottomrule\n\\end{tabular}\n"
+}
+
+fn row(cells: impl Iterator<Item = String>) -> String {
+    cells.collect::<Vec<_>>().join(" & ") + " \\\\\n"
+}
+
+fn entry(entry: &Entry) -> String {
+    let text = symbols(&entry.text);
+    match entry.mark {
+        Mark::Best => format!("\\textbf{{{text}}}"),
+        Mark::Failed => format!("\\emph{{{text}}}"),
+        Mark::None => text,
+    }
+}
+
+/// Text in LaTeX, with what is no ASCII and stands in reports.
+fn symbols(text: &str) -> String {
+    escape(text).replace('\u{b1}', "$\\pm$")
+}
+
+/// Text that can stand behind a `%`.
+fn remark(text: &str) -> String {
+    text.replace('\n', " ")
+}
+
+/// A `tikzpicture`, or how to include the picture.
+pub(super) fn plot(plot: &Plot) -> String {
+    let head = format!("% {}. {}\n", remark(&plot.title), remark(&plot.caption));
+    let body = match &plot.chart {
+        Chart::Dots(chart) => dots(chart),
+        Chart::Bars(chart) => bars(chart),
+        Chart::Lines(chart) => lines(chart),
+        Chart::Picture(_) => {
+            return format!(
+                "{head}% Needs \\usepackage{{graphicx}}.\n\\includegraphics[width=\\linewidth]{{{}.png}}\n",
+                plot.id
+            );
+        }
+    };
+    format!("{head}% Needs \\usepackage{{pgfplots}} and \\pgfplotsset{{compat=1.18}}.\n{body}")
+}
+
+fn axis_of(name: char, axis: &Axis) -> String {
+    let mode = if axis.log { "log" } else { "linear" };
+    format!(
+        "  {name}mode={mode}, {name}label={{{}}},\n",
+        symbols(&axis.label)
+    )
+}
+
+/// A label for each place on the y-axis, from 0 downwards.
+fn rows(labels: &[String]) -> String {
+    let places: Vec<String> = (0..labels.len()).map(|i| i.to_string()).collect();
+    let labels: Vec<String> = labels
+        .iter()
+        .map(|label| format!("{{{}}}", symbols(label)))
+        .collect();
+    format!(
+        "  y dir=reverse, ymin=-0.7, ymax={:.1}, height={:.1}cm,\n  ytick={{{}}}, yticklabels={{{}}},\n",
+        labels.len() as f64 - 0.3,
+        2.2 + 0.42 * labels.len() as f64,
+        places.join(","),
+        labels.join(",")
+    )
+}
+
+/// What stands before a lane: its model only once, before the first of its algorithms.
+fn label(band: &str, lane: &str, first: bool) -> String {
+    if first && !band.is_empty() {
+        format!("{band}: {lane}")
+    } else {
+        lane.to_owned()
+    }
+}
+
+fn dots(chart: &Dots) -> String {
+    let mut labels = Vec::new();
+    let mut points: Vec<(usize, &Point)> = Vec::new();
+    let mut absent = String::new();
+    for band in &chart.bands {
+        for (i, lane) in band.lanes.iter().enumerate() {
+            if let Some(text) = &lane.absent {
+                let _ = writeln!(
+                    absent,
+                    "% {}, {}: {}",
+                    remark(&band.title),
+                    lane.label,
+                    remark(text)
+                );
+            }
+            points.extend(lane.points.iter().map(|point| (labels.len(), point)));
+            labels.push(label(&band.title, &lane.label, i == 0));
+        }
+    }
+    let mut tex = format!(
+        "{absent}\\begin{{tikzpicture}}\n\\begin{{axis}}[\n  width=\\linewidth, only marks, xmajorgrids,\n{}{}]\n",
+        axis_of('x', &chart.axis),
+        rows(&labels)
+    );
+    if let Some(place) = chart.reference {
+        let _ = writeln!(
+            tex,
+            "\\draw[dashed] ({{axis cs:{place},0}} |- {{rel axis cs:0,0}}) -- ({{axis cs:{place},0}} |- {{rel axis cs:0,1}});"
+        );
+    }
+    let mut series: Vec<(usize, bool)> = Vec::new();
+    for (_, point) in &points {
+        if !series.contains(&(point.style, point.hollow)) {
+            series.push((point.style, point.hollow));
+        }
+    }
+    for (style, hollow) in series {
+        let of = points
+            .iter()
+            .filter(|(_, p)| (p.style, p.hollow) == (style, hollow));
+        let coordinates = of.map(|(y, p)| {
+            let at = format!("({},{y})", p.value.value);
+            at + &errors(p.value, |error| format!("({error},0)"))
+        });
+        tex += &addplot(style, hollow, "x", coordinates);
+    }
+    tex + "\\end{axis}\n\\end{tikzpicture}\n"
+}
+
+/// How far an interval reaches to both sides, as pgfplots reads it.
+fn errors(value: Value, at: impl Fn(f64) -> String) -> String {
+    value.interval.map_or_else(String::new, |[low, high]| {
+        let (up, down) = ((high - value.value).max(0.0), (value.value - low).max(0.0));
+        format!(" += {} -= {}", at(up), at(down))
+    })
+}
+
+fn addplot(
+    style: usize,
+    hollow: bool,
+    direction: &str,
+    coordinates: impl Iterator<Item = String>,
+) -> String {
+    format!(
+        "\\addplot+[mark={}, mark options={{solid}}, error bars/.cd, {direction} dir=both, {direction} explicit] coordinates {{\n  {}\n}};\n",
+        pgf_mark(style, hollow),
+        coordinates.collect::<Vec<_>>().join("\n  ")
+    )
+}
+
+fn bars(chart: &Bars) -> String {
+    let mut labels = Vec::new();
+    let mut parts: [Vec<String>; super::chart::PARTS] = Default::default();
+    for group in &chart.groups {
+        for (i, bar) in group.bars.iter().enumerate() {
+            for (coordinates, length) in parts.iter_mut().zip(bar.parts) {
+                coordinates.push(format!("({length},{})", labels.len()));
+            }
+            let name = format!("{} ({})", bar.label, bar.note);
+            labels.push(label(&group.title, &name, i == 0));
+        }
+    }
+    let mut tex = format!(
+        "\\begin{{tikzpicture}}\n\\begin{{axis}}[\n  xbar stacked, width=\\linewidth, xmin=0, bar width=6pt, xmajorgrids,\n  \
+         legend style={{at={{(0.5,1.02)}}, anchor=south, legend columns=-1, draw=none}},\n{}{}]\n",
+        axis_of('x', &chart.axis),
+        rows(&labels)
+    );
+    for (name, coordinates) in chart.parts.iter().zip(parts) {
+        let _ = writeln!(
+            tex,
+            "\\addplot+[mark=none] coordinates {{ {} }};\n\\addlegendentry{{{}}}",
+            coordinates.join(" "),
+            symbols(name)
+        );
+    }
+    tex + "\\end{axis}\n\\end{tikzpicture}\n"
+}
+
+fn lines(chart: &Lines) -> String {
+    let joined = chart.series.iter().any(|series| series.joined);
+    let mut tex = format!(
+        "\\begin{{tikzpicture}}\n\\begin{{axis}}[\n  width=\\linewidth, grid=major, legend pos=outer north east,{}\n{}{}]\n",
+        if joined { "" } else { " only marks," },
+        axis_of('x', &chart.x),
+        axis_of('y', &chart.y)
+    );
+    for series in &chart.series {
+        let coordinates = series.points.iter().map(|(x, value)| {
+            let at = format!("({x},{})", value.value);
+            at + &errors(*value, |error| format!("(0,{error})"))
+        });
+        tex += &addplot(series.style, false, "y", coordinates);
+        let _ = writeln!(tex, "\\addlegendentry{{{}}}", symbols(&series.name));
+    }
+    tex + "\\end{axis}\n\\end{tikzpicture}\n"
+}

@@ -14,15 +14,22 @@ const TIE: f64 = 1e-9;
 #[derive(Clone, Copy, Debug)]
 struct Angle {
     best: f64,
+    /// Where its ray to the apex comes in, as a fraction of the half-edge.
     entry: f64,
-    stamp: u32,
+}
+
+impl Angle {
+    const FREE: Self = Self {
+        best: f64::INFINITY,
+        entry: 0.0,
+    };
 }
 
 /// Which children a window that covers the apex may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Split {
     /// It is the new occupant: both, guarded by the angle in its present state.
-    Occupies { stamp: u32 },
+    Occupies,
     /// Its ray is that of the occupant: both.
     Ties,
     /// It loses: only the child that does not cross the occupant's ray.
@@ -39,40 +46,28 @@ pub(crate) struct Angles {
 impl Angles {
     pub(crate) fn new(half_edges: usize) -> Self {
         Self {
-            angles: vec![
-                Angle {
-                    best: f64::INFINITY,
-                    entry: 0.0,
-                    stamp: 0
-                };
-                half_edges
-            ],
+            angles: vec![Angle::FREE; half_edges],
         }
     }
 
     pub(crate) fn clear(&mut self) {
-        self.angles.fill(Angle {
-            best: f64::INFINITY,
-            entry: 0.0,
-            stamp: 0,
-        });
+        self.angles.fill(Angle::FREE);
     }
 
-    /// A window reaches the apex at distance `d`, its ray meeting `h` (of length `l`) at `entry`.
+    /// A window reaches the apex at distance `d`, its ray meeting `h` at the fraction `entry` of its length.
     ///
     /// The shortest of two straight paths to one apex kills every ray of the other window that
     /// crosses it, which are those on its far side. Where both paths enter at one point there is
     /// no telling which side that is, and the loser keeps both children, however much longer it
     /// is: the occupant may stand on the border ray of the window (a saddle that has been reached
     /// by a shorter path since), and then crosses none of its rays.
-    pub(crate) fn split(&mut self, h: HalfEdgeId, d: f64, entry: f64, l: f64) -> Split {
+    pub(crate) fn split(&mut self, h: HalfEdgeId, d: f64, entry: f64) -> Split {
         let angle = &mut self.angles[h.index()];
         if d < angle.best {
             angle.best = d;
             angle.entry = entry;
-            angle.stamp += 1;
-            Split::Occupies { stamp: angle.stamp }
-        } else if (entry - angle.entry).abs() <= TIE * l {
+            Split::Occupies
+        } else if (entry - angle.entry).abs() <= TIE {
             Split::Ties
         } else if entry < angle.entry {
             Split::Only(Side::Left)
@@ -82,17 +77,22 @@ impl Angles {
     }
 
     /// Whether the angle of `guard` has a new occupant whose ray cuts the guarded subtree off.
-    pub(crate) fn cuts_off(&self, guard: &Guard, l: f64) -> bool {
-        let angle = &self.angles[guard.angle.index()];
-        if angle.stamp == guard.stamp || (guard.entry - angle.entry).abs() <= TIE * l {
+    #[inline]
+    pub(crate) fn cuts_off(&self, guard: &Guard) -> bool {
+        let Some((place, entry, side)) = guard.split() else {
+            return false;
+        };
+        let angle = &self.angles[place.index()];
+        // As long as the occupant is the same its ray is, too.
+        if (entry - angle.entry).abs() <= TIE {
             return false;
         }
-        let kept = if guard.entry < angle.entry {
+        let kept = if entry < angle.entry {
             Side::Left
         } else {
             Side::Right
         };
-        guard.side != kept
+        side != kept
     }
 }
 
@@ -105,18 +105,18 @@ mod tests {
     #[test]
     fn the_best_window_occupies_the_angle_and_losers_keep_one_side() {
         let mut angles = Angles::new(3);
-        assert_eq!(angles.split(H, 2.0, 0.5, 1.0), Split::Occupies { stamp: 1 });
-        assert_eq!(angles.split(H, 3.0, 0.3, 1.0), Split::Only(Side::Left));
-        assert_eq!(angles.split(H, 3.0, 0.7, 1.0), Split::Only(Side::Right));
-        assert_eq!(angles.split(H, 1.0, 0.6, 1.0), Split::Occupies { stamp: 2 });
+        assert_eq!(angles.split(H, 2.0, 0.5), Split::Occupies);
+        assert_eq!(angles.split(H, 3.0, 0.3), Split::Only(Side::Left));
+        assert_eq!(angles.split(H, 3.0, 0.7), Split::Only(Side::Right));
+        assert_eq!(angles.split(H, 1.0, 0.6), Split::Occupies);
     }
 
     #[test]
     fn collinear_sources_tie_instead_of_losing_a_side_to_rounding() {
         let mut angles = Angles::new(3);
-        angles.split(H, 2.0, 0.5, 1.0);
-        assert_eq!(angles.split(H, 2.0 + 1e-15, 0.5 - 1e-16, 1.0), Split::Ties);
-        assert_eq!(angles.split(H, 2.0, 0.5 + 1e-16, 1.0), Split::Ties);
+        angles.split(H, 2.0, 0.5);
+        assert_eq!(angles.split(H, 2.0 + 1e-15, 0.5 - 1e-16), Split::Ties);
+        assert_eq!(angles.split(H, 2.0, 0.5 + 1e-16), Split::Ties);
     }
 
     /// An occupant that is shorter by 3e-5 on the border ray of a window made it lose all its rays
@@ -124,26 +124,22 @@ mod tests {
     #[test]
     fn a_shorter_path_along_the_border_ray_takes_no_side() {
         let mut angles = Angles::new(3);
-        angles.split(H, 2.0, 0.5, 1.0);
-        assert_eq!(angles.split(H, 2.1, 0.5 - 1e-16, 1.0), Split::Ties);
+        angles.split(H, 2.0, 0.5);
+        assert_eq!(angles.split(H, 2.1, 0.5 - 1e-16), Split::Ties);
     }
 
     #[test]
     fn a_displaced_occupant_loses_the_child_behind_the_new_ray() {
         let mut angles = Angles::new(3);
-        angles.split(H, 2.0, 0.5, 1.0);
-        let guards = [Side::Left, Side::Right].map(|side| Guard {
-            angle: H,
-            stamp: 1,
-            entry: 0.5,
-            side,
-        });
-        assert!(guards.iter().all(|guard| !angles.cuts_off(guard, 1.0)));
-        angles.split(H, 1.0, 0.7, 1.0);
+        angles.split(H, 2.0, 0.5);
+        let [left, right] = [Side::Left, Side::Right].map(|side| Guard::new(H, 0.5, side));
+        assert!(!angles.cuts_off(&left) && !angles.cuts_off(&right));
+        angles.split(H, 1.0, 0.7);
         assert!(
-            !angles.cuts_off(&guards[0], 1.0),
+            !angles.cuts_off(&left),
             "the left child lies before the new ray"
         );
-        assert!(angles.cuts_off(&guards[1], 1.0));
+        assert!(angles.cuts_off(&right));
+        assert!(!angles.cuts_off(&Guard::NONE));
     }
 }

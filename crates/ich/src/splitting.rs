@@ -1,8 +1,8 @@
 //! The policy of the CH family: windows pass a filter, wait, split once at each angle, and are forgotten.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::continuous::{Arrival, Crossing, Policy, Side, Surface};
-use geobench_window::{Counter, Phase, Probe, Window};
+use geobench_window::continuous::{Arrival, Policy, Side, Surface};
+use geobench_window::{Counter, Passage, Phase, Probe, Window};
 
 use crate::angle::{Angles, Split};
 use crate::tree::{Guard, Leaves, Lineage, Node};
@@ -39,12 +39,10 @@ impl Splitting {
 
     /// Whether a window cannot matter any more, since its root was reached by a shorter path or a
     /// better window took the angle above it.
-    fn is_stale(&self, lineage: &Lineage, surface: &Surface) -> bool {
-        surface.stamp(lineage.root) != lineage.root_stamp
-            || lineage.guard.is_some_and(|guard| {
-                self.angles
-                    .cuts_off(&guard, surface.faces().length(guard.angle))
-            })
+    #[inline]
+    fn is_stale(&self, node: &Node, surface: &Surface) -> bool {
+        surface.distance(node.lineage.root) < node.window.sigma
+            || self.angles.cuts_off(&node.lineage.guard)
     }
 }
 
@@ -65,19 +63,19 @@ impl Policy for Splitting {
         self.angles.clear();
     }
 
-    fn root(&self, v: VertexId, surface: &Surface) -> Lineage {
+    fn root(&self, v: VertexId, _: &Surface) -> Lineage {
         Lineage {
             root: v,
-            root_stamp: surface.stamp(v),
             level: 0,
-            guard: None,
+            guard: Guard::NONE,
         }
     }
 
+    #[inline]
     fn arrive<P: Probe>(
         &mut self,
         arrival: &Arrival<Lineage>,
-        surface: &Surface,
+        _: &Surface,
         queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
         probe: &mut P,
     ) -> bool {
@@ -85,9 +83,9 @@ impl Policy for Splitting {
             h,
             window,
             lineage,
-            side,
+            edge,
         } = arrival;
-        if self.filter == VertexFilter::On && surface.beats(*h, window, *side) {
+        if self.filter == VertexFilter::On && edge.beats(window) {
             probe.add(Counter::Filtered, 1);
             return false;
         }
@@ -104,6 +102,7 @@ impl Policy for Splitting {
         true
     }
 
+    #[inline]
     fn take<P: Probe>(
         &mut self,
         _: HalfEdgeId,
@@ -111,47 +110,39 @@ impl Policy for Splitting {
         surface: &Surface,
         probe: &mut P,
     ) -> Option<(Window, Lineage)> {
-        let Node { window, lineage } = self.leaves.remove(id);
-        if self.is_stale(&lineage, surface) {
+        let node = self.leaves.remove(id);
+        if self.is_stale(&node, surface) {
             probe.add(Counter::Filtered, 1);
             return None;
         }
-        Some((window, lineage))
+        Some((node.window, node.lineage))
+    }
+
+    #[inline]
+    fn descend(&self, lineage: &Lineage) -> Option<Lineage> {
+        let too_deep = self.filter == VertexFilter::Off && lineage.level >= self.level_limit;
+        (!too_deep).then_some(Lineage {
+            level: lineage.level + 1,
+            ..*lineage
+        })
     }
 
     fn split(
         &mut self,
-        crossing: &Crossing,
-        lineage: &Lineage,
+        angle: HalfEdgeId,
+        passage: &Passage<'_>,
+        heir: Lineage,
         surface: &Surface,
     ) -> [Option<Lineage>; 2] {
-        if self.filter == VertexFilter::Off && lineage.level >= self.level_limit {
-            return [None; 2];
-        }
-        let child = Lineage {
-            level: lineage.level + 1,
-            ..*lineage
-        };
-        if !crossing.covers_apex() {
-            return [Some(child); 2];
-        }
-        let (angle, entry) = (crossing.h, crossing.separation);
-        let l = surface.faces().length(angle);
-        match self.angles.split(angle, crossing.apex_distance, entry, l) {
-            Split::Occupies { stamp } => [Side::Left, Side::Right].map(|side| {
-                Some(Lineage {
-                    guard: Some(Guard {
-                        angle,
-                        stamp,
-                        entry,
-                        side,
-                    }),
-                    ..child
-                })
+        let entry = passage.separation() / surface.faces().length(angle);
+        match (self.angles).split(angle, passage.straight_distance(), entry) {
+            Split::Occupies => [Side::Left, Side::Right].map(|side| {
+                let guard = Guard::new(angle, entry, side);
+                Some(Lineage { guard, ..heir })
             }),
-            Split::Ties => [Some(child); 2],
-            Split::Only(Side::Left) => [Some(child), None],
-            Split::Only(Side::Right) => [None, Some(child)],
+            Split::Ties => [Some(heir); 2],
+            Split::Only(Side::Left) => [Some(heir), None],
+            Split::Only(Side::Right) => [None, Some(heir)],
         }
     }
 }

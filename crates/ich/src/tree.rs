@@ -8,14 +8,42 @@ use geobench_window::continuous::Side;
 /// its wrong side is dead.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Guard {
-    /// The angle, by the half-edge through which the split window came.
-    pub(crate) angle: HalfEdgeId,
-    /// How often the angle had been taken then.
-    pub(crate) stamp: u32,
-    /// Where the split window's ray to the apex met the half-edge.
-    pub(crate) entry: f64,
-    /// The child of the split from which this window descends.
-    pub(crate) side: Side,
+    /// Where the split window's ray to the apex met the half-edge, as a fraction of its length.
+    entry: f64,
+    /// Twice the number of the half-edge through which that window came, which is the angle's, and
+    /// 1 more for the right child of the split.
+    place: u32,
+}
+
+impl Guard {
+    /// Of a window above which there is no split.
+    pub(crate) const NONE: Self = Self {
+        entry: 0.0,
+        place: u32::MAX,
+    };
+
+    /// Of the child on this side of a window that was split at `angle`.
+    pub(crate) const fn new(angle: HalfEdgeId, entry: f64, side: Side) -> Self {
+        let side = match side {
+            Side::Left => 0,
+            Side::Right => 1,
+        };
+        Self {
+            entry,
+            place: 2 * angle.raw() + side,
+        }
+    }
+
+    /// The angle, the fraction at which the ray to its apex came in, and the side of the child.
+    #[inline]
+    pub(crate) fn split(self) -> Option<(HalfEdgeId, f64, Side)> {
+        let side = if self.place.is_multiple_of(2) {
+            Side::Left
+        } else {
+            Side::Right
+        };
+        (self.place != u32::MAX).then(|| (HalfEdgeId::new(self.place / 2), self.entry, side))
+    }
 }
 
 /// What tells whether a window still matters when its turn comes.
@@ -23,15 +51,14 @@ pub(crate) struct Guard {
 pub struct Lineage {
     /// The (pseudo-)source.
     pub(crate) root: VertexId,
-    /// How often the root's distance had improved when the line of descent began.
-    pub(crate) root_stamp: u32,
     /// Triangles crossed since the root.
     pub(crate) level: u32,
-    pub(crate) guard: Option<Guard>,
+    pub(crate) guard: Guard,
 }
 
-/// A window that waits to be propagated.
+/// A window that waits to be propagated: one cache line.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub(crate) struct Node {
     pub(crate) window: Window,
     pub(crate) lineage: Lineage,
@@ -45,6 +72,7 @@ pub(crate) struct Leaves {
 }
 
 impl Leaves {
+    #[inline]
     pub(crate) fn insert(&mut self, node: Node) -> u32 {
         if let Some(slot) = self.free.pop() {
             self.nodes[slot as usize] = node;
@@ -55,6 +83,7 @@ impl Leaves {
         }
     }
 
+    #[inline]
     pub(crate) fn remove(&mut self, slot: u32) -> Node {
         self.free.push(slot);
         self.nodes[slot as usize]
@@ -67,5 +96,22 @@ impl Leaves {
     pub(crate) fn clear(&mut self) {
         self.nodes.clear();
         self.free.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packing_keeps_the_split() {
+        assert_eq!(Guard::NONE.split(), None);
+        for side in [Side::Left, Side::Right] {
+            for angle in [0, 7, (1 << 31) - 2].map(HalfEdgeId::new) {
+                let guard = Guard::new(angle, 0.25, side);
+                assert_eq!(guard.split(), Some((angle, 0.25, side)));
+            }
+        }
+        assert_eq!(size_of::<Node>(), 64);
     }
 }

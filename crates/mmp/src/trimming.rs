@@ -1,8 +1,8 @@
 //! The policy of MMP: every window is kept where it is the shortest.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::continuous::{Arrival, Crossing, Policy, Surface};
-use geobench_window::{Counter, Probe, Window};
+use geobench_window::continuous::{Arrival, Policy, Surface};
+use geobench_window::{Counter, Passage, Probe, Window};
 
 use crate::levels::Levels;
 use crate::list::{Direction, Inserter, WindowList};
@@ -46,8 +46,11 @@ impl Trimming {
 
     /// The half-edge whose list holds the windows of `h`, and how they cross there.
     fn place(&self, h: HalfEdgeId, surface: &Surface) -> (HalfEdgeId, Direction) {
-        match (self.carrier, surface.faces().twin(h)) {
-            (Carrier::Edge, Some(twin)) if twin < h => (twin, Direction::Reverse),
+        if self.carrier == Carrier::HalfEdge {
+            return (h, Direction::Forward);
+        }
+        match surface.faces().twin(h) {
+            Some(twin) if twin < h => (twin, Direction::Reverse),
             _ => (h, Direction::Forward),
         }
     }
@@ -86,7 +89,7 @@ impl Policy for Trimming {
         queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
         probe: &mut P,
     ) -> bool {
-        let l = surface.faces().length(arrival.h);
+        let l = arrival.edge.length;
         let (place, direction) = self.place(arrival.h, surface);
         let window = match direction {
             Direction::Forward => arrival.window,
@@ -149,12 +152,25 @@ impl Policy for Trimming {
     }
 
     /// Going round the triangle from the left, a window all of whose rays leave there is done.
-    fn split(&mut self, crossing: &Crossing, level: &u32, _: &Surface) -> [Option<u32>; 2] {
-        let level = level + 1;
-        [
-            Some(level),
-            (crossing.window.b1 > crossing.separation).then_some(level),
-        ]
+    #[inline]
+    fn tries(passage: &Passage<'_>) -> [bool; 2] {
+        [true, passage.goes_right()]
+    }
+
+    #[inline]
+    fn descend(&self, level: &u32) -> Option<u32> {
+        Some(level + 1)
+    }
+
+    #[inline]
+    fn split(
+        &mut self,
+        _: HalfEdgeId,
+        _: &Passage<'_>,
+        heir: u32,
+        _: &Surface,
+    ) -> [Option<u32>; 2] {
+        [Some(heir); 2]
     }
 
     fn finish<P: Probe>(&mut self, probe: &mut P) {

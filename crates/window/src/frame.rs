@@ -26,8 +26,25 @@ pub struct Frame {
     pub right: [f64; 2],
 }
 
-/// What a solver needs of one face, for all its three half-edges, in about two cache lines.
+/// A face as a window meets it that enters it through one of its half-edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entrance {
+    /// The triangle.
+    pub frame: Frame,
+    /// A, B and C.
+    pub corners: [VertexId; 3],
+    /// The half-edge A → C of the neighbour on the left and the half-edge C → B of the neighbour
+    /// on the right; `None` at the boundary.
+    pub exits: [Option<HalfEdgeId>; 2],
+}
+
+/// The corner that follows, and the one that precedes.
+const NEXT: [usize; 3] = [1, 2, 0];
+const PREV: [usize; 3] = [2, 0, 1];
+
+/// What a solver needs of one face, for all its three half-edges, in two cache lines.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(128))]
 struct Face {
     length: [f64; 3],
     inverse_length: [f64; 3],
@@ -69,20 +86,31 @@ impl Faces {
     /// The frame of `h`.
     #[inline]
     pub fn frame(&self, h: HalfEdgeId) -> Frame {
+        self.entrance(h).frame
+    }
+
+    /// All that a window meets that enters the face of `h` through it.
+    #[inline]
+    pub fn entrance(&self, h: HalfEdgeId) -> Entrance {
         let face = &self.records[h.face().index()];
         let k = h.corner() as usize;
-        let (next, prev) = (h.next().corner() as usize, h.prev().corner() as usize);
+        let (next, prev) = (NEXT[k], PREV[k]);
         let (l, cx) = (face.length[k], face.apex_x[k]);
         let cy = face.twice_area * face.inverse_length[k];
         let (to_c, from_c) = (face.inverse_length[prev], face.inverse_length[next]);
-        Frame {
-            l,
-            la: face.length[prev],
-            lb: face.length[next],
-            cx,
-            cy,
-            left: [cx * to_c, cy * to_c],
-            right: [(l - cx) * from_c, -cy * from_c],
+        let exit = |twin: u32| (twin != u32::MAX).then(|| HalfEdgeId::new(twin));
+        Entrance {
+            frame: Frame {
+                l,
+                la: face.length[prev],
+                lb: face.length[next],
+                cx,
+                cy,
+                left: [cx * to_c, cy * to_c],
+                right: [(l - cx) * from_c, -cy * from_c],
+            },
+            corners: [face.vertex[k], face.vertex[next], face.vertex[prev]],
+            exits: [exit(face.twin[prev]), exit(face.twin[next])],
         }
     }
 

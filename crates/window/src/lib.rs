@@ -10,7 +10,7 @@
 //! in the windows that they can prove useless, and in the order in which they take the others.
 //!
 //! * The kernels are small pure functions: [`separating_abscissa`], the two children, the apex
-//!   distance, [`tie_points`], the vertex filter ([`is_beaten_from_ends`], [`is_beaten_across`]),
+//!   distance, all of these in one as [`Passage`], [`tie_points`], the vertex filter ([`is_beaten_from_ends`], [`is_beaten_across`]),
 //!   [`spawn_window`]. None of them takes a square root or an angle that it can do without, and all
 //!   tolerances are relative, so that a model in millimetres gives the same digits as in metres.
 //! * [`Faces`] lays the mesh out for crossing, and gives the [`Frame`] of a half-edge.
@@ -24,6 +24,7 @@ mod counters;
 mod cross;
 mod filter;
 mod frame;
+mod passage;
 mod probe;
 pub mod queue;
 mod solver;
@@ -35,7 +36,8 @@ mod window;
 pub use counters::{Counter, Counters};
 pub use cross::{apex_distance, left_child, right_child, separating_abscissa};
 pub use filter::{is_beaten_across, is_beaten_from_ends};
-pub use frame::{Faces, Frame};
+pub use frame::{Entrance, Faces, Frame};
+pub use passage::Passage;
 pub use probe::{Clock, Count, Phase, Phases, Probe};
 pub use solver::{Propagate, Solution, SolveError, Solver};
 pub use spawn::spawn_window;

@@ -6,13 +6,15 @@
 //! once: the sources, the vertices' distances, pseudo-sources, the crossing of a triangle. Two
 //! algorithms that differ in one choice differ in nothing else.
 
+mod edge;
 mod policy;
 mod propagation;
 mod surface;
 
-pub use policy::{Arrival, Crossing, Policy};
+pub use edge::{Behind, Edge, Side};
+pub use policy::{Arrival, Policy};
 pub use propagation::Continuous;
-pub use surface::{Side, Surface};
+pub use surface::Surface;
 
 #[cfg(doc)]
 use crate::queue::Discipline;

@@ -2,32 +2,12 @@
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 
-use super::surface::{Side, Surface};
+use super::edge::Edge;
+use super::surface::Surface;
 use crate::counters::Counter;
+use crate::passage::Passage;
 use crate::probe::Probe;
 use crate::window::Window;
-
-/// A window about to leave the triangle that it crosses.
-#[derive(Clone, Copy, Debug)]
-pub struct Crossing {
-    /// The half-edge through which the window came in.
-    pub h: HalfEdgeId,
-    /// The window.
-    pub window: Window,
-    /// Where the ray to the apex meets the half-edge; the window covers the apex if this lies
-    /// inside its interval.
-    pub separation: f64,
-    /// Length of the window's path to the apex, bent if it does not see it.
-    pub apex_distance: f64,
-}
-
-impl Crossing {
-    /// Whether the window sees the apex and has rays on both sides of it.
-    #[inline]
-    pub fn covers_apex(&self) -> bool {
-        self.window.b0 < self.separation && self.separation < self.window.b1
-    }
-}
 
 /// A window that has reached a half-edge.
 #[derive(Clone, Copy, Debug)]
@@ -38,8 +18,8 @@ pub struct Arrival<L> {
     pub window: Window,
     /// What it inherited.
     pub lineage: L,
-    /// Which child of a crossing it is; `None` if it comes from a (pseudo-)source.
-    pub side: Option<Side>,
+    /// What is known around the half-edge.
+    pub edge: Edge,
 }
 
 /// Decides what is kept of a window that arrives, where it waits, and what it may have for
@@ -80,11 +60,24 @@ pub trait Policy: Send {
         probe: &mut P,
     ) -> Option<(Window, Self::Lineage)>;
 
-    /// Whether to try the left and the right child of a window, and what each inherits.
+    /// Which children of a window on one side of the apex are tried, the left and the right one:
+    /// those that must be computed to find out that they are empty. It serves counters only.
+    #[inline]
+    fn tries(passage: &Passage<'_>) -> [bool; 2] {
+        let _ = passage;
+        [true; 2]
+    }
+
+    /// What the children of a window inherit from it; `None` if it must not have any.
+    fn descend(&self, lineage: &Self::Lineage) -> Option<Self::Lineage>;
+
+    /// Whether to try the left and the right child of a window that has come in through `h` and
+    /// covers the apex, and what each inherits; `heir` is what they would without a split.
     fn split(
         &mut self,
-        crossing: &Crossing,
-        lineage: &Self::Lineage,
+        h: HalfEdgeId,
+        passage: &Passage<'_>,
+        heir: Self::Lineage,
         surface: &Surface,
     ) -> [Option<Self::Lineage>; 2];
 

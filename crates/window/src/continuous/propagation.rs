@@ -2,10 +2,12 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
-use super::policy::{Arrival, Crossing, Policy};
-use super::surface::{Side, Surface};
+use super::edge::{Edge, Side};
+use super::policy::{Arrival, Policy};
+use super::surface::Surface;
 use crate::counters::Counter;
-use crate::cross::{apex_distance, left_child, right_child, separating_abscissa};
+use crate::frame::Entrance;
+use crate::passage::Passage;
 use crate::probe::{Phase, Probe};
 use crate::queue::{Discipline, Event, EventKind};
 use crate::solver::{Propagate, Solution};
@@ -34,6 +36,14 @@ pub struct Continuous<'m, W, Q> {
     threshold: f64,
 }
 
+/// A window on its way through a face.
+struct Crossing<'a> {
+    passage: Passage<'a>,
+    exits: [Option<HalfEdgeId>; 2],
+    /// Of the face's A, B and C.
+    distances: [f64; 3],
+}
+
 impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
     /// Sets up for `mesh`; O(faces).
     pub fn new(mesh: &'m Mesh, policy: W, queue: Q) -> Self {
@@ -59,6 +69,7 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
 
     /// A path of length `d` reaches `v`. Only vertices at which a path may turn have a turn, unless
     /// the discipline goes by vertices.
+    #[inline(never)]
     fn offer<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) {
         if self.surface.offer(v, d) && (Q::EVERY_VERTEX || self.mesh.is_pseudo_source(v)) {
             self.queue.push(d, Event::vertex(v), probe);
@@ -77,12 +88,13 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         for &h in mesh.outgoing(v) {
             if let Some((target, window)) = spawn_window(self.surface.faces(), h, sigma) {
                 probe.add(Counter::Spawned, 1);
+                let edge = self.surface.edge(target);
                 self.arrive(
                     &Arrival {
                         h: target,
                         window,
                         lineage,
-                        side: None,
+                        edge,
                     },
                     probe,
                 );
@@ -91,6 +103,7 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
     }
 
     /// Hands a window that has reached a half-edge to the policy; returns whether any of it is left.
+    #[inline]
     fn arrive<P: Probe>(&mut self, arrival: &Arrival<W::Lineage>, probe: &mut P) -> bool {
         probe.enter(Phase::Pruning);
         let mut push = |h: HalfEdgeId, label: f64, id: u32, probe: &mut P| {
@@ -101,37 +114,52 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         kept
     }
 
-    /// Hands on what came of trying a child.
+    /// Hands on the child of a crossing on one side, if it is not empty.
+    #[inline]
     fn send<P: Probe>(
         &mut self,
-        h: HalfEdgeId,
-        child: Option<Window>,
-        lineage: W::Lineage,
         side: Side,
+        Crossing {
+            exits,
+            passage,
+            distances,
+        }: &Crossing<'_>,
+        lineage: W::Lineage,
         probe: &mut P,
     ) {
-        probe.add(Counter::Propagated, 1);
-        if let Some(window) = child {
-            probe.add(Counter::Children, 1);
-            if window.b1 - window.b0 < self.threshold {
-                probe.add(Counter::Filtered, 1);
-                return;
-            }
-            let kept = self.arrive(
-                &Arrival {
-                    h,
-                    window,
-                    lineage,
-                    side: Some(side),
-                },
-                probe,
-            );
-            probe.add(Counter::Kept, u64::from(kept));
-            probe.enter(Phase::Propagation);
+        let (exit, child, edge) = match side {
+            Side::Left => (
+                exits[0],
+                passage.left_child(),
+                Edge::left(passage.frame(), *distances),
+            ),
+            Side::Right => (
+                exits[1],
+                passage.right_child(),
+                Edge::right(passage.frame(), *distances),
+            ),
+        };
+        let (Some(h), Some(window)) = (exit, child) else {
+            return;
+        };
+        probe.add(Counter::Children, 1);
+        if window.b1 - window.b0 < self.threshold {
+            probe.add(Counter::Filtered, 1);
+            return;
         }
+        let arrival = Arrival {
+            h,
+            window,
+            lineage,
+            edge,
+        };
+        let kept = self.arrive(&arrival, probe);
+        probe.add(Counter::Kept, u64::from(kept));
+        probe.enter(Phase::Propagation);
     }
 
     /// Takes a window across the face of `h`.
+    #[inline]
     fn cross<P: Probe>(
         &mut self,
         h: HalfEdgeId,
@@ -144,32 +172,59 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         if probe.wants_sample(1) {
             probe.sample(self.queue.window_labels());
         }
-        let frame = self.surface.faces().frame(h);
-        let [_, _, apex] = self.surface.faces().corners(h);
-        let [to_left, to_right] = self.surface.faces().exits(h);
-        let sp = separating_abscissa(&frame, window);
-        let d = apex_distance(&frame, window, sp);
-        self.offer(apex, d, probe);
-        let crossing = Crossing {
-            h,
-            window: *window,
-            separation: sp,
-            apex_distance: d,
-        };
-        let [left, right] = self.policy.split(&crossing, lineage, &self.surface);
-        let to_left = to_left.zip(left);
-        let to_right = to_right.zip(right);
-        let tries = u64::from(to_left.is_some()) + u64::from(to_right.is_some());
-        self.queue.crossed(h, tries, probe);
-        if let Some((target, lineage)) = to_left {
-            let child = left_child(&frame, window, sp, window.b1.min(sp));
-            self.send(target, child, lineage, Side::Left, probe);
+        let Entrance {
+            frame,
+            corners,
+            exits,
+        } = self.surface.faces().entrance(h);
+        let passage = Passage::new(&frame, window);
+        let mut distances = corners.map(|v| self.surface.distance(v));
+        if let Some(d) = passage.apex_distance_below(distances[2]) {
+            distances[2] = d;
+            self.offer(corners[2], d, probe);
         }
-        if let Some((target, lineage)) = to_right {
-            let child = right_child(&frame, window, sp, window.b0.max(sp));
-            self.send(target, child, lineage, Side::Right, probe);
+        let crossing = Crossing {
+            passage,
+            exits,
+            distances,
+        };
+        if let Some(heir) = self.policy.descend(lineage) {
+            let tried = if crossing.passage.covers_apex() {
+                self.split(h, &crossing, heir, probe)
+            } else {
+                // Nearly all windows pass the apex on one side.
+                let side = if crossing.passage.goes_left() {
+                    Side::Left
+                } else {
+                    Side::Right
+                };
+                self.send(side, &crossing, heir, probe);
+                W::tries(&crossing.passage)
+            };
+            let tries = (0..2).filter(|&side| tried[side] && exits[side].is_some());
+            let tries = tries.count() as u64;
+            probe.add(Counter::Propagated, tries);
+            self.queue.crossed(h, tries, probe);
         }
         probe.enter(Phase::Management);
+    }
+
+    /// Sends on what the policy leaves of a window that covers the apex; returns which sides.
+    #[inline(never)]
+    fn split<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        crossing: &Crossing<'_>,
+        heir: W::Lineage,
+        probe: &mut P,
+    ) -> [bool; 2] {
+        let heirs = (self.policy).split(h, &crossing.passage, heir, &self.surface);
+        for (side, heir) in [Side::Left, Side::Right].into_iter().zip(heirs) {
+            if let Some(heir) = heir {
+                self.send(side, crossing, heir, probe);
+            }
+        }
+        heirs.map(|heir| heir.is_some())
     }
 }
 

@@ -1,17 +1,8 @@
 //! Fast wavefront propagation: buckets of labels, taken in rounds.
 
 use geobench_mesh::Mesh;
-use geobench_window::queue::{Discipline, Event, MinHeap};
+use geobench_window::queue::{Calendar, Discipline, Event};
 use geobench_window::{Counter, Probe};
-
-use crate::arena::Arena;
-use crate::ring::Ring;
-
-/// The most buckets that a ring can have, 3 MB of them. What is further away waits in a heap.
-const MOST_BUCKETS: u64 = 1 << 18;
-
-/// The number of the last bucket; no label of a mesh comes near it.
-const LAST_BUCKET: u64 = 1 << 62;
 
 /// How many events, K, a round of [`Buckets`] takes at least.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,19 +54,12 @@ impl Default for BucketOptions {
 ///
 /// # Cost
 ///
-/// O(1) for each event, whatever the number of buckets. They form a ring from `P1` on, of as many
-/// slots as the wavefront is wide; a label more than 262,144 buckets further up, which only a width far
-/// below the paper's or an edge of thousands of times the mean length can bring, waits in a heap,
-/// at O(log k). An event takes 24 bytes, a slot 12.
+/// O(1) for each event, 24 bytes for each and 12 for each bucket from `P1` to the furthest; see
+/// [`Calendar`].
 #[derive(Clone, Debug)]
 pub struct Buckets {
     batch: BatchSize,
-    /// Buckets for each unit of length.
-    per_length: f64,
-    arena: Arena,
-    ring: Ring,
-    /// Events whose buckets the ring may not reach; all beyond it.
-    far: MinHeap<Event>,
+    calendar: Calendar,
     round: Round,
 }
 
@@ -99,39 +83,10 @@ struct Round {
 impl Buckets {
     /// Empty buckets whose width suits `mesh`; O(edges).
     pub fn new(mesh: &Mesh, options: BucketOptions) -> Self {
-        let width = options.width * mean_edge_length(mesh) / (mesh.vertex_count() as f64).sqrt();
-        let per_length = width.recip();
-        let usable = width > 0.0 && per_length.is_finite();
         Self {
             batch: options.batch,
-            per_length: if usable { per_length } else { 0.0 },
-            arena: Arena::default(),
-            ring: Ring::new(),
-            far: MinHeap::default(),
+            calendar: Calendar::new(options.width * Calendar::usual_width(mesh)),
             round: Round::default(),
-        }
-    }
-
-    /// The bucket that holds `label`. Labels in order have buckets in order.
-    #[inline]
-    #[allow(clippy::cast_sign_loss)] // Labels are not negative, and the cast saturates anyway.
-    fn bucket(&self, label: f64) -> u64 {
-        ((label * self.per_length) as u64).min(LAST_BUCKET)
-    }
-
-    fn len(&self) -> usize {
-        self.arena.len() + self.far.len()
-    }
-
-    /// Puts an event into a bucket that is not below the ring's first.
-    #[inline]
-    fn put(&mut self, bucket: u64, label: f64, event: Event, birth: u32) {
-        if bucket - self.ring.first() < MOST_BUCKETS {
-            let slot = self.ring.occupy(bucket);
-            slot.len += 1;
-            self.arena.append(&mut slot.chain, label, event, birth);
-        } else {
-            self.far.push(label, event);
         }
     }
 
@@ -139,27 +94,19 @@ impl Buckets {
     #[inline]
     fn take(&mut self) -> Option<(f64, Event)> {
         let bucket = self.round.current;
-        let slot = self.ring.slot(bucket);
         // Births are in order in a bucket, and none is later than the round.
-        if self.arena.first_birth(slot.chain)? == self.round.number {
+        if self.calendar.first_birth(bucket)? == self.round.number {
             return None;
         }
-        let taken = self.arena.take(&mut slot.chain);
-        slot.len -= 1;
-        if slot.len == 0 {
-            self.ring.vacate(bucket);
-        }
-        taken
+        self.calendar.take(bucket)
     }
 
     /// Begins a round; returns whether there is anything to take.
     fn begin<P: Probe>(&mut self, probe: &mut P) -> bool {
-        let Some(first) = self.first_bucket() else {
+        let last_round = self.round.number;
+        let Some(first) = self.calendar.advance(last_round) else {
             return false;
         };
-        let last_round = self.round.number;
-        self.ring.advance(first);
-        self.bring_near(last_round);
         self.round = Round {
             number: last_round.wrapping_add(1),
             size: self.next_size(),
@@ -174,27 +121,9 @@ impl Buckets {
         true
     }
 
-    /// The first bucket that is not empty, if there is one.
-    fn first_bucket(&self) -> Option<u64> {
-        let near = self.ring.next_occupied(self.ring.first());
-        near.or_else(|| self.far.peek().map(|(label, _)| self.bucket(label)))
-    }
-
-    /// Moves events that the ring can hold by now from the heap to it.
-    fn bring_near(&mut self, birth: u32) {
-        while let Some((label, event)) = self.far.peek() {
-            let bucket = self.bucket(label);
-            if bucket - self.ring.first() >= MOST_BUCKETS {
-                break;
-            }
-            self.far.pop();
-            self.put(bucket, label, event, birth);
-        }
-    }
-
     /// K of the round to come.
     fn next_size(&self) -> i64 {
-        let waiting = i64::try_from(self.len()).unwrap_or(i64::MAX);
+        let waiting = i64::try_from(self.calendar.len()).unwrap_or(i64::MAX);
         let (wanted, limit) = match self.batch {
             BatchSize::Fixed(size) => (i64::from(size), i64::MAX),
             BatchSize::Adaptive { max } if self.round.number == 0 => (waiting, i64::from(max)),
@@ -211,26 +140,15 @@ impl Buckets {
     /// The first bucket by which there are K events from `first` on, or the last one in the ring.
     fn last_bucket(&mut self, first: u64) -> u64 {
         let mut end = first;
-        let mut held = i64::from(self.ring.slot(end).len);
+        let mut held = i64::from(self.calendar.held(end));
         while held < self.round.size
-            && let Some(next) = self.ring.next_occupied(end + 1)
+            && let Some(next) = self.calendar.next_occupied(end + 1)
         {
             end = next;
-            held += i64::from(self.ring.slot(end).len);
+            held += i64::from(self.calendar.held(end));
         }
         end
     }
-}
-
-/// Mean over the edges, each once; 0 without any.
-fn mean_edge_length(mesh: &Mesh) -> f64 {
-    let once = |&h: &_| mesh.twin(h).is_none_or(|twin| h < twin);
-    let (mut sum, mut edges) = (0.0, 0.0);
-    for h in mesh.half_edges().filter(once) {
-        sum += mesh.length(h);
-        edges += 1.0;
-    }
-    sum / f64::max(edges, 1.0)
 }
 
 impl Discipline for Buckets {
@@ -243,15 +161,15 @@ impl Discipline for Buckets {
 
     #[inline]
     fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
-        let bucket = self.bucket(label).max(self.ring.first());
+        let bucket = self.calendar.bucket(label).max(self.calendar.first());
         if bucket > self.round.end {
             self.round.beyond += 1;
         } else {
             self.round.near += 1;
         }
-        self.put(bucket, label, event, self.round.number);
+        self.calendar.put(bucket, label, event, self.round.number);
         probe.add(Counter::QueuePushes, 1);
-        probe.raise(Counter::QueuePeak, self.len() as u64);
+        probe.raise(Counter::QueuePeak, self.calendar.len() as u64);
     }
 
     #[inline]
@@ -260,7 +178,7 @@ impl Discipline for Buckets {
             if let Some(taken) = self.take() {
                 return Some(taken);
             }
-            match self.ring.next_occupied(self.round.current + 1) {
+            match self.calendar.next_occupied(self.round.current + 1) {
                 Some(bucket) if bucket <= self.round.end => self.round.current = bucket,
                 _ => {
                     if !self.begin(probe) {
@@ -272,16 +190,11 @@ impl Discipline for Buckets {
     }
 
     fn window_labels(&self) -> impl Iterator<Item = f64> {
-        let far = self.far.iter().filter(|(_, event)| event.is_window());
-        self.arena
-            .window_labels()
-            .chain(far.map(|&(label, _)| label))
+        self.calendar.window_labels()
     }
 
     fn clear(&mut self) {
-        self.arena.clear();
-        self.ring.clear();
-        self.far.clear();
+        self.calendar.clear();
         self.round = Round::default();
     }
 }

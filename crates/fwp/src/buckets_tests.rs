@@ -9,7 +9,7 @@ use crate::test_support::{check_queue, id_of, square, steps, window};
 /// Buckets of width 1.
 fn unit_buckets(batch: BatchSize) -> Buckets {
     let mut buckets = Buckets::new(&square(), BucketOptions::default());
-    buckets.per_length = 1.0;
+    buckets.calendar = Calendar::new(1.0);
     buckets.batch = batch;
     buckets
 }
@@ -69,7 +69,7 @@ proptest! {
                 prop_assert!(old.contains(&id_of(event)), "born in this round, or lost");
                 old.retain(|&id| id != id_of(event));
                 taken += 1;
-                let bucket = buckets.bucket(label);
+                let bucket = buckets.calendar.bucket(label);
                 prop_assert!(last <= bucket && bucket <= round.end);
                 last = bucket;
                 if let Some((children, further)) = later.next() {
@@ -198,5 +198,5 @@ fn the_width_is_that_of_the_paper() {
         },
     );
     let mean = (4.0 + 2f64.sqrt()) / 5.0;
-    assert!((1.0 / buckets.per_length - 2.0 * mean / 2.0).abs() < 1e-15);
+    assert!((buckets.calendar.width() - 2.0 * mean / 2.0).abs() < 1e-15);
 }

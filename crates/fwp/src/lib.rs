@@ -35,10 +35,8 @@
 //! for shortest paths" (1993); Qin, Han, Yu, Yu and Zhang, "Fast and exact discrete geodesic
 //! computation based on triangle-oriented wavefront propagation" (2016).
 
-mod arena;
 mod buckets;
 mod label_correcting;
-mod ring;
 #[cfg(test)]
 mod test_support;
 mod vertex_order;

@@ -1,10 +1,8 @@
 //! Vertices by distance: the schedule of VTP for windows that are taken one by one.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::queue::{Discipline, Event, EventKind, MinHeap};
+use geobench_window::queue::{Arena, Chain, Discipline, Event, EventKind, MinHeap};
 use geobench_window::{Counter, Probe};
-
-use crate::arena::{Arena, Chain};
 
 /// The vertex-sorted queue of VTP (Qin et al. 2016, sections 5.2 and 6.2), for windows one by one.
 ///

@@ -56,6 +56,6 @@ pub fn ich(mesh: &Mesh) -> Ich<'_> {
     Continuous::new(
         mesh,
         Splitting::new(mesh, VertexFilter::On),
-        Priority::default(),
+        Priority::new(mesh),
     )
 }

@@ -37,7 +37,7 @@ pub fn mmp(mesh: &Mesh) -> Mmp<'_> {
     Continuous::new(
         mesh,
         Trimming::new(mesh, Carrier::HalfEdge),
-        Priority::default(),
+        Priority::new(mesh),
     )
 }
 
@@ -48,6 +48,6 @@ pub fn mmp_edge(mesh: &Mesh) -> Mmp<'_> {
     Continuous::new(
         mesh,
         Trimming::new(mesh, Carrier::Edge),
-        Priority::default(),
+        Priority::new(mesh),
     )
 }

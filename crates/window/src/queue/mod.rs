@@ -1,10 +1,15 @@
 //! Disciplines: in which order events are taken.
 
+mod arena;
+mod calendar;
 mod event;
 mod fifo;
 mod heap;
 mod priority;
+mod ring;
 
+pub use arena::{Arena, Chain};
+pub use calendar::Calendar;
 pub use event::{Event, EventKind};
 pub use fifo::Fifo;
 pub use heap::MinHeap;

@@ -1,6 +1,6 @@
 //! Numbered buckets, of which a range that moves upwards is there at any time.
 
-use crate::arena::Chain;
+use super::arena::Chain;
 
 /// Slots of the smallest ring: one word of the bit set.
 const SMALLEST: usize = 64;

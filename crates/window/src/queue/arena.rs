@@ -1,6 +1,6 @@
 //! Queues of events whose links lie in one array.
 
-use geobench_window::queue::Event;
+use super::Event;
 
 /// No node.
 const NONE: u32 = u32::MAX;
@@ -18,19 +18,21 @@ struct Node {
 
 /// A queue in an [`Arena`], first in, first out.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Chain {
+pub struct Chain {
     head: u32,
     /// Means nothing while `head` is [`NONE`].
     tail: u32,
 }
 
 impl Chain {
-    pub(crate) const EMPTY: Self = Self {
+    /// Without any event.
+    pub const EMPTY: Self = Self {
         head: NONE,
         tail: NONE,
     };
 
-    pub(crate) fn is_empty(self) -> bool {
+    /// Whether it has no event.
+    pub fn is_empty(self) -> bool {
         self.head == NONE
     }
 }
@@ -38,7 +40,7 @@ impl Chain {
 /// The nodes of any number of chains. A node that is left goes to the next event that comes, so
 /// as many nodes are ever taken from the allocator as events wait at one time.
 #[derive(Clone, Debug)]
-pub(crate) struct Arena {
+pub struct Arena {
     nodes: Vec<Node>,
     free: u32,
     len: usize,
@@ -56,13 +58,19 @@ impl Default for Arena {
 
 impl Arena {
     /// Number of events in all chains.
-    pub(crate) fn len(&self) -> usize {
+    #[inline]
+    pub fn len(&self) -> usize {
         self.len
+    }
+
+    /// Whether all chains are empty.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
     }
 
     /// Appends an event to `chain`.
     #[inline]
-    pub(crate) fn append(&mut self, chain: &mut Chain, label: f64, event: Event, birth: u32) {
+    pub fn append(&mut self, chain: &mut Chain, label: f64, event: Event, birth: u32) {
         let node = Node {
             label,
             event,
@@ -95,13 +103,13 @@ impl Arena {
 
     /// The birth of the first event of `chain`.
     #[inline]
-    pub(crate) fn first_birth(&self, chain: Chain) -> Option<u32> {
+    pub fn first_birth(&self, chain: Chain) -> Option<u32> {
         (!chain.is_empty()).then(|| self.nodes[chain.head as usize].birth)
     }
 
     /// Takes the first event of `chain`, with its label.
     #[inline]
-    pub(crate) fn take(&mut self, chain: &mut Chain) -> Option<(f64, Event)> {
+    pub fn take(&mut self, chain: &mut Chain) -> Option<(f64, Event)> {
         if chain.is_empty() {
             return None;
         }
@@ -117,7 +125,7 @@ impl Arena {
     }
 
     /// Moves all events of `from` behind those of `to`, in constant time.
-    pub(crate) fn join(&mut self, to: &mut Chain, from: &mut Chain) {
+    pub fn join(&mut self, to: &mut Chain, from: &mut Chain) {
         if from.is_empty() {
             return;
         }
@@ -131,7 +139,7 @@ impl Arena {
     }
 
     /// The labels of the windows in all chains, in no order.
-    pub(crate) fn window_labels(&self) -> impl Iterator<Item = f64> {
+    pub fn window_labels(&self) -> impl Iterator<Item = f64> {
         self.nodes
             .iter()
             .filter(|node| !node.label.is_nan() && node.event.is_window())
@@ -139,7 +147,7 @@ impl Arena {
     }
 
     /// Forgets all events, keeping the memory; every chain must be made empty too.
-    pub(crate) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.nodes.clear();
         self.free = NONE;
         self.len = 0;

@@ -72,6 +72,25 @@ impl WindowList {
         self.windows.clear();
     }
 
+    /// Puts `pieces` in the place of the windows `range`.
+    ///
+    /// Most lists stay short and all are kept to the end, so room grows by a quarter and not to
+    /// the double.
+    fn replace(&mut self, range: Range<usize>, pieces: &[Stored]) {
+        if let [piece] = pieces
+            && range.len() == 1
+        {
+            self.windows[range.start] = *piece;
+            return;
+        }
+        let more = pieces.len().saturating_sub(range.len());
+        if self.windows.len() + more > self.windows.capacity() {
+            self.windows
+                .reserve_exact(more.max(self.windows.len() / 4));
+        }
+        self.windows.splice(range, pieces.iter().copied());
+    }
+
     /// The ids of the windows that wait in the queue.
     pub(crate) fn waiting(&self) -> impl Iterator<Item = u32> {
         let queued = self.windows.iter().filter(|s| s.tag & QUEUED != 0);
@@ -241,7 +260,7 @@ impl Inserter {
         }
         self.segments = segments;
         self.removed = met.len() - survivors;
-        list.windows.splice(range, self.pieces.drain(..));
+        list.replace(range, &self.pieces);
     }
 
     /// Stores a window that has to be propagated.

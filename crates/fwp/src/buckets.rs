@@ -189,6 +189,11 @@ impl Discipline for Buckets {
         }
     }
 
+    #[inline]
+    fn upcoming(&self) -> Option<Event> {
+        self.calendar.first_event(self.round.current)
+    }
+
     fn window_labels(&self) -> impl Iterator<Item = f64> {
         self.calendar.window_labels()
     }

@@ -107,6 +107,11 @@ impl Discipline for VertexOrder<'_> {
     }
 
     #[inline]
+    fn upcoming(&self) -> Option<Event> {
+        self.arena.first(self.released)
+    }
+
+    #[inline]
     fn crossed<P: Probe>(&mut self, h: HalfEdgeId, tries: u64, probe: &mut P) {
         let prime = self.joined[h.face().index()] == self.step;
         let counter = if prime {

@@ -119,6 +119,11 @@ impl Policy for Splitting {
     }
 
     #[inline]
+    fn announce(&self, _: HalfEdgeId, id: u32) {
+        self.leaves.announce(id);
+    }
+
+    #[inline]
     fn descend(&self, lineage: &Lineage) -> Option<Lineage> {
         let too_deep = self.filter == VertexFilter::Off && lineage.level >= self.level_limit;
         (!too_deep).then_some(Lineage {

@@ -89,6 +89,12 @@ impl Leaves {
         self.nodes[slot as usize]
     }
 
+    /// Reads ahead the node that is to be [removed](Self::remove) next.
+    #[inline]
+    pub(crate) fn announce(&self, slot: u32) {
+        std::hint::black_box(self.nodes[slot as usize].window.sigma);
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.nodes.len() - self.free.len()
     }

@@ -158,6 +158,12 @@ impl Policy for Trimming {
     }
 
     #[inline]
+    fn announce(&self, h: HalfEdgeId, _: u32) {
+        // The edge-based variant may have its windows elsewhere, which then come unannounced.
+        self.lists[h.index()].announce();
+    }
+
+    #[inline]
     fn descend(&self, level: &u32) -> Option<u32> {
         Some(level + 1)
     }

@@ -60,6 +60,13 @@ pub trait Policy: Send {
         probe: &mut P,
     ) -> Option<(Window, Self::Lineage)>;
 
+    /// Window `id` on `h` is likely to be taken next: reads what [`take`](Self::take) will need, for
+    /// it to be in the cache by then.
+    #[inline]
+    fn announce(&self, h: HalfEdgeId, id: u32) {
+        let _ = (h, id);
+    }
+
     /// Which children of a window on one side of the apex are tried, the left and the right one:
     /// those that must be computed to find out that they are empty. It serves counters only.
     #[inline]

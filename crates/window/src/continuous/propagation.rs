@@ -250,6 +250,10 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<'_, W, Q> {
             self.spawn(s, probe);
         }
         while let Some((label, event)) = self.queue.pop(probe) {
+            if let Some(EventKind::Window(h, id)) = self.queue.upcoming().map(Event::kind) {
+                self.policy.announce(h, id);
+                self.surface.announce(h);
+            }
             match event.kind() {
                 EventKind::Vertex(v) => {
                     // A vertex is queued anew whenever it improves; older entries are void.

@@ -53,6 +53,12 @@ impl Surface {
         improves
     }
 
+    /// A window is likely to enter the face of `h` next: reads ahead what it needs.
+    #[inline]
+    pub(super) fn announce(&self, h: HalfEdgeId) {
+        std::hint::black_box(self.faces.length(h));
+    }
+
     /// The edge of `h` for a window that starts there.
     pub(super) fn edge(&self, h: HalfEdgeId) -> Edge {
         let [tail, head, _] = self.faces.corners(h).map(|v| self.distance(v));

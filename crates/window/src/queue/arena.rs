@@ -107,6 +107,12 @@ impl Arena {
         (!chain.is_empty()).then(|| self.nodes[chain.head as usize].birth)
     }
 
+    /// The first event of `chain`.
+    #[inline]
+    pub fn first(&self, chain: Chain) -> Option<Event> {
+        (!chain.is_empty()).then(|| self.nodes[chain.head as usize].event)
+    }
+
     /// Takes the first event of `chain`, with its label.
     #[inline]
     pub fn take(&mut self, chain: &mut Chain) -> Option<(f64, Event)> {

@@ -127,6 +127,12 @@ impl Calendar {
         self.arena.first_birth(self.ring.slot(bucket).chain)
     }
 
+    /// The first event of a bucket.
+    #[inline]
+    pub fn first_event(&self, bucket: u64) -> Option<Event> {
+        self.arena.first(self.ring.get(bucket).chain)
+    }
+
     /// Takes the first event of a bucket, with its label.
     #[inline]
     pub fn take(&mut self, bucket: u64) -> Option<(f64, Event)> {

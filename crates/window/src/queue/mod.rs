@@ -41,6 +41,13 @@ pub trait Discipline: Send {
     /// Takes the next event, with its label.
     fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)>;
 
+    /// The event that is likely to come next, if that is cheap to tell: what it needs is then read
+    /// ahead of time.
+    #[inline]
+    fn upcoming(&self) -> Option<Event> {
+        None
+    }
+
     /// A window has crossed the face of `h`, and `tries` children of it were tried.
     #[inline]
     fn crossed<P: Probe>(&mut self, h: HalfEdgeId, tries: u64, probe: &mut P) {

@@ -78,6 +78,11 @@ impl Discipline for Priority {
         self.near.pop()
     }
 
+    #[inline]
+    fn upcoming(&self) -> Option<Event> {
+        self.near.peek().map(|(_, event)| event)
+    }
+
     fn window_labels(&self) -> impl Iterator<Item = f64> {
         let near = self.near.iter().filter(|(_, event)| event.is_window());
         self.later

@@ -1,8 +1,8 @@
 //! Reports that people look at: tables, plots and a picture of some results.
 //!
 //! Three steps, each of which knows nothing of the next. [`build`] turns results into a document:
-//! sections with tables, charts and remarks, in numbers and words. A [`chart`] can be drawn as SVG, or
-//! listed as numbers. [`html`], [`files`] and [`tex`] write the document down: as one page that needs
+//! sections with tables, charts and remarks, in numbers and words. A chart can be drawn as SVG, or
+//! listed as numbers. `html`, `files` and `tex` write the document down: as one page that needs
 //! nothing else, or as a file for each table and plot.
 //!
 //! What tables show is decided in `export::view`, so that a report says the same as the tables in the

@@ -28,7 +28,7 @@
 //!
 //! # For speed
 //!
-//! [`VtpFast`] is VTP with another engine, on structures of arrays and vector instructions; see
+//! [`VtpFast`] is VTP on an `engine` of structures of arrays and vector instructions; see
 //! [its page](algorithms::vtp_fast).
 //!
 //! # Every deletion is beyond doubt
@@ -39,6 +39,7 @@
 //! same; where they do not, the rule is wrong.
 
 mod area;
+mod engine;
 mod exits;
 mod fast;
 mod lists;
@@ -56,10 +57,11 @@ pub mod algorithms;
 pub use algorithms::{
     EdgeBased, Ftp, Opftp, Opvtp, Vtp, VtpExhaustive, VtpNoRule1, VtpNoRules23, VtpTrimming,
 };
-pub use exits::{AcrossTheFace, AnyExit, EveryPath, Exits, OneAngleTwoSides};
+pub use engine::Instructions;
 #[doc(hidden)]
-pub use fast::bench_support;
-pub use fast::{Instructions, Options as FastOptions, VtpFast};
+pub use engine::bench_support;
+pub use exits::{AcrossTheFace, AnyExit, EveryPath, Exits, OneAngleTwoSides};
+pub use fast::{Options as FastOptions, VtpFast};
 pub use merge::{Merge, OrderFree, OrderPreserving};
 pub use propagation::ListPropagation;
 pub use pruning::{AllPairs, Neighbours, NoPairs, Pairs, TiePoints};

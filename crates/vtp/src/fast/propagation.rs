@@ -4,15 +4,15 @@ use geobench_mesh::{Mesh, VertexId};
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution, Window};
 
 use super::buckets::Buckets;
-use super::dispatch::{self, Program};
-use super::kernels::{self, BestPath, Cuts, Gate, Measured, Target};
-use super::lanes::Lanes;
-use super::numbering::Numbering;
 use super::options::Options;
-use super::prefetch::{line, prefetch};
 use super::spawn::Origin;
-use super::store::{NO_LIST, WindowStore};
-use super::surface::{NOBODY, Surface, next, parts, prev};
+use crate::engine::dispatch::{self, Program};
+use crate::engine::kernels::{self, BestPath, Cuts, Gate, Measured, Target};
+use crate::engine::lanes::Lanes;
+use crate::engine::numbering::Numbering;
+use crate::engine::prefetch::{line, prefetch};
+use crate::engine::store::{NO_LIST, WindowStore};
+use crate::engine::surface::{NOBODY, Surface, next, parts, prev};
 
 /// Improved distances wait for their consequences until so many have come together.
 const IMPROVEMENTS: usize = 4096;
@@ -128,7 +128,7 @@ impl<'m> VtpFast<'m> {
         if record.joined == self.run && !record.queued[corner] {
             record.queued[corner] = true;
             self.ready
-                .push(super::surface::half_edge(face as u32, corner));
+                .push(crate::engine::surface::half_edge(face as u32, corner));
         }
     }
 
@@ -295,7 +295,7 @@ impl<'m> VtpFast<'m> {
         &mut self,
         list: u32,
         corner: usize,
-        face: &super::surface::Face,
+        face: &crate::engine::surface::Face,
         found: &Measured,
         best: &BestPath,
         probe: &mut P,

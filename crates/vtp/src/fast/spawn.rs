@@ -5,8 +5,8 @@ use std::f32::consts::PI;
 use geobench_window::{Counter, Probe};
 
 use super::propagation::VtpFast;
-use super::store::NO_LIST;
-use super::surface::{NOBODY, Surface, half_edge, next, parts, prev};
+use crate::engine::store::NO_LIST;
+use crate::engine::surface::{NOBODY, Surface, half_edge, next, parts, prev};
 
 /// By how much, in radians, the shadow of a path is widened: far more than the angles err.
 const PENUMBRA: f32 = 1e-3;
@@ -148,7 +148,7 @@ impl VtpFast<'_> {
         }
         probe.add(Counter::Spawned, 1);
         // The vertex filter: each end's own path along the edge beats the farthest ray.
-        let margin = super::kernels::MARGIN;
+        let margin = crate::engine::kernels::MARGIN;
         if at_b * margin + l < to_a || at_a * margin + l < to_b {
             probe.add(Counter::Filtered, 1);
             return;

@@ -6,7 +6,7 @@ use super::surface::half_edge;
 
 /// From the mesh's numbers to the solver's and back.
 #[derive(Clone, Debug)]
-pub(super) struct Numbering {
+pub(crate) struct Numbering {
     /// Empty if the numbers are the same.
     old_vertices: Vec<u32>,
     new_vertices: Vec<u32>,
@@ -19,7 +19,7 @@ const NONE: u32 = u32::MAX;
 
 impl Numbering {
     /// The mesh's own order.
-    pub(super) fn same() -> Self {
+    pub(crate) fn same() -> Self {
         Self {
             old_vertices: vec![],
             new_vertices: vec![],
@@ -30,7 +30,7 @@ impl Numbering {
 
     /// Breadth first from the first vertex of each component: close to the order in which a wavefront
     /// meets them, wherever it starts. O(faces).
-    pub(super) fn breadth_first(mesh: &Mesh) -> Self {
+    pub(crate) fn breadth_first(mesh: &Mesh) -> Self {
         let (vertices, faces) = (mesh.vertex_count(), mesh.face_count());
         let mut numbering = Self {
             old_vertices: Vec::with_capacity(vertices),
@@ -69,32 +69,32 @@ impl Numbering {
         }
     }
 
-    pub(super) fn old_vertex(&self, v: u32) -> VertexId {
+    pub(crate) fn old_vertex(&self, v: u32) -> VertexId {
         VertexId::new(self.old_vertices.get(v as usize).copied().unwrap_or(v))
     }
 
-    pub(super) fn new_vertex(&self, v: VertexId) -> u32 {
+    pub(crate) fn new_vertex(&self, v: VertexId) -> u32 {
         self.new_vertices.get(v.index()).copied().unwrap_or(v.raw())
     }
 
-    pub(super) fn old_face(&self, f: u32) -> FaceId {
+    pub(crate) fn old_face(&self, f: u32) -> FaceId {
         FaceId::new(self.old_faces.get(f as usize).copied().unwrap_or(f))
     }
 
-    pub(super) fn new_half_edge(&self, h: HalfEdgeId) -> u32 {
+    pub(crate) fn new_half_edge(&self, h: HalfEdgeId) -> u32 {
         let face = self.new_faces.get(h.face().index()).copied();
         half_edge(face.unwrap_or(h.face().raw()), h.corner() as usize)
     }
 
     /// Drops what only setting up needs.
-    pub(super) fn forget_faces(&mut self) {
+    pub(crate) fn forget_faces(&mut self) {
         self.old_faces = Vec::new();
         self.new_faces = Vec::new();
         self.old_vertices = Vec::new();
     }
 
     /// `values` of the vertices in the mesh's order.
-    pub(super) fn restore(&self, values: &[f64]) -> Vec<f64> {
+    pub(crate) fn restore(&self, values: &[f64]) -> Vec<f64> {
         if self.new_vertices.is_empty() {
             return values.to_vec();
         }

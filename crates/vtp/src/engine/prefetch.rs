@@ -4,7 +4,7 @@
 
 /// Asks for the cache line of `values[i]`, if there is one.
 #[inline(always)]
-pub(super) fn prefetch<T>(values: &[T], i: usize) {
+pub(crate) fn prefetch<T>(values: &[T], i: usize) {
     if let Some(value) = values.get(i) {
         line(value);
     }
@@ -13,7 +13,7 @@ pub(super) fn prefetch<T>(values: &[T], i: usize) {
 /// Asks for the cache line in which `value` starts.
 #[inline(always)]
 #[cfg(target_arch = "x86_64")]
-pub(super) fn line<T>(value: &T) {
+pub(crate) fn line<T>(value: &T) {
     use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
     // SAFETY: the address is that of a value, and asking for a line has no effect but on time.
     unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast()) }
@@ -22,4 +22,4 @@ pub(super) fn line<T>(value: &T) {
 /// Does nothing on this processor.
 #[inline(always)]
 #[cfg(not(target_arch = "x86_64"))]
-pub(super) fn line<T>(_: &T) {}
+pub(crate) fn line<T>(_: &T) {}

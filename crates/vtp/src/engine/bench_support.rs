@@ -3,9 +3,9 @@
 #![allow(unsafe_code)]
 
 use super::dispatch::{self, Program};
+use super::instructions::Instructions;
 use super::kernels::{self, BestPath, Cuts, Gate, Measured, Target, Triangle};
 use super::lanes::Lanes;
-use super::options::Instructions;
 use super::store::{COLUMNS, NO_LIST, WindowStore};
 
 /// A list about to cross an equilateral triangle, and room for what comes of it.

@@ -1,8 +1,8 @@
 //! Last pass over a list: its windows cross the face, each through the exits that rule 1 leaves it.
 
 use super::columns::{Columns, Sink, Windows};
-use crate::fast::lanes::{LaneMask, Lanes};
-use crate::fast::store::Line;
+use crate::engine::lanes::{LaneMask, Lanes};
+use crate::engine::store::Line;
 
 /// By how far, as a fraction of the half-edge, rays must lie beyond the best path before rule 1 cuts
 /// them: rounding must not, and any such value is safe.
@@ -40,7 +40,7 @@ impl BestPath {
     /// The path of window `i` of `block` to `apex`.
     #[inline(always)]
     pub(crate) fn of(block: &[Line], i: usize, apex: [f64; 2]) -> Self {
-        let column = block.len() / crate::fast::store::COLUMNS;
+        let column = block.len() / crate::engine::store::COLUMNS;
         let at = |c: usize| block[c * column + i / Line::LANES].0[i % Line::LANES];
         let [b0, b1, px, py] = [at(0), at(1), at(2), at(3)];
         let sp = (apex[1] * px - apex[0] * py) / (apex[1] - py);

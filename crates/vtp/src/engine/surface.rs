@@ -9,28 +9,28 @@ use super::numbering::Numbering;
 use super::store::NO_LIST;
 
 /// Stands for a neighbour that does not exist.
-pub(super) const NOBODY: u32 = u32::MAX;
+pub(crate) const NOBODY: u32 = u32::MAX;
 
 /// Number 4f + k for corner k of face f, so that the face and the corner are bits of it.
-pub(super) const fn half_edge(face: u32, corner: usize) -> u32 {
+pub(crate) const fn half_edge(face: u32, corner: usize) -> u32 {
     4 * face + corner as u32
 }
 
 /// The face of a half-edge, and its corner.
 #[inline]
-pub(super) const fn parts(h: u32) -> (usize, usize) {
+pub(crate) const fn parts(h: u32) -> (usize, usize) {
     ((h >> 2) as usize, (h & 3) as usize)
 }
 
 /// The corner after this one.
 #[inline]
-pub(super) const fn next(corner: usize) -> usize {
+pub(crate) const fn next(corner: usize) -> usize {
     if corner == 2 { 0 } else { corner + 1 }
 }
 
 /// The corner before this one.
 #[inline]
-pub(super) const fn prev(corner: usize) -> usize {
+pub(crate) const fn prev(corner: usize) -> usize {
     if corner == 0 { 2 } else { corner - 1 }
 }
 
@@ -38,23 +38,23 @@ pub(super) const fn prev(corner: usize) -> usize {
 /// when windows arrive, the second what is needed to cross.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(128))]
-pub(super) struct Face {
+pub(crate) struct Face {
     /// Length of each half-edge.
-    pub(super) length: [f64; 3],
+    pub(crate) length: [f64; 3],
     /// The vertex at which each half-edge starts.
-    pub(super) vertex: [u32; 3],
+    pub(crate) vertex: [u32; 3],
     /// The half-edge of the neighbour along each, or [`NOBODY`].
-    pub(super) twin: [u32; 3],
+    pub(crate) twin: [u32; 3],
     /// The windows that wait on each half-edge to cross this face.
-    pub(super) list: [u32; 3],
+    pub(crate) list: [u32; 3],
     /// The run in which the face joined the traversed area last.
-    pub(super) joined: u8,
+    pub(crate) joined: u8,
     /// Whether the list on each half-edge is about to cross.
-    pub(super) queued: [bool; 3],
+    pub(crate) queued: [bool; 3],
     /// Abscissa of the opposite vertex in the frame of each half-edge.
-    pub(super) apex_x: [f64; 3],
-    pub(super) inverse_length: [f64; 3],
-    pub(super) twice_area: f64,
+    pub(crate) apex_x: [f64; 3],
+    pub(crate) inverse_length: [f64; 3],
+    pub(crate) twice_area: f64,
 }
 
 const _: () = assert!(size_of::<Face>() == 128);
@@ -82,7 +82,7 @@ impl Face {
 
     /// The apex in the frame of a half-edge.
     #[inline]
-    pub(super) fn apex(&self, corner: usize) -> [f64; 2] {
+    pub(crate) fn apex(&self, corner: usize) -> [f64; 2] {
         [
             self.apex_x[corner],
             self.twice_area * self.inverse_length[corner],
@@ -91,7 +91,7 @@ impl Face {
 
     /// The triangle seen from a half-edge.
     #[inline]
-    pub(super) fn triangle(&self, corner: usize) -> Triangle {
+    pub(crate) fn triangle(&self, corner: usize) -> Triangle {
         let (after, before) = (next(corner), prev(corner));
         let l = self.length[corner];
         let [cx, cy] = self.apex(corner);
@@ -107,33 +107,33 @@ impl Face {
 
 /// What stands at a vertex.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Vertex {
+pub(crate) struct Vertex {
     /// Whether windows start from it when a path reaches it.
-    pub(super) pseudo_source: bool,
+    pub(crate) pseudo_source: bool,
     /// Whether they must start in all directions: what lies in the shadow of the path is not known where fans meet
     /// or end, or angles are small.
-    pub(super) all_around: bool,
+    pub(crate) all_around: bool,
     /// Whether its last half-edge has no face on its other side.
-    pub(super) boundary: bool,
+    pub(crate) boundary: bool,
     /// Sum of the angles around it, in radians.
-    pub(super) total_angle: f32,
+    pub(crate) total_angle: f32,
 }
 
 /// The mesh in the order of the solver.
 #[derive(Clone, Debug)]
-pub(super) struct Surface {
-    pub(super) faces: Vec<Face>,
-    pub(super) vertices: Vec<Vertex>,
+pub(crate) struct Surface {
+    pub(crate) faces: Vec<Face>,
+    pub(crate) vertices: Vec<Vertex>,
     /// Half-edges that start at each vertex, counter-clockwise.
     ring_starts: Vec<u32>,
-    pub(super) rings: Vec<u32>,
+    pub(crate) rings: Vec<u32>,
     /// The angle between each and the next edge, in radians.
-    pub(super) angles: Vec<f32>,
-    pub(super) mean_length: f64,
+    pub(crate) angles: Vec<f32>,
+    pub(crate) mean_length: f64,
 }
 
 impl Surface {
-    pub(super) fn new(mesh: &Mesh, numbering: &Numbering) -> Self {
+    pub(crate) fn new(mesh: &Mesh, numbering: &Numbering) -> Self {
         let faces = (0..mesh.face_count() as u32)
             .map(|face| Face::new(mesh, numbering, face))
             .collect();
@@ -170,14 +170,14 @@ impl Surface {
 
     /// Where the half-edges that start at `v` stand in `rings` and `angles`.
     #[inline]
-    pub(super) fn ring_places(&self, v: u32) -> Range<usize> {
+    pub(crate) fn ring_places(&self, v: u32) -> Range<usize> {
         let v = v as usize;
         self.ring_starts[v] as usize..self.ring_starts[v + 1] as usize
     }
 
     /// The half-edges that start at `v`, counter-clockwise.
     #[inline]
-    pub(super) fn ring(&self, v: u32) -> &[u32] {
+    pub(crate) fn ring(&self, v: u32) -> &[u32] {
         &self.rings[self.ring_places(v)]
     }
 }

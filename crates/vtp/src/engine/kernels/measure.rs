@@ -2,8 +2,8 @@
 //! to the apex.
 
 use super::columns::{Columns, Windows, within};
-use crate::fast::lanes::{LaneMask, Lanes};
-use crate::fast::store::Line;
+use crate::engine::lanes::{LaneMask, Lanes};
+use crate::engine::store::Line;
 
 /// How much shorter a path through a vertex must be, relatively, before it deletes a window.
 pub(crate) const MARGIN: f64 = 1.0 + 1e-12;

@@ -1,7 +1,7 @@
 //! Windows of a list as registers full of them.
 
-use crate::fast::lanes::Lanes;
-use crate::fast::store::{COLUMNS, Line};
+use crate::engine::lanes::Lanes;
+use crate::engine::store::{COLUMNS, Line};
 
 /// As many windows as the registers have lanes.
 #[derive(Clone, Copy, Debug)]
@@ -92,7 +92,7 @@ impl Sink {
     /// The processor must know the instructions of `L`; the block must live and have room for them.
     #[inline(always)]
     pub(super) unsafe fn add<L: Lanes>(&mut self, mask: L::Mask, windows: &Windows<L>) {
-        use crate::fast::lanes::LaneMask;
+        use crate::engine::lanes::LaneMask;
         debug_assert!(self.len + mask.count() <= self.stride);
         // SAFETY: promised by the caller.
         unsafe {
@@ -123,7 +123,7 @@ impl Sink {
 /// The processor must know the instructions of `L`.
 #[inline(always)]
 pub(super) unsafe fn within<L: Lanes>(i: usize, len: usize) -> L::Mask {
-    use crate::fast::lanes::LaneMask;
+    use crate::engine::lanes::LaneMask;
     let left = len - i;
     let bits = if left >= 8 { u8::MAX } else { (1 << left) - 1 };
     // SAFETY: promised by the caller.

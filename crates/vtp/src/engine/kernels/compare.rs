@@ -2,8 +2,8 @@
 
 use super::carry::CLEARANCE;
 use super::columns::{Sink, Windows, within};
-use crate::fast::lanes::{LaneMask, Lanes};
-use crate::fast::store::Line;
+use crate::engine::lanes::{LaneMask, Lanes};
+use crate::engine::store::Line;
 use crate::pairs::MARGIN;
 
 /// What neighbours leave of the intervals, kept from run to run.

@@ -2,13 +2,13 @@
 
 #![allow(unsafe_code)]
 
+use super::instructions::Instructions;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx2, Avx512};
 use super::lanes::{Lanes, Scalar};
-use super::options::Instructions;
 
 /// Something that is compiled for every set of instructions.
-pub(super) trait Program {
+pub(crate) trait Program {
     /// What comes of it.
     type Output;
 
@@ -22,7 +22,7 @@ pub(super) trait Program {
 
 /// Runs `program` with `instructions`, which the processor has.
 #[inline]
-pub(super) fn run<T: Program>(program: T, instructions: Instructions) -> T::Output {
+pub(crate) fn run<T: Program>(program: T, instructions: Instructions) -> T::Output {
     debug_assert!(instructions.is_available());
     match instructions {
         // SAFETY: every processor can count to one.

@@ -1,0 +1,18 @@
+//! What list propagation for speed is built of: the mesh laid out for crossing, lists as structures of
+//! arrays, and the passes over them in vector instructions.
+
+// The kernels must be inlined into the functions that have the features of the processor.
+#![allow(clippy::inline_always)]
+
+#[doc(hidden)]
+pub mod bench_support;
+pub(crate) mod dispatch;
+mod instructions;
+pub(crate) mod kernels;
+pub(crate) mod lanes;
+pub(crate) mod numbering;
+pub(crate) mod prefetch;
+pub(crate) mod store;
+pub(crate) mod surface;
+
+pub use instructions::Instructions;

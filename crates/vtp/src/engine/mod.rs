@@ -6,12 +6,14 @@
 
 #[doc(hidden)]
 pub mod bench_support;
+pub(crate) mod buckets;
 pub(crate) mod dispatch;
 mod instructions;
 pub(crate) mod kernels;
 pub(crate) mod lanes;
 pub(crate) mod numbering;
 pub(crate) mod prefetch;
+pub(crate) mod shadow;
 pub(crate) mod store;
 pub(crate) mod surface;
 

@@ -4,7 +4,6 @@
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
 
-mod buckets;
 mod options;
 mod propagation;
 mod spawn;

@@ -3,14 +3,14 @@
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution, Window};
 
-use super::buckets::Buckets;
 use super::options::Options;
-use super::spawn::Origin;
+use crate::engine::buckets::Buckets;
 use crate::engine::dispatch::{self, Program};
 use crate::engine::kernels::{self, BestPath, Cuts, Gate, Measured, Target};
 use crate::engine::lanes::Lanes;
 use crate::engine::numbering::Numbering;
 use crate::engine::prefetch::{line, prefetch};
+use crate::engine::shadow::Origin;
 use crate::engine::store::{NO_LIST, WindowStore};
 use crate::engine::surface::{NOBODY, Surface, next, parts, prev};
 

@@ -11,7 +11,7 @@ const NONE: u32 = u32::MAX;
 /// A vertex that improves is pushed again; what it leaves behind in a later bucket is void. Buckets
 /// less than [`RING`] ahead are lists of their own, the rest waits in one until the ring gets there.
 #[derive(Clone, Debug)]
-pub(super) struct Buckets {
+pub(crate) struct Buckets {
     inverse_width: f64,
     ring: Vec<Vec<u32>>,
     /// Entries in the ring, void ones included.
@@ -26,7 +26,7 @@ pub(super) struct Buckets {
 }
 
 impl Buckets {
-    pub(super) fn new(vertices: usize, width: f64) -> Self {
+    pub(crate) fn new(vertices: usize, width: f64) -> Self {
         Self {
             inverse_width: width.recip(),
             ring: vec![Vec::new(); RING as usize],
@@ -39,19 +39,19 @@ impl Buckets {
     }
 
     /// Starts again from distance 0; the queue is empty.
-    pub(super) fn reset(&mut self) {
+    pub(crate) fn reset(&mut self) {
         self.current = 0;
     }
 
     /// Number of entries, void ones included.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.in_ring + self.far.len()
     }
 
     /// Vertex `v` is to have a turn at distance `d`; returns whether that is news.
     #[inline]
     #[allow(clippy::cast_sign_loss)] // No distance is negative.
-    pub(super) fn push(&mut self, v: u32, d: f64) -> bool {
+    pub(crate) fn push(&mut self, v: u32, d: f64) -> bool {
         // A distance beyond all buckets shares the last one.
         let bucket = ((d * self.inverse_width) as u32).clamp(self.current, NONE - 1);
         let known = &mut self.bucket_of[v as usize];
@@ -70,35 +70,58 @@ impl Buckets {
     }
 
     /// Replaces the contents of `turn` by the vertices of the nearest bucket; returns whether there are any.
-    pub(super) fn pop(&mut self, turn: &mut Vec<u32>) -> bool {
-        turn.clear();
-        while turn.is_empty() {
-            if self.in_ring == 0 {
-                if self.far.is_empty() {
-                    return false;
-                }
-                self.current = self.far_least;
-            }
-            if self.current >= self.far_least {
-                self.bring_near();
-            }
-            let bucket = &mut self.ring[(self.current % RING) as usize];
-            if bucket.is_empty() {
-                self.current += 1;
-                continue;
-            }
-            std::mem::swap(turn, bucket);
-            self.in_ring -= turn.len();
-            turn.retain(|&v| {
-                let known = &mut self.bucket_of[v as usize];
-                let valid = *known == self.current;
-                if valid {
-                    *known = NONE;
-                }
-                valid
-            });
+    pub(crate) fn pop(&mut self, turn: &mut Vec<u32>) -> bool {
+        let nearest = self.nearest();
+        match nearest {
+            Some(bucket) => self.take(bucket, turn),
+            None => turn.clear(),
         }
-        true
+        nearest.is_some()
+    }
+
+    /// The nearest bucket that has a vertex.
+    pub(crate) fn nearest(&mut self) -> Option<u32> {
+        if self.far_least < self.current.saturating_add(RING) {
+            self.bring_near();
+        }
+        let mut bucket = self.current;
+        while self.in_ring > 0 {
+            if self.drop_void(bucket) > 0 {
+                return Some(bucket);
+            }
+            bucket += 1;
+        }
+        // What is far becomes near only when its turn comes.
+        self.far
+            .retain(|&(v, bucket)| self.bucket_of[v as usize] == bucket);
+        let far = self.far.iter().map(|&(_, bucket)| bucket).min();
+        self.far_least = far.unwrap_or(NONE);
+        far
+    }
+
+    /// Replaces the contents of `turn` by the vertices of `bucket`. No bucket before it may have one, as
+    /// [`nearest`](Self::nearest) has found since the last push.
+    pub(crate) fn take(&mut self, bucket: u32, turn: &mut Vec<u32>) {
+        turn.clear();
+        self.current = bucket;
+        if self.far_least < bucket.saturating_add(RING) {
+            self.bring_near();
+        }
+        self.drop_void(bucket);
+        std::mem::swap(turn, &mut self.ring[(bucket % RING) as usize]);
+        self.in_ring -= turn.len();
+        for &v in &*turn {
+            self.bucket_of[v as usize] = NONE;
+        }
+    }
+
+    /// Drops the void entries of a bucket of the ring and returns how many are left.
+    fn drop_void(&mut self, bucket: u32) -> usize {
+        let entries = &mut self.ring[(bucket % RING) as usize];
+        let before = entries.len();
+        entries.retain(|&v| self.bucket_of[v as usize] == bucket);
+        self.in_ring -= before - entries.len();
+        entries.len()
     }
 
     /// Moves into the ring what it has come near to.
@@ -159,6 +182,24 @@ mod tests {
         buckets.push(2, 1.0);
         buckets.push(0, 2.0);
         assert_eq!(drain(&mut buckets), [[2], [0]]);
+    }
+
+    #[test]
+    #[allow(clippy::cast_sign_loss)]
+    fn looking_for_the_nearest_bucket_does_not_delay_what_is_pushed_before_it() {
+        let (mut buckets, mut turn) = (Buckets::new(4, 1.0), Vec::new());
+        assert_eq!(buckets.nearest(), None);
+        for (v, d) in [(0, 2000.0), (1, 70.0), (1, 50.0)] {
+            buckets.push(v, d);
+            assert_eq!(buckets.nearest(), Some(d as u32));
+        }
+        // Nothing of this queue, but something of another one that goes with it.
+        buckets.take(20, &mut turn);
+        assert!(turn.is_empty());
+        buckets.push(2, 30.0);
+        buckets.push(3, 10.0);
+        assert_eq!(drain(&mut buckets), [vec![3], vec![2], vec![1], vec![0]]);
+        assert_eq!(buckets.len(), 0);
     }
 
     #[test]

@@ -1,0 +1,76 @@
+//! Where a shortest path that bends at a vertex can go on.
+
+use std::f32::consts::PI;
+
+use super::surface::{Surface, half_edge, parts, prev};
+
+/// By how much, in radians, the shadow of a path is widened: far more than the angles err.
+const PENUMBRA: f32 = 1e-3;
+
+/// How a path reached the apex of a half-edge.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Origin {
+    /// The half-edge that it crossed last.
+    pub(crate) h: u32,
+    /// Where.
+    pub(crate) entry: f64,
+}
+
+/// The faces around a vertex into which a path that reaches it can go on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shadow {
+    /// First of them, and their number, in the ring of the vertex.
+    pub(crate) first: usize,
+    pub(crate) count: usize,
+}
+
+impl Shadow {
+    /// All faces around a vertex.
+    pub(crate) fn all(degree: usize) -> Self {
+        Self {
+            first: 0,
+            count: degree,
+        }
+    }
+
+    /// A shortest path bends at an interior vertex only if it leaves it at an angle of π or more on
+    /// both sides, so only in a wedge as wide as the excess over 2π, opposite to where it came from.
+    pub(crate) fn of(surface: &Surface, v: u32, origin: Origin) -> Self {
+        let places = surface.ring_places(v);
+        let (ring, angles) = (&surface.rings[places.clone()], &surface.angles[places]);
+        let (f, corner) = parts(origin.h);
+        let own = half_edge(f as u32, prev(corner));
+        let Some(start) = ring.iter().position(|&h| h == own) else {
+            return Self::all(ring.len());
+        };
+        // At the apex, counter-clockwise from the side that ends at the tail to the path.
+        let [x, y] = surface.faces[f].apex(corner);
+        let across = y * origin.entry;
+        let along = y * y - x * (origin.entry - x);
+        let size = across.abs() + along.abs();
+        let turned = ((across / size) as f32).atan2((along / size) as f32);
+        let (from, to) = (
+            PI - PENUMBRA,
+            surface.vertices[v as usize].total_angle - PI + PENUMBRA,
+        );
+        // The first corner that ends within, and the last that starts within.
+        let mut shadow = Self { first: 0, count: 0 };
+        let (mut place, mut before) = (start, -turned);
+        for _ in 0..ring.len() {
+            let after = before + angles[place];
+            if after >= from && before <= to {
+                if shadow.count == 0 {
+                    shadow.first = place;
+                }
+                shadow.count += 1;
+            }
+            before = after;
+            place = if place + 1 == ring.len() {
+                0
+            } else {
+                place + 1
+            };
+        }
+        shadow
+    }
+}

@@ -116,10 +116,12 @@ impl Bench<'_> {
         let measure = PeakMemory::start();
         let result = step.algorithm.build(self.mesh).count(&[step.source]);
         let peaks = measure.stop();
-        let (solution, counters) = result?;
+        let (solution, mut counters) = result?;
+        let wavefront = std::mem::take(&mut counters.wavefront);
         Ok(Observation {
             distances: solution.distances,
             counters: Some(counters),
+            wavefront: wavefront.into_iter().map(Into::into).collect(),
             peaks,
             ..Observation::default()
         })

@@ -189,6 +189,23 @@ impl ModelRef {
         })
     }
 
+    /// The model of a file with every face split into four so many times. It is called by the file and how many
+    /// times as many faces it has.
+    ///
+    /// # Errors
+    ///
+    /// When that cannot be asked for.
+    pub(crate) fn subdivided(&self, times: u32) -> Result<Self, ModelError> {
+        let Some(path) = self.file_path().filter(|_| times > 0) else {
+            return Ok(self.clone());
+        };
+        let spec = format!("gen:file,path={},subdivide={times}", path.display());
+        Ok(Self {
+            name: format!("{}-x{}", stem(path), 4_u64.saturating_pow(times)),
+            ..Self::generated(&spec)?
+        })
+    }
+
     /// A model that does not exist, for tests.
     #[cfg(test)]
     pub(crate) fn named(name: &str) -> Self {

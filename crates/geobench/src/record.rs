@@ -135,6 +135,9 @@ pub struct GroupRecord {
     /// Bytes that the process of each cell was allowed; null if any number.
     #[serde(default)]
     pub memory_limit: Option<u64>,
+    /// Whether its cells hold their wavefronts.
+    #[serde(default)]
+    pub wavefront: bool,
 }
 
 impl GroupRecord {
@@ -147,6 +150,7 @@ impl GroupRecord {
             ratios_to: None,
             timeout: None,
             memory_limit: None,
+            wavefront: false,
         }
     }
 }
@@ -221,6 +225,10 @@ pub struct Cell {
     /// The part of the plan that it belongs to; null if the plan was not split.
     #[serde(default)]
     pub shard: Option<u32>,
+    /// The wavefront at even intervals of the counted run; absent unless it was asked for, or if the
+    /// algorithm does not show it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub wavefront: Vec<WavefrontSample>,
 }
 
 impl Cell {
@@ -241,6 +249,34 @@ impl Cell {
             group: None,
             instructions: None,
             shard: None,
+            wavefront: Vec::new(),
+        }
+    }
+}
+
+/// The wavefront at one moment of a run; distances are the windows' least ones.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WavefrontSample {
+    /// Windows propagated until then.
+    pub parents: u64,
+    /// Windows that wait to be propagated.
+    pub windows: u64,
+    /// Mean of their distances.
+    pub distance: f64,
+    /// Standard deviation of their distances.
+    pub deviation: f64,
+    /// How many windows the round at that moment was told to take; null if the queue has no rounds.
+    pub k: Option<u64>,
+}
+
+impl From<geobench_window::WavefrontSample> for WavefrontSample {
+    fn from(sample: geobench_window::WavefrontSample) -> Self {
+        Self {
+            parents: sample.parents,
+            windows: sample.windows,
+            distance: sample.distance,
+            deviation: sample.deviation,
+            k: sample.k,
         }
     }
 }

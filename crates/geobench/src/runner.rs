@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::memory::Peaks;
 use crate::model::ModelRef;
-use crate::record::{Cell, ModelRecord, Phases, Status};
+use crate::record::{Cell, ModelRecord, Phases, Status, WavefrontSample};
 use crate::registry::Selection;
 use crate::wire;
 
@@ -54,6 +54,9 @@ pub struct Observation {
     /// What was counted.
     #[serde(with = "wire::counters")]
     pub counters: Option<Counters>,
+    /// The wavefront at even intervals of the run that counted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub wavefront: Vec<WavefrontSample>,
     /// Peak memory.
     pub peaks: Peaks,
     /// Seconds in each phase.

@@ -61,7 +61,7 @@ mod tests {
     use geobench_window::{Counter, Counters};
 
     use crate::memory::Peaks;
-    use crate::record::Phases;
+    use crate::record::{Phases, WavefrontSample};
     use crate::runner::Observation;
 
     #[test]
@@ -76,6 +76,13 @@ mod tests {
                 seconds: Some(1.0 / 3.0),
                 setup_seconds: None,
                 counters,
+                wavefront: vec![WavefrontSample {
+                    parents: u64::MAX,
+                    windows: 1,
+                    distance: 1.0 / 3.0,
+                    deviation: 0.0,
+                    k: None,
+                }],
                 peaks: Peaks {
                     heap: Some(7),
                     rss: None,

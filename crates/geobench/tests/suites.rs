@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use geobench::suite::{Settings, Suite, plans};
+use geobench::suite::{Scale, Settings, Suite, plans};
 
 /// The suites that come with the program.
 fn suites() -> Vec<PathBuf> {
@@ -23,8 +23,14 @@ fn every_suite_has_a_plan() {
             Ok(suite) => suite,
             Err(error) => panic!("{error}"),
         };
-        let planned = plans(Some(&suite), &Settings::default()).unwrap();
+        let planned = plans(Some(&suite), &Settings::default(), &Scale::default()).unwrap();
         assert!(!planned.plans.is_empty());
+        let full = Scale {
+            full: true,
+            library: None,
+        };
+        let in_full = plans(Some(&suite), &Settings::default(), &full).unwrap();
+        assert_eq!(in_full.plans.len(), planned.plans.len());
         for group in &suite.groups {
             assert!(group.shows.is_some(), "{}: {}", path.display(), group.name);
             let ratios_to = group.settings.ratios_to.as_deref();
@@ -38,15 +44,12 @@ fn every_suite_has_a_plan() {
         }
         for plan in &planned.plans {
             assert!(plan.runs() > 0);
-            // Whatever machine it is, something can be run.
-            let generated = |m: &&geobench::model::ModelRef| m.file_path().is_none();
-            let scans = plan.group.name.as_deref() == Some("scans");
-            assert!(
-                scans || plan.models.iter().any(|m| generated(&m)),
-                "{}: {:?}",
-                path.display(),
-                plan.group.name
-            );
+        }
+        for plan in planned.plans.iter().chain(&in_full.plans) {
+            // Every machine has all that there is to run.
+            for model in &plan.models {
+                assert!(model.file_path().is_none(), "{}: {model:?}", path.display());
+            }
         }
     }
 }
@@ -137,92 +140,231 @@ fn options_come_before_the_suite() {
     assert_eq!(result["groups"][1]["rows"][0], "kept");
 }
 
+/// The names of the models in the result file of a run.
+fn models(directory: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(directory.join("r.json")).unwrap();
+    let result: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let models = result["models"].as_array().unwrap().iter();
+    models
+        .map(|m| m["name"].as_str().unwrap().to_owned())
+        .collect()
+}
+
+const SIZES: &str = r#"
+repeat = 1
+warmup = 0
+algorithms = ["vtp"]
+
+[full]
+source = [0, 3]
+
+[[group]]
+name = "sizes"
+models = [
+    { real = ["Asian Dragon", "cube"], path = "gen:octahedron" },
+    { real = "cube", subdivide = 2, path = "gen:octahedron,subdivide=2" },
+    { real = "bunny", path = "gen:tetrahedron" },
+]
+
+[group.full]
+models = ["gen:cube,n=4"]
+"#;
+
+#[test]
+fn real_models_take_the_place_of_those_that_stand_for_them() {
+    let (directory, output) = run(SIZES, "-o r.json --models .");
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(
+        text.contains("--models: .: no mesh file (OBJ, PLY"),
+        "{text}"
+    );
+
+    let mut generate = Command::new(env!("CARGO_BIN_EXE_geobench"));
+    let cube = directory.path().join("Cube.obj");
+    let made = generate.args(["gen", "cube,n=2", "-o"]).arg(cube).output();
+    assert!(made.unwrap().status.success());
+    let again = Command::new(env!("CARGO_BIN_EXE_geobench"))
+        .current_dir(directory.path())
+        .args("run --config suite.toml -o r.json --models .".split_whitespace())
+        .output()
+        .unwrap();
+    let text = String::from_utf8(again.stderr).unwrap();
+    assert_eq!(again.status.code(), Some(0), "{text}");
+    assert_eq!(
+        models(directory.path()),
+        ["Cube", "Cube-x16", "tetrahedron"]
+    );
+    let note = "group `sizes`: no model called bunny is in .; gen:tetrahedron stands for it";
+    assert!(text.contains(note), "{text}");
+}
+
+#[test]
+fn full_sizes_come_before_the_small_ones_and_after_options() {
+    let (directory, output) = run(SIZES, "-o r.json --full");
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert_eq!(models(directory.path()), ["cube,n=4"]);
+    let text = std::fs::read_to_string(directory.path().join("r.json")).unwrap();
+    let result: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(result["cells"].as_array().unwrap().len(), 2);
+    let (directory, output) = run(SIZES, "-o r.json --full --source 1 gen:octahedron");
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(models(directory.path()), ["octahedron"]);
+}
+
+#[test]
+fn sizes_and_real_models_are_those_of_a_suite() {
+    for arguments in ["--full", "--models ."] {
+        let output = Command::new(env!("CARGO_BIN_EXE_geobench"))
+            .arg("run")
+            .args(arguments.split_whitespace())
+            .output()
+            .unwrap();
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
+        assert!(text.contains("--config <SUITE.toml>"), "{text}");
+    }
+}
+
+#[test]
+fn wavefronts_are_kept_where_a_suite_wants_them() {
+    let suite = r#"
+repeat = 1
+warmup = 0
+models = ["gen:sphere,subdiv=2"]
+algorithms = ["fwp-mmp", "vtp"]
+[[group]]
+name = "with"
+wavefront = true
+[[group]]
+name = "without"
+"#;
+    let (directory, output) = run(suite, "-o r.json");
+    assert_eq!(output.status.code(), Some(0));
+    let text = std::fs::read_to_string(directory.path().join("r.json")).unwrap();
+    let result: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for cell in result["cells"].as_array().unwrap() {
+        if cell["group"] == "without" {
+            assert!(cell.get("wavefront").is_none());
+            continue;
+        }
+        let samples = cell["wavefront"].as_array().unwrap();
+        assert!((10..100).contains(&samples.len()), "{}", samples.len());
+        let field = |name: &str| -> Vec<f64> {
+            samples.iter().map(|s| s[name].as_f64().unwrap()).collect()
+        };
+        assert!(field("windows").into_iter().all(|n| n >= 1.0));
+        assert!(field("deviation").into_iter().all(|d| d >= 0.0));
+        // The radius of the sphere is 1, and no window goes round it more than once.
+        assert!(field("distance").iter().all(|d| (0.0..6.3).contains(d)));
+        assert!(field("parents").is_sorted());
+        let has_rounds = cell["algorithm"] == "fwp-mmp";
+        assert!(samples.iter().all(|s| s["k"].is_u64() == has_rounds));
+    }
+}
+
+/// Suites that are not understood, and what is said about them.
+const WRONG: &[(&str, &str)] = &[
+    (
+        "",
+        "suite.toml: there is no group; start one with [[group]]",
+    ),
+    (
+        "repeat = 0",
+        "suite.toml, line 1: `repeat`: a whole number from 1 to 1000000",
+    ),
+    ("repeat = \"a", "suite.toml, line 1: invalid basic string"),
+    (
+        "\nrepaet = 1",
+        "suite.toml, line 2: there is no key `repaet` here, did you mean `repeat`?",
+    ),
+    ("[group]\nname = 'a'", "suite.toml, line 1: `group`: a list"),
+    (
+        "[[group]]\nname = 3",
+        "suite.toml, line 2: `name`: a text in quotes",
+    ),
+    (
+        "[[group]]\nrepeat = 3",
+        "suite.toml, line 1: `group`: a group must have a `name`",
+    ),
+    (
+        "[[group]]\nname = 'a'",
+        "suite.toml: group `a` has no models",
+    ),
+    (
+        "[[group]]\nname = 'a'\n[[group]]\nname = 'a'",
+        "suite.toml, line 3: `group`: two are called `a`",
+    ),
+    (
+        "[[group]]\nname = 'a'\nmodels = [\n  'gen:cube',\n  'none.obj',\n]",
+        "suite.toml, line 5: `models`: none.obj: no such file or directory",
+    ),
+    (
+        "[[group]]\nname = 'a'\nmodels = [{ paht = 'x' }]",
+        "suite.toml, line 3: there is no key `paht` here, did you mean `path`?",
+    ),
+    (
+        "models = [{ path = 'gen:cube', subdivide = 1 }]",
+        "suite.toml, line 1: `models`: `subdivide` is for a model that has `real`",
+    ),
+    (
+        "models = [{ path = 'gen:cube', real = '' }]",
+        "`real`: a name is empty",
+    ),
+    (
+        "[full]\nshows = 'x'",
+        "suite.toml, line 2: there is no key `shows` here",
+    ),
+    (
+        "models = ['gen:spere']\n[[group]]\nname = 'a'",
+        "line 1: `models`: gen:spere: unknown",
+    ),
+    (
+        "models = []",
+        "suite.toml, line 1: `models`: the list is empty",
+    ),
+    (
+        "algorithms = ['vtp',\n 'mpm']",
+        "suite.toml, line 2: `algorithms`: there is no algorithm `mpm`, did you mean `mmp`?",
+    ),
+    (
+        "algorithms = [{ name = 'mmp', kmaxx = 3 }]",
+        "suite.toml, line 1: `algorithms`: algorithm `mmp`",
+    ),
+    (
+        "algorithms = [{ k = 3 }]",
+        "`algorithms`: an algorithm must have a `name`",
+    ),
+    (
+        "source = -1",
+        "suite.toml, line 1: `source`: `-1` is not a source",
+    ),
+    (
+        "source = [1, 1]",
+        "suite.toml, line 1: `source`: source vertex 1 is named twice",
+    ),
+    (
+        "tolerance = 'x'",
+        "`tolerance`: a tolerance is a number, 0 or more",
+    ),
+    (
+        "check = 'mpm'",
+        "`check`: there is no algorithm `mpm`, did you mean `mmp`?",
+    ),
+    (
+        "rows = ['tme']",
+        "`rows`: there is no row `tme`, did you mean `time`?",
+    ),
+    (
+        "[[group]]\nname = 'a'\nmodels = [{ path = 'none.obj', optional = true }]",
+        "there is nothing to run: ",
+    ),
+];
+
 #[test]
 fn what_is_wrong_is_named_with_its_line() {
-    for (suite, message) in [
-        (
-            "",
-            "suite.toml: there is no group; start one with [[group]]",
-        ),
-        (
-            "repeat = 0",
-            "suite.toml, line 1: `repeat`: a whole number from 1 to 1000000",
-        ),
-        ("repeat = \"a", "suite.toml, line 1: invalid basic string"),
-        (
-            "\nrepaet = 1",
-            "suite.toml, line 2: there is no key `repaet` here, did you mean `repeat`?",
-        ),
-        ("[group]\nname = 'a'", "suite.toml, line 1: `group`: a list"),
-        (
-            "[[group]]\nname = 3",
-            "suite.toml, line 2: `name`: a text in quotes",
-        ),
-        (
-            "[[group]]\nrepeat = 3",
-            "suite.toml, line 1: `group`: a group must have a `name`",
-        ),
-        (
-            "[[group]]\nname = 'a'",
-            "suite.toml: group `a` has no models",
-        ),
-        (
-            "[[group]]\nname = 'a'\n[[group]]\nname = 'a'",
-            "suite.toml, line 3: `group`: two are called `a`",
-        ),
-        (
-            "[[group]]\nname = 'a'\nmodels = [\n  'gen:cube',\n  'none.obj',\n]",
-            "suite.toml, line 5: `models`: none.obj: no such file or directory",
-        ),
-        (
-            "[[group]]\nname = 'a'\nmodels = [{ paht = 'x' }]",
-            "suite.toml, line 3: there is no key `paht` here, did you mean `path`?",
-        ),
-        (
-            "models = ['gen:spere']\n[[group]]\nname = 'a'",
-            "line 1: `models`: gen:spere: unknown",
-        ),
-        (
-            "models = []",
-            "suite.toml, line 1: `models`: the list is empty",
-        ),
-        (
-            "algorithms = ['vtp',\n 'mpm']",
-            "suite.toml, line 2: `algorithms`: there is no algorithm `mpm`, did you mean `mmp`?",
-        ),
-        (
-            "algorithms = [{ name = 'mmp', kmaxx = 3 }]",
-            "suite.toml, line 1: `algorithms`: algorithm `mmp`",
-        ),
-        (
-            "algorithms = [{ k = 3 }]",
-            "`algorithms`: an algorithm must have a `name`",
-        ),
-        (
-            "source = -1",
-            "suite.toml, line 1: `source`: `-1` is not a source",
-        ),
-        (
-            "source = [1, 1]",
-            "suite.toml, line 1: `source`: source vertex 1 is named twice",
-        ),
-        (
-            "tolerance = 'x'",
-            "`tolerance`: a tolerance is a number, 0 or more",
-        ),
-        (
-            "check = 'mpm'",
-            "`check`: there is no algorithm `mpm`, did you mean `mmp`?",
-        ),
-        (
-            "rows = ['tme']",
-            "`rows`: there is no row `tme`, did you mean `time`?",
-        ),
-        (
-            "[[group]]\nname = 'a'\nmodels = [{ path = 'none.obj', optional = true }]",
-            "there is nothing to run: ",
-        ),
-    ] {
+    for (suite, message) in WRONG {
         let (_directory, output) = run(suite, "--quiet");
         let text = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{suite}");

@@ -1,5 +1,7 @@
 //! What an algorithm counts, each thing defined once, here.
 
+use crate::wavefront::WavefrontSample;
+
 macro_rules! counters {
     ($($(#[doc = $doc:literal])+ $name:ident = $key:literal,)+) => {
         /// A quantity that a run counts. The documentation of each is its definition, for every
@@ -87,6 +89,9 @@ pub struct Counters {
     values: [Option<u64>; Counter::ALL.len()],
     /// The figure that [`Self::WAVEFRONT_DEVIATION_DEFINITION`] defines.
     pub wavefront_deviation: Option<f64>,
+    /// The wavefront at even intervals of the run, some dozens of times; empty if the algorithm
+    /// does not show it.
+    pub wavefront: Vec<WavefrontSample>,
 }
 
 impl Counters {

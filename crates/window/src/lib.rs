@@ -42,4 +42,5 @@ pub use probe::{Clock, Count, Phase, Phases, Probe};
 pub use solver::{Propagate, Solution, SolveError, Solver};
 pub use spawn::spawn_window;
 pub use tie::{TiePoints, tie_points};
+pub use wavefront::WavefrontSample;
 pub use window::Window;

@@ -60,10 +60,15 @@ pub trait Probe {
 /// Observes nothing, at no cost.
 impl Probe for () {}
 
+/// Samples of the wavefront that are handed out, if there are so many; less than twice as many are.
+const SAMPLES: usize = 50;
+
 /// Counts.
 #[derive(Clone, Debug, Default)]
 pub struct Count {
     values: [u64; Counter::ALL.len()],
+    /// The K of the round that is under way, of a queue that works in rounds.
+    k: Option<u64>,
     wavefront: Wavefront,
 }
 
@@ -75,6 +80,7 @@ impl Count {
             counters.set(counter, self.values[counter as usize]);
         }
         counters.wavefront_deviation = self.wavefront.deviation();
+        counters.wavefront = self.wavefront.course(SAMPLES);
         counters
     }
 }
@@ -91,6 +97,9 @@ impl Probe for Count {
     fn raise(&mut self, counter: Counter, value: u64) {
         let count = &mut self.values[counter as usize];
         *count = value.max(*count);
+        if counter == Counter::KPeak {
+            self.k = Some(value);
+        }
     }
 
     #[inline]
@@ -99,7 +108,7 @@ impl Probe for Count {
     }
 
     fn sample(&mut self, labels: impl Iterator<Item = f64>) {
-        self.wavefront.sample(labels);
+        self.wavefront.sample(labels, self.k);
     }
 }
 
@@ -167,9 +176,16 @@ mod tests {
         count.add(Counter::Children, 3);
         count.raise(Counter::QueuePeak, 9);
         count.raise(Counter::QueuePeak, 4);
+        count.sample([1.0].into_iter());
+        for k in [30, 20] {
+            count.raise(Counter::KPeak, k);
+        }
+        count.sample([2.0].into_iter());
         let counters = count.counters(&[Counter::Children, Counter::QueuePeak]);
         assert_eq!(counters.get(Counter::Children), Some(5));
         assert_eq!(counters.get(Counter::QueuePeak), Some(9));
         assert_eq!(counters.get(Counter::Kept), None);
+        let ks: Vec<Option<u64>> = counters.wavefront.iter().map(|s| s.k).collect();
+        assert_eq!(ks, [None, Some(20)]);
     }
 }

@@ -1,14 +1,30 @@
-//! How far apart the windows of a wavefront are, sampled over a run.
+//! How many windows a wavefront has and how far apart they are, sampled over a run.
 
 /// Most samples kept; when they are reached every second one is dropped.
 const CAPACITY: usize = 512;
 
-/// Samples of the standard deviation of the windows' least distances on the wavefront, at even
-/// intervals of propagated windows however many these will be (Xu et al. 2015, section 7.2; the
-/// less they differ, the better the wavefront keeps the order of the distances).
+/// The wavefront at one moment of a run. Distances are the windows' least ones, in the units of the
+/// mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WavefrontSample {
+    /// Windows propagated until then.
+    pub parents: u64,
+    /// Windows that wait to be propagated, at least one.
+    pub windows: u64,
+    /// Mean of their distances.
+    pub distance: f64,
+    /// Standard deviation of their distances: the less they differ, the better the wavefront keeps
+    /// the order of the distances (Xu et al. 2015, section 6; transfer report of 2014, section 5.5.2).
+    pub deviation: f64,
+    /// How many windows the round at that moment was told to take, of a queue that works in rounds.
+    pub k: Option<u64>,
+}
+
+/// Samples at even intervals of propagated windows, however many these will be.
 #[derive(Clone, Debug)]
 pub(crate) struct Wavefront {
-    deviations: Vec<f64>,
+    samples: Vec<WavefrontSample>,
+    parents: u64,
     /// Windows propagated from one sample to the next, and those left until the next one.
     interval: u64,
     left: u64,
@@ -17,7 +33,8 @@ pub(crate) struct Wavefront {
 impl Default for Wavefront {
     fn default() -> Self {
         Self {
-            deviations: Vec::with_capacity(CAPACITY),
+            samples: Vec::with_capacity(CAPACITY),
+            parents: 0,
             interval: 1,
             left: 1,
         }
@@ -28,26 +45,34 @@ impl Wavefront {
     /// `parents` more windows were propagated; returns whether a sample is due.
     #[inline]
     pub(crate) fn advance(&mut self, parents: u64) -> bool {
+        self.parents += parents;
         self.left = self.left.saturating_sub(parents);
         self.left == 0
     }
 
-    /// Takes a sample of the wavefront whose windows have these least distances.
-    pub(crate) fn sample(&mut self, labels: impl Iterator<Item = f64>) {
+    /// Takes a sample of the wavefront whose windows have these least distances, in a round that was
+    /// told to take `k` of them.
+    pub(crate) fn sample(&mut self, labels: impl Iterator<Item = f64>, k: Option<u64>) {
         // Welford's recurrence: one pass, and no cancellation far from the source.
-        let (mut count, mut mean, mut squares) = (0.0, 0.0, 0.0);
+        let (mut windows, mut mean, mut squares) = (0, 0.0, 0.0);
         for label in labels {
-            count += 1.0;
+            windows += 1;
             let delta: f64 = label - mean;
-            mean += delta / count;
+            mean += delta / windows as f64;
             squares += delta * (label - mean);
         }
-        if count > 0.0 {
-            self.deviations.push(f64::sqrt(squares / count));
+        if windows > 0 {
+            self.samples.push(WavefrontSample {
+                parents: self.parents,
+                windows,
+                distance: mean,
+                deviation: f64::sqrt(squares / windows as f64),
+                k,
+            });
         }
-        if self.deviations.len() == CAPACITY {
+        if self.samples.len() == CAPACITY {
             let mut even = false;
-            self.deviations.retain(|_| {
+            self.samples.retain(|_| {
                 even = !even;
                 even
             });
@@ -56,10 +81,17 @@ impl Wavefront {
         self.left = self.interval;
     }
 
-    /// Mean of the samples; `None` if there is none.
+    /// Mean of the deviations; `None` if there is no sample.
     pub(crate) fn deviation(&self) -> Option<f64> {
-        let n = self.deviations.len();
-        (n > 0).then(|| self.deviations.iter().sum::<f64>() / n as f64)
+        let n = self.samples.len();
+        (n > 0).then(|| self.samples.iter().map(|s| s.deviation).sum::<f64>() / n as f64)
+    }
+
+    /// The samples in the order of the run, fewer than twice `wanted` and, if there are so many, at
+    /// least `wanted`, which is not 0.
+    pub(crate) fn course(&self, wanted: usize) -> Vec<WavefrontSample> {
+        let step = (self.samples.len() / wanted).max(1);
+        self.samples.iter().copied().step_by(step).collect()
     }
 }
 
@@ -71,10 +103,29 @@ mod tests {
     fn deviation_of_known_labels() {
         let mut wavefront = Wavefront::default();
         assert_eq!(wavefront.deviation(), None);
-        wavefront.sample([2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0].into_iter());
+        wavefront.advance(7);
+        wavefront.sample([2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0].into_iter(), None);
         assert_eq!(wavefront.deviation(), Some(2.0));
-        wavefront.sample([1.0].into_iter());
+        wavefront.sample([1.0].into_iter(), Some(3));
         assert_eq!(wavefront.deviation(), Some(1.0));
+        // Nothing waits: there is no wavefront to speak of.
+        wavefront.sample([].into_iter(), Some(3));
+        let first = WavefrontSample {
+            parents: 7,
+            windows: 8,
+            distance: 5.0,
+            deviation: 2.0,
+            k: None,
+        };
+        let second = WavefrontSample {
+            windows: 1,
+            distance: 1.0,
+            deviation: 0.0,
+            k: Some(3),
+            ..first
+        };
+        assert_eq!(wavefront.course(10), [first, second]);
+        assert_eq!(wavefront.course(1), [first]);
     }
 
     #[test]
@@ -83,12 +134,19 @@ mod tests {
         let mut taken = 0;
         for _ in 0..100_000 {
             if wavefront.advance(1) {
-                wavefront.sample([1.0, 3.0].into_iter());
+                wavefront.sample([1.0, 3.0].into_iter(), None);
                 taken += 1;
             }
         }
-        assert!(wavefront.deviations.len() < CAPACITY);
+        assert!(wavefront.samples.len() < CAPACITY);
         assert!((CAPACITY..20 * CAPACITY).contains(&taken), "{taken}");
         assert_eq!(wavefront.deviation(), Some(1.0));
+        let course = wavefront.course(50);
+        assert!((50..100).contains(&course.len()), "{}", course.len());
+        let gaps: Vec<u64> = course
+            .windows(2)
+            .map(|w| w[1].parents - w[0].parents)
+            .collect();
+        assert!(gaps.iter().all(|gap| *gap == gaps[0]), "{gaps:?}");
     }
 }

@@ -106,6 +106,9 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "SUITE.toml")]
     pub(super) config: Option<PathBuf>,
 
+    #[command(flatten)]
+    pub(super) scale: ScaleOptions,
+
     /// Algorithms by name, by family, or exact, or all; separated by commas; with parameters as
     /// name{key=value,...} [default: mmp,ich,fwp-mmp,fwp-ch,vtp]
     #[arg(long, value_name = "LIST", value_parser = algorithms)]
@@ -148,10 +151,8 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "A", value_parser = registry::select_one)]
     pub(super) ratios_to: Option<Selection>,
 
-    /// Count the instructions of one solve of each cell as well, under Valgrind, which must be
-    /// installed and takes some fifty times as long as the solve (row `instructions`)
-    #[arg(long)]
-    pub(super) instructions: bool,
+    #[command(flatten)]
+    pub(super) extras: ExtraOptions,
 
     /// What goes to standard output
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = Format::Table)]
@@ -178,6 +179,38 @@ pub(super) struct RunOptions {
     /// No progress bar
     #[arg(long)]
     pub(super) no_progress: bool,
+}
+
+/// Which models of a suite.
+#[derive(Args, Debug)]
+pub(super) struct ScaleOptions {
+    /// Directory of models to take the place of those in the suite that only stand for them, by the
+    /// names of their files
+    #[arg(
+        long = "models",
+        value_name = "DIR",
+        requires = "config",
+        conflicts_with = "models"
+    )]
+    pub(super) library: Option<PathBuf>,
+
+    /// Run the suite in the sizes of the paper, which takes hours and a large machine
+    #[arg(long, requires = "config")]
+    pub(super) full: bool,
+}
+
+/// What is found out beside the usual figures.
+#[derive(Args, Debug)]
+pub(super) struct ExtraOptions {
+    /// Keep the wavefront at some moments of each run that counts: its windows, their distances and
+    /// how much these differ, for the plots of `geobench report`
+    #[arg(long)]
+    pub(super) wavefront: bool,
+
+    /// Count the instructions of one solve of each cell as well, under Valgrind, which must be
+    /// installed and takes some fifty times as long as the solve (row `instructions`)
+    #[arg(long)]
+    pub(super) instructions: bool,
 }
 
 #[derive(Args, Debug)]

@@ -26,7 +26,7 @@ use crate::plan_record::PlanRecord;
 use crate::record::{Cell, GroupRecord, Host, ModelRecord, ResultFile, SCHEMA, Session, Status};
 use crate::runner::{Listener, Step};
 use crate::shard;
-use crate::suite::{self, Plans, Settings, Suite, WantedModel};
+use crate::suite::{self, Library, Plans, Scale, Settings, Suite, WantedModel};
 
 pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     options.isolation.check()?;
@@ -44,7 +44,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         shard::restrict(&mut plans, shard);
     }
     let outputs = outputs::results(&options.output)?;
-    if options.instructions {
+    if options.extras.instructions {
         instructions::check_valgrind()?;
     }
     if !host::is_release_build() && !options.quiet {
@@ -72,7 +72,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         progress: Progress::new(runs, !options.quiet && !options.no_progress),
         format: options.format,
         styled: terminal.styled,
-        instructions: options.instructions,
+        instructions: options.extras.instructions,
         outputs,
         result: ResultFile {
             schema: SCHEMA.to_owned(),
@@ -209,8 +209,19 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
             .context("--check")?,
         rows: options.rows.clone(),
         ratios_to: options.ratios_to.as_ref().map(|one| one.label().to_owned()),
+        wavefront: options.extras.wavefront.then_some(true),
     };
-    let mut plans = suite::plans(suite.as_ref(), &asked)?;
+    let scale = Scale {
+        full: options.scale.full,
+        library: options
+            .scale
+            .library
+            .as_deref()
+            .map(Library::open)
+            .transpose()
+            .context("--models")?,
+    };
+    let mut plans = suite::plans(suite.as_ref(), &asked, &scale)?;
     for plan in &mut plans.plans {
         plan.find_programs(&programs)?;
     }

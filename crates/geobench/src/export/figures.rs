@@ -37,6 +37,8 @@ pub(crate) enum Style {
 enum Of {
     Counter(Counter),
     Computed(fn(&Cell) -> Option<f64>),
+    /// From the cell and the number of vertices of its model.
+    OnModel(fn(&Cell, f64) -> Option<f64>),
 }
 
 const MEGABYTE: f64 = 1e6;
@@ -111,11 +113,12 @@ impl Figure {
         }
     }
 
-    /// The figure of a cell, if it has it.
-    pub(crate) fn of(&self, cell: &Cell) -> Option<f64> {
+    /// The figure of a cell on a model of so many vertices, if it has it.
+    pub(crate) fn of(&self, cell: &Cell, vertices: Option<u64>) -> Option<f64> {
         match self.of {
             Of::Counter(counter) => count(cell, counter),
             Of::Computed(of) => of(cell),
+            Of::OnModel(of) => of(cell, vertices? as f64),
         }
     }
 }
@@ -190,6 +193,26 @@ fn all() -> &'static [Figure] {
                 Decimals(6),
                 |c| c.phases.management,
             ),
+            Figure::computed("management_share", "Management share", Decimals(4), |c| {
+                let phases = &c.phases;
+                let all = phases.propagation? + phases.pruning? + phases.management?;
+                (all > 0.0).then_some(phases.management? / all)
+            })
+            .informative(),
+            Figure::computed("branching", "Children of a window", Decimals(4), |c| {
+                let (children, parents) =
+                    (count(c, Counter::Children)?, count(c, Counter::Parents)?);
+                (parents > 0.0).then_some(children / parents)
+            })
+            .informative(),
+            Figure {
+                of: Of::OnModel(|c, vertices| {
+                    let levels = count(c, Counter::Levels)?;
+                    (levels > 0.0).then(|| vertices.powf(levels.recip()))
+                }),
+                ..Figure::computed("b", "Estimate of b", Decimals(4), |_| None)
+            }
+            .informative(),
             Figure::computed("max_rel", "Largest relative difference", Scientific, |c| {
                 c.check.max_rel
             })
@@ -241,7 +264,7 @@ mod tests {
     #[test]
     fn figures_are_computed_from_what_there_is() {
         let mut cell = Cell::new("m", "a");
-        let of = |key: &str, cell: &Cell| figure(key).unwrap().of(cell);
+        let of = |key: &str, cell: &Cell| figure(key).unwrap().of(cell, Some(48_484));
         assert_eq!(of("valid", &cell), None);
         assert_eq!(of("prime_share", &cell), None);
         cell.counters.set(Counter::Kept, 5);
@@ -255,5 +278,19 @@ mod tests {
         assert_eq!(of("valid", &cell), Some(7.0));
         assert_eq!(of("prime_share", &cell), Some(0.75));
         assert_eq!(of("iterations", &cell), None);
+        // Table 5.1 of the report of 2014: 374 levels on the horse make b 1.0293.
+        assert_eq!(of("b", &cell), None);
+        cell.counters.set(Counter::Levels, 374);
+        assert!((of("b", &cell).unwrap() - 1.0293).abs() < 1e-4);
+        assert_eq!(figure("b").unwrap().of(&cell, None), None);
+        cell.counters.set(Counter::Parents, 4);
+        assert_eq!(of("branching", &cell), None);
+        cell.counters.set(Counter::Children, 6);
+        assert_eq!(of("branching", &cell), Some(1.5));
+        cell.phases.propagation = Some(1.0);
+        cell.phases.pruning = Some(0.5);
+        assert_eq!(of("management_share", &cell), None);
+        cell.phases.management = Some(0.5);
+        assert_eq!(of("management_share", &cell), Some(0.25));
     }
 }

@@ -115,7 +115,8 @@ fn row(figure: &Figure, baseline: &str, algorithms: &[&str], cells: &[&Cell]) ->
         if figure.key == "time" {
             Some(paired(&over, &under)?.ratio)
         } else {
-            Some(overall(figure, &over)? / overall(figure, &under)?)
+            // A figure that takes the model as well is not one to be compared.
+            Some(overall(figure, &over, None)? / overall(figure, &under, None)?)
         }
     };
     let entry = |algorithm: &&str| {

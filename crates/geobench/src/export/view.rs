@@ -107,7 +107,7 @@ impl<'r> ModelView<'r> {
             .collect();
         let mut rows: Vec<Row> = figures(&group.rows)
             .into_iter()
-            .map(|figure| Row::new(figure, &columns))
+            .map(|figure| Row::new(figure, &columns, model.vertices))
             .collect();
         let mut notes = notes(&cells);
         if let Some((row, note)) = ratios::times(group, &algorithms, &columns) {
@@ -145,19 +145,25 @@ impl ModelView<'_> {
     }
 }
 
-/// The figure of the cells of all sources in a model: the median, and none if one has failed.
-pub(crate) fn overall(figure: &Figure, cells: &[&Cell]) -> Option<f64> {
+/// The figure of the cells of all sources in a model of so many vertices: the median, and none if one
+/// has failed.
+pub(crate) fn overall(figure: &Figure, cells: &[&Cell], vertices: Option<u64>) -> Option<f64> {
     let values: Option<Vec<f64>> = cells
         .iter()
-        .map(|cell| figure.of(cell).filter(|_| cell.status == Status::Ok))
+        .map(|cell| {
+            figure
+                .of(cell, vertices)
+                .filter(|_| cell.status == Status::Ok)
+        })
         .collect();
     median(&values?)
 }
 
 impl Row {
     /// The row of a figure; a column holds one cell for each source.
-    fn new(figure: &Figure, columns: &[Vec<&Cell>]) -> Self {
-        let values: Vec<Option<f64>> = columns.iter().map(|c| overall(figure, c)).collect();
+    fn new(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) -> Self {
+        let found = columns.iter().map(|cells| overall(figure, cells, vertices));
+        let values: Vec<Option<f64>> = found.collect();
         let present = || values.iter().copied().flatten();
         let best = present().fold(f64::INFINITY, f64::min);
         let all_equal = present().all(|v| v == best);

@@ -60,8 +60,9 @@ impl<'p> Entry<'p> {
         self.findings.entry((purpose, round)).or_insert(finding);
     }
 
-    /// The cell, in which the runs had these places in their rounds.
-    pub(super) fn finish(self, run: RunId, places: Vec<usize>) -> Cell {
+    /// The cell, in which the runs had these places in their rounds; with the wavefronts of its run only
+    /// if so wanted.
+    pub(super) fn finish(self, run: RunId, places: Vec<usize>, with_wavefront: bool) -> Cell {
         let mut cell = Cell {
             group: run.group,
             source: Some(run.source),
@@ -89,6 +90,9 @@ impl<'p> Entry<'p> {
                 Purpose::Time => samples.extend(observation.seconds),
                 Purpose::Count => {
                     cell.counters = observation.counters.unwrap_or_default();
+                    if with_wavefront {
+                        cell.wavefront = observation.wavefront;
+                    }
                     cell.memory.heap_peak_bytes = observation.peaks.heap;
                     cell.memory.rss_peak_bytes = observation.peaks.rss;
                 }

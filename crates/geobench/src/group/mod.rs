@@ -112,7 +112,7 @@ impl<'p> Group<'p> {
                     .iter()
                     .filter_map(|round| round.iter().position(|&p| p == place))
                     .collect();
-                entry.finish(id, places)
+                entry.finish(id, places, self.plan.group.wavefront)
             })
             .collect()
     }

@@ -44,6 +44,7 @@ impl Line {
             seconds: self.seconds,
             setup_seconds: self.setup_seconds,
             counters: self.counters,
+            wavefront: Vec::new(),
             peaks: Peaks {
                 heap: self.heap_peak_bytes,
                 rss: self.rss_peak_bytes,

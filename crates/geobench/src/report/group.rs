@@ -47,7 +47,7 @@ impl<'r> Group<'r> {
     /// time if there is but one.
     pub(crate) fn value(&self, figure: &Figure, model: &str, algorithm: &str) -> Option<Value> {
         let cells = self.of(model, algorithm);
-        let value = overall(figure, &cells)?;
+        let value = overall(figure, &cells, self.vertices(model))?;
         let interval = match (&cells[..], figure.key) {
             ([cell], "time") => cell.time.ci95,
             _ => None,
@@ -67,8 +67,8 @@ impl<'r> Group<'r> {
     ) -> Option<Value> {
         let (over, under) = (self.of(model, algorithm), self.of(model, base));
         // What has failed from one source has no figure.
-        overall(figure, &over)?;
-        overall(figure, &under)?;
+        overall(figure, &over, self.vertices(model))?;
+        overall(figure, &under, self.vertices(model))?;
         let pairs: Vec<(&Cell, &Cell)> = over
             .into_iter()
             .filter_map(|a| Some((a, *under.iter().find(|b| b.source == a.source)?)))
@@ -81,6 +81,12 @@ impl<'r> Group<'r> {
                 interval: None,
             }),
         }
+    }
+
+    /// How many vertices a model has.
+    fn vertices(&self, model: &str) -> Option<u64> {
+        let mut models = self.models.iter();
+        models.find(|record| record.name == model)?.vertices
     }
 
     /// Why an algorithm has no figure on a model, if it failed there: the status in words.
@@ -117,7 +123,7 @@ fn ratio(figure: &Figure, over: &Cell, under: &Cell) -> Option<Value> {
             interval: ratio.ci95,
         });
     }
-    let value = figure.of(over)? / figure.of(under)?;
+    let value = figure.of(over, None)? / figure.of(under, None)?;
     value.is_finite().then_some(Value {
         value,
         interval: None,

@@ -14,6 +14,7 @@
 #![allow(clippy::cast_sign_loss, clippy::format_push_string)]
 
 mod chart;
+mod course;
 mod document;
 mod environment;
 mod files;

@@ -5,6 +5,7 @@ use geobench_mesh::generate::Spec;
 use super::chart::{
     Axis, Band, Bar, BarGroup, Bars, Chart, Dots, Lane, Lines, Point, Series, Value,
 };
+use super::course;
 use super::document::{Plot, slug};
 use super::group::{Group, known};
 use crate::export::figures::{Figure, figures};
@@ -23,7 +24,7 @@ pub(crate) struct Setting<'a> {
 }
 
 impl Setting<'_> {
-    fn style(&self, algorithm: &str) -> usize {
+    pub(crate) fn style(&self, algorithm: &str) -> usize {
         let found = self.styles.iter().position(|name| *name == algorithm);
         found.unwrap_or(0)
     }
@@ -39,6 +40,7 @@ pub(crate) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
     }
     plots.extend(scaling(group, setting));
     plots.extend(phases(group, setting));
+    plots.extend(course::plots(group, setting));
     for figure in figures(&group.record.rows) {
         // Times and phases have plots of their own.
         if figure.key != "time" && !figure.key.starts_with("phase_") {
@@ -256,6 +258,7 @@ impl Against {
                 "ny",
                 "nz",
                 "subdiv",
+                "parts",
                 "subdivide",
                 "slices",
                 "stacks",
@@ -366,6 +369,7 @@ fn against_plots(
             style: setting.style(name),
             name: (*name).to_owned(),
             joined,
+            hollow: false,
             points: models
                 .iter()
                 .filter_map(|(at, model)| Some((*at, value(&model.name, name)?)))

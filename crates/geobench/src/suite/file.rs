@@ -2,18 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use geobench_mesh::generate::Spec;
-use toml::Spanned;
-use toml::de::{DeString, DeTable, DeValue};
-
+use super::Settings;
 use super::document::{Document, Entry, SuiteError};
-use super::{MOST_RUNS, Settings, WantedModel, tolerance};
-use crate::export;
-use crate::limits::LimitError;
+use super::setting::{SETTINGS, setting};
 use crate::outside::{self, Programs};
-use crate::plan::Reference;
-use crate::registry::{self, Selection};
-use crate::source::SourceSpec;
 
 /// A suite file.
 #[derive(Clone, Debug)]
@@ -35,23 +27,12 @@ pub struct SuiteGroup {
     pub shows: Option<String>,
     /// Its settings, and those that hold for all groups where it has none.
     pub settings: Settings,
+    /// What comes before them where somebody wants the sizes of the paper.
+    pub full: Settings,
 }
 
-/// The keys of [`Settings`].
-const SETTINGS: [&str; 12] = [
-    "models",
-    "algorithms",
-    "source",
-    "repeat",
-    "warmup",
-    "tolerance",
-    "seed",
-    "timeout",
-    "memory-limit",
-    "check",
-    "rows",
-    "ratios_to",
-];
+/// The key of the table of settings for the sizes of the paper.
+const FULL: &str = "full";
 
 impl Suite {
     /// Reads a suite file.
@@ -76,10 +57,10 @@ impl Suite {
     pub fn parse(path: &Path, text: &str) -> Result<Self, SuiteError> {
         let document = Document { path, text };
         let table = document.parse()?;
-        let mut common = Settings::default();
+        let (mut common, mut full) = (Settings::default(), Settings::default());
         let mut groups: Vec<SuiteGroup> = Vec::new();
         let mut programs = Programs::default();
-        let known: Vec<&str> = ["group", outside::KEY]
+        let known: Vec<&str> = ["group", FULL, outside::KEY]
             .into_iter()
             .chain(SETTINGS)
             .collect();
@@ -97,6 +78,8 @@ impl Suite {
                     }
                     groups.push(group);
                 }
+            } else if entry.key == FULL {
+                full = read_settings(&entry)?;
             } else if entry.key == outside::KEY {
                 programs = outside::tables(&entry)?;
             } else {
@@ -111,6 +94,7 @@ impl Suite {
         }
         for group in &mut groups {
             group.settings = group.settings.or(&common);
+            group.full = group.full.or(&full);
         }
         Ok(Self {
             path: path.to_owned(),
@@ -121,9 +105,10 @@ impl Suite {
 }
 
 fn read_group(group: &Entry<'_>) -> Result<SuiteGroup, SuiteError> {
-    let known: Vec<&str> = ["name", "shows"].into_iter().chain(SETTINGS).collect();
+    let own = ["name", "shows", FULL];
+    let known: Vec<&str> = own.into_iter().chain(SETTINGS).collect();
     let (mut name, mut shows) = (None, None);
-    let mut settings = Settings::default();
+    let (mut settings, mut full) = (Settings::default(), Settings::default());
     for (key, value) in group.table()? {
         let entry = Entry {
             key: key.get_ref(),
@@ -133,6 +118,7 @@ fn read_group(group: &Entry<'_>) -> Result<SuiteGroup, SuiteError> {
         match entry.key {
             "name" => name = Some(entry.text()?.trim()).filter(|name| !name.is_empty()),
             "shows" => shows = Some(entry.text()?.trim().to_owned()),
+            FULL => full = read_settings(&entry)?,
             _ => setting(&entry, key, &known, &mut settings)?,
         }
     }
@@ -143,145 +129,20 @@ fn read_group(group: &Entry<'_>) -> Result<SuiteGroup, SuiteError> {
         name: name.to_owned(),
         shows,
         settings,
+        full,
     })
 }
 
-/// Reads one of [`SETTINGS`].
-fn setting(
-    entry: &Entry<'_>,
-    key: &Spanned<DeString<'_>>,
-    known: &[&str],
-    settings: &mut Settings,
-) -> Result<(), SuiteError> {
-    match entry.key {
-        "models" => {
-            let models = entry.list()?.iter().map(model).collect::<Result<_, _>>()?;
-            settings.models = Some(models);
-        }
-        "algorithms" => settings.algorithms = Some(algorithms(entry)?),
-        "source" => settings.sources = Some(source(entry)?),
-        "repeat" => settings.repeat = Some(entry.whole(1..MOST_RUNS + 1)?),
-        "warmup" => settings.warmup = Some(entry.whole(0..MOST_RUNS + 1)?),
-        "seed" => settings.seed = Some(entry.whole(0..u32::MAX)?.into()),
-        "tolerance" => {
-            settings.tolerance = Some(tolerance(entry.number()).map_err(|e| entry.error(&e))?);
-        }
-        "timeout" => {
-            let time = entry.text()?.parse();
-            settings.timeout = Some(time.map_err(|e: LimitError| entry.error(&e.to_string()))?);
-        }
-        "memory-limit" => {
-            let size = entry.text()?.parse();
-            settings.memory_limit =
-                Some(size.map_err(|e: LimitError| entry.error(&e.to_string()))?);
-        }
-        "check" => {
-            let reference = Reference::parse(entry.text()?, directory(entry));
-            settings.reference = Some(reference.map_err(|e| entry.error(&e.to_string()))?);
-        }
-        "rows" => {
-            let mut rows = Vec::new();
-            for row in entry.list()? {
-                let figure = export::figure(row.text()?).map_err(|e| row.error(&e.to_string()))?;
-                rows.push(figure.key.to_owned());
-            }
-            settings.rows = Some(rows);
-        }
-        "ratios_to" => {
-            let one =
-                registry::select_one(entry.text()?).map_err(|e| entry.error(&e.to_string()))?;
-            settings.ratios_to = Some(one.label().to_owned());
-        }
-        _ => return Err(entry.document.unknown_key(key, known)),
-    }
-    Ok(())
-}
-
-/// The directory of the suite file.
-fn directory<'t>(entry: &Entry<'t>) -> &'t Path {
-    entry.document.path.parent().unwrap_or(Path::new(""))
-}
-
-/// A path or a spec, or a table of a path and whether it may be missing.
-fn model(entry: &Entry<'_>) -> Result<WantedModel, SuiteError> {
-    let (mut path, mut optional) = (None, false);
-    if let DeValue::Table(table) = entry.value.get_ref() {
-        for (key, value) in table {
-            let field = Entry {
-                key: key.get_ref(),
-                value,
-                ..*entry
-            };
-            match field.key {
-                "path" => path = Some(field.text()?),
-                "optional" => optional = field.boolean()?,
-                _ => return Err(field.document.unknown_key(key, &["path", "optional"])),
-            }
-        }
-    } else {
-        path = Some(entry.text()?);
-    }
-    let Some(path) = path.filter(|path| !path.is_empty()) else {
-        return Err(entry.error("a model must have a `path`"));
-    };
-    Ok(WantedModel {
-        argument: if Spec::is_spec(path) {
-            path.to_owned()
-        } else {
-            directory(entry).join(path).display().to_string()
-        },
-        optional,
-        line: Some(entry.line()),
-    })
-}
-
-/// Names, families and groups as on the command line, or tables of a name and parameters.
-fn algorithms(entry: &Entry<'_>) -> Result<Vec<Selection>, SuiteError> {
-    let mut chosen: Vec<Selection> = Vec::new();
-    for item in entry.list()? {
-        let text = match item.value.get_ref() {
-            DeValue::Table(table) => with_parameters(&item, table)?,
-            _ => item.text()?.to_owned(),
-        };
-        for selection in registry::select(&text).map_err(|e| item.error(&e.to_string()))? {
-            if chosen.iter().all(|c| c.label() != selection.label()) {
-                chosen.push(selection);
-            }
-        }
-    }
-    Ok(chosen)
-}
-
-/// A table of a name and parameters in the form of the command line.
-fn with_parameters<'t>(item: &Entry<'t>, table: &'t DeTable<'t>) -> Result<String, SuiteError> {
-    let (mut name, mut parameters) = (None, Vec::new());
-    for (key, value) in table {
-        let field = Entry {
+/// A table of nothing but settings.
+fn read_settings(table: &Entry<'_>) -> Result<Settings, SuiteError> {
+    let mut settings = Settings::default();
+    for (key, value) in table.table()? {
+        let entry = Entry {
             key: key.get_ref(),
             value,
-            ..*item
+            ..*table
         };
-        if field.key == "name" {
-            name = Some(field.text()?);
-        } else {
-            parameters.push(format!("{}={}", field.key, field.word()?));
-        }
+        setting(&entry, key, &SETTINGS, &mut settings)?;
     }
-    match name {
-        Some(name) => Ok(format!("{name}{{{}}}", parameters.join(","))),
-        None => Err(item.error("an algorithm must have a `name`")),
-    }
-}
-
-/// A vertex, a list of vertices, or a text as on the command line.
-fn source(entry: &Entry<'_>) -> Result<SourceSpec, SuiteError> {
-    let text = match entry.value.get_ref() {
-        DeValue::Array(_) => {
-            let words: Result<Vec<String>, _> = entry.list()?.iter().map(Entry::word).collect();
-            words?.join(",")
-        }
-        _ => entry.word()?,
-    };
-    text.parse()
-        .map_err(|error| entry.error(&format!("{error}")))
+    Ok(settings)
 }

@@ -8,12 +8,15 @@
 mod builtin;
 pub(crate) mod document;
 mod file;
+mod library;
 mod plans;
+mod setting;
 
 pub use builtin::{ALGORITHMS, MODELS, SMALL_MODELS};
 pub use document::SuiteError;
 pub use file::{Suite, SuiteGroup};
-pub use plans::{PlanError, Plans, plans};
+pub use library::Library;
+pub use plans::{PlanError, Plans, Scale, plans};
 
 use crate::limits::{MemoryLimit, Timeout};
 use crate::plan::Reference;
@@ -53,6 +56,8 @@ pub struct Settings {
     pub rows: Option<Vec<String>>,
     /// Label of the algorithm to which the others are compared in a table of ratios.
     pub ratios_to: Option<String>,
+    /// Whether results hold the wavefronts of the runs.
+    pub wavefront: Option<bool>,
 }
 
 /// A model or a directory of models, as someone asked for it.
@@ -62,6 +67,10 @@ pub struct WantedModel {
     pub argument: String,
     /// Whether it is left out, with a word about it, where there is no such file.
     pub optional: bool,
+    /// Names of the model that it stands for, which takes its place where somebody has it.
+    pub real: Vec<String>,
+    /// How many times each of its faces is then split into four.
+    pub subdivide: u32,
     /// Line of the suite file that names it.
     pub line: Option<usize>,
 }
@@ -72,6 +81,8 @@ impl WantedModel {
         Self {
             argument: argument.to_owned(),
             optional: false,
+            real: Vec::new(),
+            subdivide: 0,
             line: None,
         }
     }
@@ -95,6 +106,7 @@ impl Settings {
             reference: a.reference.or(b.reference),
             rows: a.rows.or(b.rows),
             ratios_to: a.ratios_to.or(b.ratios_to),
+            wavefront: a.wavefront.or(b.wavefront),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::document::SuiteError;
-use super::{ALGORITHMS, DEFAULT_SEED, MODELS, Settings, Suite, WantedModel};
+use super::{ALGORITHMS, DEFAULT_SEED, Library, MODELS, Settings, Suite, WantedModel};
 use crate::limits::{Limits, Timeout};
 use crate::model::{self, ModelError, ModelRef};
 use crate::plan::{OneFileForMore, Plan, Reference};
@@ -35,13 +35,22 @@ pub enum PlanError {
     Reference(#[from] OneFileForMore),
 }
 
-/// The plans of `suite`, or a single one without it. What `asked` says holds for all groups,
-/// whatever the suite says.
+/// Which models a suite is run on, of those that it has to offer.
+#[derive(Clone, Debug, Default)]
+pub struct Scale {
+    /// Whether in the sizes of the paper, not in those for a small machine.
+    pub full: bool,
+    /// The models that take the place of those that stand for them.
+    pub library: Option<Library>,
+}
+
+/// The plans of `suite` in this `scale`, or a single one without it. What `asked` says holds for all
+/// groups, whatever the suite says.
 ///
 /// # Errors
 ///
 /// When a model does not exist that must, or a group has nothing to compare with.
-pub fn plans(suite: Option<&Suite>, asked: &Settings) -> Result<Plans, PlanError> {
+pub fn plans(suite: Option<&Suite>, asked: &Settings, scale: &Scale) -> Result<Plans, PlanError> {
     let mut done = Plans {
         plans: Vec::new(),
         notes: Vec::new(),
@@ -59,7 +68,11 @@ pub fn plans(suite: Option<&Suite>, asked: &Settings) -> Result<Plans, PlanError
         return Ok(done);
     };
     for group in &suite.groups {
-        let settings = asked.or(&group.settings);
+        let settings = if scale.full {
+            asked.or(&group.full).or(&group.settings)
+        } else {
+            asked.or(&group.settings)
+        };
         let fail = |line, problem: String| SuiteError {
             path: suite.path.clone(),
             line,
@@ -71,6 +84,19 @@ pub fn plans(suite: Option<&Suite>, asked: &Settings) -> Result<Plans, PlanError
         };
         let mut models = Vec::new();
         for wanted in wanted {
+            if let Some(library) = scale.library.as_ref().filter(|_| !wanted.real.is_empty()) {
+                if let Some(real) = library.find(&wanted.real) {
+                    models.push(real.subdivided(wanted.subdivide)?);
+                    continue;
+                }
+                done.notes.push(format!(
+                    "group `{}`: no model called {} is in {}; {} stands for it",
+                    group.name,
+                    wanted.real.join(" or "),
+                    library.directory().display(),
+                    wanted.argument
+                ));
+            }
             match find(wanted) {
                 Ok(found) => models.extend(found),
                 Err(ModelError::Missing { path, problem }) if wanted.optional => {
@@ -145,6 +171,7 @@ fn plan(
         group: GroupRecord {
             rows: settings.rows.clone().unwrap_or_default(),
             ratios_to: settings.ratios_to.clone(),
+            wavefront: settings.wavefront.unwrap_or(false),
             ..group
         },
         models,

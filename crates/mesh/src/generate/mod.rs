@@ -12,7 +12,7 @@
 //! IEEE 754 defines to the last bit. Tests pin a checksum of every family.
 //!
 //! Every model is an oriented manifold, outward where it is closed, without isolated vertices.
-//! Modifiers act in the order subdivide, noise, scale, on generated models and on files alike:
+//! Modifiers act in the order parts, subdivide, noise, scale, on generated models and on files alike:
 //!
 //! ```
 //! use geobench_mesh::generate::{Spec, generate};
@@ -38,6 +38,7 @@ mod knot;
 mod lattice;
 mod modifiers;
 mod noise;
+mod parts;
 mod plate;
 mod random;
 mod revolve;
@@ -54,6 +55,7 @@ pub use families::{FAMILIES, Family, Seeding, help};
 pub use keys::{Key, Kind};
 pub use modifiers::{MODIFIER_KEYS, Modifiers};
 pub use noise::add_noise;
+pub use parts::cut_into_parts;
 pub use spec::{Spec, generate};
 pub use subdivide::midpoint_subdivide;
 

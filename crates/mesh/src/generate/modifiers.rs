@@ -2,12 +2,19 @@
 
 use super::keys::{Key, Value};
 use super::noise::add_noise;
+use super::parts::cut_into_parts;
 use super::subdivide::{midpoint_subdivide, split};
 use super::{GenerateError, MAX_FACES};
 use crate::soup::TriangleSoup;
 
 /// The keys that every family takes beside its own.
 pub const MODIFIER_KEYS: &[Key] = &[
+    Key::whole(
+        "parts",
+        1,
+        [1, 4096],
+        "parts each edge is cut into, and with them each face into their square, the surface unchanged",
+    ),
     Key::whole(
         "subdivide",
         0,
@@ -29,9 +36,11 @@ pub const MODIFIER_KEYS: &[Key] = &[
     ),
 ];
 
-/// Subdivision, noise and scale, applied in this order.
+/// Parts, subdivision, noise and scale, applied in this order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modifiers {
+    /// Into how many parts each edge is cut; at least 1.
+    pub parts: u32,
     /// How many times each triangle is split in four.
     pub subdivide: u32,
     /// Largest displacement of a vertex along its normal, in mean edge lengths.
@@ -45,6 +54,7 @@ pub struct Modifiers {
 impl Default for Modifiers {
     fn default() -> Self {
         Self {
+            parts: 1,
             subdivide: 0,
             noise: 0.0,
             scale: 1.0,
@@ -61,7 +71,7 @@ impl Modifiers {
     ///
     /// # Errors
     ///
-    /// If subdivision would make more than [`MAX_FACES`] triangles.
+    /// If parts and subdivision would make more than [`MAX_FACES`] triangles.
     pub fn apply(&self, soup: TriangleSoup) -> Result<TriangleSoup, GenerateError> {
         self.apply_with(soup, midpoint_subdivide)
     }
@@ -79,8 +89,11 @@ impl Modifiers {
         mut soup: TriangleSoup,
         split: impl Fn(&TriangleSoup) -> TriangleSoup,
     ) -> Result<TriangleSoup, GenerateError> {
-        if self.subdivide > 0 {
+        if self.parts > 1 || self.subdivide > 0 {
             self.face_count(soup.triangles.len() as u64)?;
+        }
+        if self.parts > 1 {
+            soup = cut_into_parts(&soup, self.parts);
         }
         for _ in 0..self.subdivide {
             soup = split(&soup);
@@ -99,7 +112,8 @@ impl Modifiers {
     /// The number of triangles that a model of `faces` will have, if that is not too many.
     pub(super) fn face_count(&self, faces: u64) -> Result<u64, GenerateError> {
         let factor = 4u64.checked_pow(self.subdivide).unwrap_or(u64::MAX);
-        let faces = faces.saturating_mul(factor);
+        let parts = u64::from(self.parts).pow(2);
+        let faces = faces.saturating_mul(factor).saturating_mul(parts);
         if faces > MAX_FACES {
             return Err(GenerateError::TooManyFaces { faces });
         }
@@ -109,6 +123,7 @@ impl Modifiers {
     /// Takes the value of one of [`MODIFIER_KEYS`].
     pub(super) fn set(&mut self, key: &Key, value: &Value) {
         match (key.name, value) {
+            ("parts", Value::Whole(parts)) => self.parts = *parts as u32,
             ("subdivide", Value::Whole(times)) => self.subdivide = *times as u32,
             ("noise", Value::Real(noise)) => self.noise = *noise,
             ("scale", Value::Real(scale)) => self.scale = *scale,
@@ -122,6 +137,10 @@ impl Modifiers {
     pub(super) fn settings(&self, seeded: bool) -> impl Iterator<Item = (&'static str, Value)> {
         let default = Self::default();
         [
+            (
+                self.parts != default.parts,
+                ("parts", Value::Whole(u64::from(self.parts))),
+            ),
             (
                 self.subdivide != default.subdivide,
                 ("subdivide", Value::Whole(u64::from(self.subdivide))),

@@ -31,7 +31,7 @@ pub fn midpoint_subdivide(soup: &TriangleSoup) -> TriangleSoup {
 }
 
 /// Whether the triangle has three different vertices that exist.
-fn splits(soup: &TriangleSoup, triangle: usize) -> bool {
+pub(super) fn splits(soup: &TriangleSoup, triangle: usize) -> bool {
     let [a, b, c] = soup.triangles[triangle];
     let exists = |v: u32| (v as usize) < soup.positions.len();
     a != b && b != c && c != a && exists(a) && exists(b) && exists(c)

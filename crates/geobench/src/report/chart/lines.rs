@@ -8,6 +8,9 @@ use crate::report::svg::{Svg, px};
 /// Height of the field in which lines are drawn.
 const HEIGHT: f64 = 230.0;
 
+/// Most markers on a line.
+const MOST_MARKERS: usize = 25;
+
 /// A chart of lines.
 #[derive(Clone, Debug)]
 pub(crate) struct Lines {
@@ -25,6 +28,8 @@ pub(crate) struct Series {
     pub(crate) name: String,
     /// Whether neighbouring points are joined.
     pub(crate) joined: bool,
+    /// Whether markers are outlines.
+    pub(crate) hollow: bool,
     /// Places on the x-axis with values, from left to right.
     pub(crate) points: Vec<(f64, Value)>,
 }
@@ -35,7 +40,7 @@ impl Lines {
         let names: Vec<(usize, bool, &str)> = self
             .series
             .iter()
-            .map(|series| (series.style, false, series.name.as_str()))
+            .map(|series| (series.style, series.hollow, series.name.as_str()))
             .collect();
         let top = 24.0 + legend(svg, [4.0, 2.0], WIDTH - 8.0, &names);
         let bottom = top + HEIGHT;
@@ -111,7 +116,13 @@ fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
             ],
         );
     }
-    for (at, value) in places {
+    // A long line would disappear under its markers.
+    let every = if series.joined {
+        places.len().div_ceil(MOST_MARKERS).max(1)
+    } else {
+        1
+    };
+    for (i, (at, value)) in places.into_iter().enumerate() {
         if let Some([low, high]) = value.interval {
             let (low, high) = (y.clamped(low), y.clamped(high));
             if low - high > 8.0 {
@@ -121,7 +132,9 @@ fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
                 svg.line(&whisker, [at[0] - 3.0, high], [at[0] + 3.0, high]);
             }
         }
-        marker::draw(svg, series.style, false, at);
+        if i % every == 0 {
+            marker::draw(svg, series.style, series.hollow, at);
+        }
     }
     svg.close();
 }

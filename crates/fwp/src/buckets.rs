@@ -44,8 +44,9 @@ impl Default for BucketOptions {
 /// Labels are divided into buckets of equal width, first in first out, and events are taken in
 /// rounds. A round chooses the buckets from the first non-empty one, `P1`, to the first, `P_end`, by
 /// which they hold at least K events, and takes from each of them what was there before the round;
-/// what comes during the round has its *birth* in it and waits for the next. How K follows the
-/// wavefront is told at [`BatchSize::Adaptive`].
+/// what comes during the round waits for the next. The paper tells the two apart by a *birth* that every event
+/// keeps; here a round empties its buckets when it begins, so that what is in them later is younger, and what comes
+/// next is known long before. How K follows the wavefront is told at [`BatchSize::Adaptive`].
 ///
 /// Where the paper leaves a choice: `P_end` is the last bucket that is counted, and an event is
 /// *beyond* it if its bucket is. A label below `P1`, by rounding, counts as being in it. An event whose
@@ -54,25 +55,24 @@ impl Default for BucketOptions {
 ///
 /// # Cost
 ///
-/// O(1) for each event, 24 bytes for each and 12 for each bucket from `P1` to the furthest; see
-/// [`Calendar`].
+/// O(1) for each event, 18 bytes for each, 16 for those of the round, and 12 for each bucket from `P1` to the
+/// furthest; see [`Calendar`].
 #[derive(Clone, Debug)]
 pub struct Buckets {
     batch: BatchSize,
     calendar: Calendar,
     round: Round,
+    /// The events of the round, of which those from `next` on are still to be taken.
+    events: Vec<(f64, Event)>,
+    next: usize,
 }
 
 /// The round under way.
 #[derive(Clone, Copy, Debug, Default)]
 struct Round {
-    /// Counts from 1, and on from 0 after 2³² rounds; 0 before the first one.
-    number: u32,
-    /// K.
+    /// K; 0 before the first round.
     size: i64,
-    /// The bucket that is being emptied, `P2` in the paper.
-    current: u64,
-    /// The last one to be emptied, `P_end`.
+    /// The last bucket whose events are taken, `P_end`.
     end: u64,
     /// Events that came into a bucket up to `end`.
     near: i64,
@@ -87,38 +87,30 @@ impl Buckets {
             batch: options.batch,
             calendar: Calendar::new(options.width * Calendar::usual_width(mesh)),
             round: Round::default(),
+            events: Vec::new(),
+            next: 0,
         }
     }
 
-    /// Takes an event of the current bucket that is older than the round.
-    #[inline]
-    fn take(&mut self) -> Option<(f64, Event)> {
-        let bucket = self.round.current;
-        // Births are in order in a bucket, and none is later than the round.
-        if self.calendar.first_birth(bucket)? == self.round.number {
-            return None;
-        }
-        self.calendar.take(bucket)
+    /// Number of events.
+    fn len(&self) -> usize {
+        self.calendar.len() + self.events.len() - self.next
     }
 
-    /// Begins a round; returns whether there is anything to take.
-    fn begin<P: Probe>(&mut self, probe: &mut P) -> bool {
-        let last_round = self.round.number;
-        let Some(first) = self.calendar.advance(last_round) else {
-            return false;
-        };
+    /// Begins a round when all events of the last one are taken; `None` if there is nothing to take.
+    #[cold]
+    fn begin<P: Probe>(&mut self, probe: &mut P) -> Option<()> {
+        let first = self.calendar.advance()?;
         self.round = Round {
-            number: last_round.wrapping_add(1),
             size: self.next_size(),
-            current: first,
             end: first,
             near: 0,
             beyond: 0,
         };
-        self.round.end = self.last_bucket(first);
+        self.empty_buckets(first);
         probe.add(Counter::Iterations, 1);
         probe.raise(Counter::KPeak, self.round.size.unsigned_abs());
-        true
+        Some(())
     }
 
     /// K of the round to come.
@@ -126,7 +118,7 @@ impl Buckets {
         let waiting = i64::try_from(self.calendar.len()).unwrap_or(i64::MAX);
         let (wanted, limit) = match self.batch {
             BatchSize::Fixed(size) => (i64::from(size), i64::MAX),
-            BatchSize::Adaptive { max } if self.round.number == 0 => (waiting, i64::from(max)),
+            BatchSize::Adaptive { max } if self.round.size == 0 => (waiting, i64::from(max)),
             BatchSize::Adaptive { max } => {
                 let Round {
                     size, near, beyond, ..
@@ -137,17 +129,21 @@ impl Buckets {
         wanted.min(limit).min(waiting).max(1)
     }
 
-    /// The first bucket by which there are K events from `first` on, or the last one in the ring.
-    fn last_bucket(&mut self, first: u64) -> u64 {
-        let mut end = first;
-        let mut held = i64::from(self.calendar.held(end));
-        while held < self.round.size
-            && let Some(next) = self.calendar.next_occupied(end + 1)
-        {
-            end = next;
-            held += i64::from(self.calendar.held(end));
+    /// Takes the events out of the buckets from `first` on to the one by which they are K, or to the last one in the
+    /// ring.
+    fn empty_buckets(&mut self, first: u64) {
+        self.events.clear();
+        self.next = 0;
+        let size = usize::try_from(self.round.size).unwrap_or(usize::MAX);
+        let mut next = Some(first);
+        while let Some(bucket) = next {
+            self.round.end = bucket;
+            self.calendar.drain(bucket, &mut self.events);
+            if self.events.len() >= size {
+                break;
+            }
+            next = self.calendar.next_occupied(bucket + 1);
         }
-        end
     }
 }
 
@@ -167,40 +163,40 @@ impl Discipline for Buckets {
         } else {
             self.round.near += 1;
         }
-        self.calendar.put(bucket, label, event, self.round.number);
+        self.calendar.put(bucket, label, event);
         probe.add(Counter::QueuePushes, 1);
-        probe.raise(Counter::QueuePeak, self.calendar.len() as u64);
+        probe.raise(Counter::QueuePeak, self.len() as u64);
     }
 
     #[inline]
     fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)> {
-        loop {
-            if let Some(taken) = self.take() {
-                return Some(taken);
-            }
-            match self.calendar.next_occupied(self.round.current + 1) {
-                Some(bucket) if bucket <= self.round.end => self.round.current = bucket,
-                _ => {
-                    if !self.begin(probe) {
-                        return None;
-                    }
-                }
-            }
+        if self.next == self.events.len() {
+            self.begin(probe)?;
         }
+        let taken = self.events[self.next];
+        self.next += 1;
+        Some(taken)
     }
 
     #[inline]
-    fn upcoming(&self) -> Option<Event> {
-        self.calendar.first_event(self.round.current)
+    fn upcoming(&self, skipped: usize) -> Option<Event> {
+        let upcoming = self.events.get(self.next + skipped);
+        upcoming.map(|&(_, event)| event)
     }
 
     fn window_labels(&self) -> impl Iterator<Item = f64> {
-        self.calendar.window_labels()
+        let round = self.events[self.next..].iter();
+        let round = round.filter(|(_, event)| event.is_window());
+        self.calendar
+            .window_labels()
+            .chain(round.map(|&(label, _)| label))
     }
 
     fn clear(&mut self) {
         self.calendar.clear();
         self.round = Round::default();
+        self.events.clear();
+        self.next = 0;
     }
 }
 

@@ -144,6 +144,11 @@ impl Discipline for LabelCorrecting {
         Some((label, event))
     }
 
+    #[inline]
+    fn upcoming(&self, skipped: usize) -> Option<Event> {
+        self.queue.get(skipped).map(|&(_, event)| event)
+    }
+
     fn window_labels(&self) -> impl Iterator<Item = f64> {
         self.queue
             .iter()

@@ -3,6 +3,7 @@
 use geobench_mesh::HalfEdgeId;
 
 use geobench_window::continuous::Side;
+use geobench_window::prefetch;
 
 use crate::tree::Guard;
 
@@ -74,6 +75,12 @@ impl Angles {
         } else {
             Split::Only(Side::Right)
         }
+    }
+
+    /// Asks for the memory of the angle of `guard`.
+    #[inline]
+    pub(crate) fn announce(&self, guard: &Guard) {
+        prefetch(&self.angles, guard.angle_index());
     }
 
     /// Whether the angle of `guard` has a new occupant whose ray cuts the guarded subtree off.

@@ -124,6 +124,13 @@ impl Policy for Splitting {
     }
 
     #[inline]
+    fn prepare(&self, _: HalfEdgeId, id: u32, surface: &Surface) {
+        let lineage = self.leaves.lineage(id);
+        surface.announce_vertex(lineage.root);
+        self.angles.announce(&lineage.guard);
+    }
+
+    #[inline]
     fn descend(&self, lineage: &Lineage) -> Option<Lineage> {
         let too_deep = self.filter == VertexFilter::Off && lineage.level >= self.level_limit;
         (!too_deep).then_some(Lineage {

@@ -1,8 +1,8 @@
 //! The leaves of the sequence tree: windows that wait to be propagated.
 
 use geobench_mesh::{HalfEdgeId, VertexId};
-use geobench_window::Window;
 use geobench_window::continuous::Side;
+use geobench_window::{Window, prefetch};
 
 /// The nearest split above a window: if another window has taken that angle since, the subtree on
 /// its wrong side is dead.
@@ -32,6 +32,12 @@ impl Guard {
             entry,
             place: 2 * angle.raw() + side,
         }
+    }
+
+    /// The number of the angle; that of no angle if there is no split.
+    #[inline]
+    pub(crate) fn angle_index(self) -> usize {
+        self.place as usize / 2
     }
 
     /// The angle, the fraction at which the ray to its apex came in, and the side of the child.
@@ -89,10 +95,16 @@ impl Leaves {
         self.nodes[slot as usize]
     }
 
-    /// Reads ahead the node that is to be [removed](Self::remove) next.
+    /// Asks for the node that is to be [removed](Self::remove) soon.
     #[inline]
     pub(crate) fn announce(&self, slot: u32) {
-        std::hint::black_box(self.nodes[slot as usize].window.sigma);
+        prefetch(&self.nodes, slot as usize);
+    }
+
+    /// What the node that is to be removed soon has inherited.
+    #[inline]
+    pub(crate) fn lineage(&self, slot: u32) -> &Lineage {
+        &self.nodes[slot as usize].lineage
     }
 
     pub(crate) fn len(&self) -> usize {

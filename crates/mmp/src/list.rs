@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::ops::Range;
 
-use geobench_window::{Window, tie_points};
+use geobench_window::{Window, prefetch, tie_points};
 
 /// How much shorter a new window must be, relatively, to take ground from a stored one. The old
 /// one wins ties, so that a window that comes twice is not stored twice.
@@ -64,10 +64,10 @@ impl WindowList {
     /// Bytes of one stored window.
     pub(crate) const WINDOW_BYTES: usize = size_of::<Stored>();
 
-    /// Reads ahead what [`take`](Self::take) looks at first.
+    /// Asks for what [`take`](Self::take) looks at first.
     #[inline]
     pub(crate) fn announce(&self) {
-        std::hint::black_box(self.windows.first().map(|s| s.tag));
+        prefetch(&self.windows, 0);
     }
 
     pub(crate) fn len(&self) -> usize {

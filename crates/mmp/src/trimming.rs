@@ -2,7 +2,7 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Policy, Surface};
-use geobench_window::{Counter, Passage, Probe, Window};
+use geobench_window::{Counter, Passage, Probe, Window, prefetch};
 
 use crate::levels::Levels;
 use crate::list::{Direction, Inserter, WindowList};
@@ -160,6 +160,11 @@ impl Policy for Trimming {
     #[inline]
     fn announce(&self, h: HalfEdgeId, _: u32) {
         // The edge-based variant may have its windows elsewhere, which then come unannounced.
+        prefetch(&self.lists, h.index());
+    }
+
+    #[inline]
+    fn prepare(&self, h: HalfEdgeId, _: u32, _: &Surface) {
         self.lists[h.index()].announce();
     }
 

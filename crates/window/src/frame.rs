@@ -2,6 +2,8 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
+use crate::prefetch::prefetch;
+
 /// A triangle seen from one of its half-edges: tail A at the origin, head B at `(l, 0)`, apex C
 /// above.
 ///
@@ -112,6 +114,12 @@ impl Faces {
             corners: [face.vertex[k], face.vertex[next], face.vertex[prev]],
             exits: [exit(face.twin[prev]), exit(face.twin[next])],
         }
+    }
+
+    /// Asks for the memory in which the face of `h` lies.
+    #[inline]
+    pub fn announce(&self, h: HalfEdgeId) {
+        prefetch(&self.records, h.face().index());
     }
 
     /// Length of `h`.

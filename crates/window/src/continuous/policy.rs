@@ -60,11 +60,18 @@ pub trait Policy: Send {
         probe: &mut P,
     ) -> Option<(Window, Self::Lineage)>;
 
-    /// Window `id` on `h` is likely to be taken next: reads what [`take`](Self::take) will need, for
-    /// it to be in the cache by then.
+    /// Window `id` on `h` is likely to be taken soon: asks for the memory where it lies, without
+    /// reading any.
     #[inline]
     fn announce(&self, h: HalfEdgeId, id: u32) {
         let _ = (h, id);
+    }
+
+    /// Window `id` on `h`, which was announced a few turns ago, is likely to be taken in one or two:
+    /// reads it, and asks for what else [`take`](Self::take) will need.
+    #[inline]
+    fn prepare(&self, h: HalfEdgeId, id: u32, surface: &Surface) {
+        let _ = (h, id, surface);
     }
 
     /// Which children of a window on one side of the apex are tried, the left and the right one:

@@ -25,6 +25,10 @@ const COUNTERS: &[Counter] = &[
     Counter::PseudoSources,
 ];
 
+/// How many turns before its own a window is announced, and how many before it is prepared.
+const FAR: usize = 5;
+const NEAR: usize = 2;
+
 /// An algorithm that takes one window at a time: `policy` under `queue`, on one mesh.
 #[derive(Clone, Debug)]
 pub struct Continuous<'m, W, Q> {
@@ -250,9 +254,13 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<'_, W, Q> {
             self.spawn(s, probe);
         }
         while let Some((label, event)) = self.queue.pop(probe) {
-            if let Some(EventKind::Window(h, id)) = self.queue.upcoming().map(Event::kind) {
+            if let Some(EventKind::Window(h, id)) = self.queue.upcoming(FAR).map(Event::kind) {
                 self.policy.announce(h, id);
                 self.surface.announce(h);
+            }
+            if let Some(EventKind::Window(h, id)) = self.queue.upcoming(NEAR).map(Event::kind) {
+                self.policy.prepare(h, id, &self.surface);
+                self.surface.prepare(h);
             }
             match event.kind() {
                 EventKind::Vertex(v) => {

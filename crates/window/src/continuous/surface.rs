@@ -4,6 +4,7 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
 use super::edge::Edge;
 use crate::frame::Faces;
+use crate::prefetch::prefetch;
 
 /// The faces of the mesh, with the distance that every vertex has been reached by so far.
 #[derive(Clone, Debug)]
@@ -53,10 +54,24 @@ impl Surface {
         improves
     }
 
-    /// A window is likely to enter the face of `h` next: reads ahead what it needs.
+    /// A window is likely to enter the face of `h` soon: asks for the face.
     #[inline]
     pub(super) fn announce(&self, h: HalfEdgeId) {
-        std::hint::black_box(self.faces.length(h));
+        self.faces.announce(h);
+    }
+
+    /// It is likely to do so in one or two turns: asks for what is known of its vertices.
+    #[inline]
+    pub(super) fn prepare(&self, h: HalfEdgeId) {
+        for v in self.faces.corners(h) {
+            self.announce_vertex(v);
+        }
+    }
+
+    /// The [distance](Self::distance) of `v` is likely to be wanted soon.
+    #[inline]
+    pub fn announce_vertex(&self, v: VertexId) {
+        prefetch(&self.distances, v.index());
     }
 
     /// The edge of `h` for a window that starts there.

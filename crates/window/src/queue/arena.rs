@@ -2,18 +2,28 @@
 
 use super::Event;
 
-/// No node.
+/// No chunk.
 const NONE: u32 = u32::MAX;
 
-/// An event in its queue, 24 bytes.
+/// Events of a chunk: as many as two cache lines hold.
+const ROOM: usize = 7;
+
+/// Consecutive events of one chain.
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    /// NaN in a node that is free.
-    label: f64,
-    event: Event,
-    birth: u32,
-    /// The node behind it, in its queue or among the free ones.
+#[repr(align(128))]
+struct Chunk {
+    /// The chunk behind it, in its chain or among the free ones.
     next: u32,
+    /// Which of the events are there; none in a chunk that is free.
+    start: u16,
+    end: u16,
+    events: [(f64, Event); ROOM],
+}
+
+impl Chunk {
+    fn events(&self) -> &[(f64, Event)] {
+        &self.events[usize::from(self.start)..usize::from(self.end)]
+    }
 }
 
 /// A queue in an [`Arena`], first in, first out.
@@ -37,11 +47,12 @@ impl Chain {
     }
 }
 
-/// The nodes of any number of chains. A node that is left goes to the next event that comes, so
-/// as many nodes are ever taken from the allocator as events wait at one time.
+/// The events of any number of chains, seven of one chain in a chunk of 128 bytes. A chunk that
+/// becomes empty goes to the next chain that needs one, so that as many are ever taken from the
+/// allocator as are needed at one time.
 #[derive(Clone, Debug)]
 pub struct Arena {
-    nodes: Vec<Node>,
+    chunks: Vec<Chunk>,
     free: u32,
     len: usize,
 }
@@ -49,7 +60,7 @@ pub struct Arena {
 impl Default for Arena {
     fn default() -> Self {
         Self {
-            nodes: Vec::new(),
+            chunks: Vec::new(),
             free: NONE,
             len: 0,
         }
@@ -70,64 +81,93 @@ impl Arena {
 
     /// Appends an event to `chain`.
     #[inline]
-    pub fn append(&mut self, chain: &mut Chain, label: f64, event: Event, birth: u32) {
-        let node = Node {
-            label,
-            event,
-            birth,
+    pub fn append(&mut self, chain: &mut Chain, label: f64, event: Event) {
+        self.len += 1;
+        if !chain.is_empty() {
+            let tail = &mut self.chunks[chain.tail as usize];
+            let end = usize::from(tail.end);
+            if let Some(place) = tail.events.get_mut(end) {
+                *place = (label, event);
+                tail.end += 1;
+                return;
+            }
+        }
+        self.lengthen(chain, label, event);
+    }
+
+    /// Appends an event in a chunk of its own.
+    fn lengthen(&mut self, chain: &mut Chain, label: f64, event: Event) {
+        let chunk = Chunk {
             next: NONE,
+            start: 0,
+            end: 1,
+            events: [(label, event); ROOM],
         };
-        let place = self.place(node);
+        let place = self.free;
+        let place = if place == NONE {
+            self.chunks.push(chunk);
+            (self.chunks.len() - 1) as u32
+        } else {
+            let free = &mut self.chunks[place as usize];
+            self.free = free.next;
+            *free = chunk;
+            place
+        };
         if chain.is_empty() {
             chain.head = place;
         } else {
-            self.nodes[chain.tail as usize].next = place;
+            self.chunks[chain.tail as usize].next = place;
         }
         chain.tail = place;
-        self.len += 1;
     }
 
+    /// The event that is taken from `chain` after `skipped` others, if it is near enough to tell
+    /// without following the chain: the next six or so can be told.
     #[inline]
-    fn place(&mut self, node: Node) -> u32 {
-        let place = self.free;
-        if place == NONE {
-            self.nodes.push(node);
-            (self.nodes.len() - 1) as u32
-        } else {
-            let free = &mut self.nodes[place as usize];
-            self.free = free.next;
-            *free = node;
-            place
-        }
-    }
-
-    /// The birth of the first event of `chain`.
-    #[inline]
-    pub fn first_birth(&self, chain: Chain) -> Option<u32> {
-        (!chain.is_empty()).then(|| self.nodes[chain.head as usize].birth)
-    }
-
-    /// The first event of `chain`.
-    #[inline]
-    pub fn first(&self, chain: Chain) -> Option<Event> {
-        (!chain.is_empty()).then(|| self.nodes[chain.head as usize].event)
+    pub fn upcoming(&self, chain: Chain, skipped: usize) -> Option<Event> {
+        let head = self.chunks.get(chain.head as usize)?;
+        let events = head.events();
+        let event = events.get(skipped).or_else(|| {
+            let next = self.chunks.get(head.next as usize)?;
+            next.events().get(skipped - events.len())
+        });
+        event.map(|&(_, event)| event)
     }
 
     /// Takes the first event of `chain`, with its label.
     #[inline]
     pub fn take(&mut self, chain: &mut Chain) -> Option<(f64, Event)> {
-        if chain.is_empty() {
-            return None;
-        }
-        let place = chain.head;
-        let node = &mut self.nodes[place as usize];
-        let taken = (node.label, node.event);
-        chain.head = node.next;
-        node.label = f64::NAN;
-        node.next = self.free;
-        self.free = place;
+        let chunk = self.chunks.get_mut(chain.head as usize)?;
+        let taken = chunk.events[usize::from(chunk.start)];
+        chunk.start += 1;
         self.len -= 1;
+        if chunk.start == chunk.end {
+            let emptied = chain.head;
+            chain.head = chunk.next;
+            self.release(emptied);
+        }
         Some(taken)
+    }
+
+    /// Takes all events of `chain`.
+    #[inline]
+    pub fn drain(&mut self, chain: &mut Chain, mut to: impl FnMut(&[(f64, Event)])) {
+        while let Some(chunk) = self.chunks.get(chain.head as usize) {
+            let emptied = chain.head;
+            let events = chunk.events();
+            to(events);
+            self.len -= events.len();
+            chain.head = chunk.next;
+            self.release(emptied);
+        }
+    }
+
+    #[inline]
+    fn release(&mut self, place: u32) {
+        let chunk = &mut self.chunks[place as usize];
+        (chunk.start, chunk.end) = (0, 0);
+        chunk.next = self.free;
+        self.free = place;
     }
 
     /// Moves all events of `from` behind those of `to`, in constant time.
@@ -138,7 +178,7 @@ impl Arena {
         if to.is_empty() {
             *to = *from;
         } else {
-            self.nodes[to.tail as usize].next = from.head;
+            self.chunks[to.tail as usize].next = from.head;
             to.tail = from.tail;
         }
         *from = Chain::EMPTY;
@@ -146,15 +186,16 @@ impl Arena {
 
     /// The labels of the windows in all chains, in no order.
     pub fn window_labels(&self) -> impl Iterator<Item = f64> {
-        self.nodes
+        self.chunks
             .iter()
-            .filter(|node| !node.label.is_nan() && node.event.is_window())
-            .map(|node| node.label)
+            .flat_map(Chunk::events)
+            .filter(|(_, event)| event.is_window())
+            .map(|&(label, _)| label)
     }
 
     /// Forgets all events, keeping the memory; every chain must be made empty too.
     pub fn clear(&mut self) {
-        self.nodes.clear();
+        self.chunks.clear();
         self.free = NONE;
         self.len = 0;
     }
@@ -195,15 +236,19 @@ mod tests {
             let mut arena = Arena::default();
             let mut chains = [Chain::EMPTY; 3];
             let mut queues: [VecDeque<u32>; 3] = Default::default();
-            let mut most = 0;
             for (id, step) in (0u32..).zip(steps) {
                 match step {
                     Step::Append(to) => {
-                        arena.append(&mut chains[to], f64::from(id), event(id), id);
+                        arena.append(&mut chains[to], f64::from(id), event(id));
                         queues[to].push_back(id);
                     }
                     Step::Take(from) => {
-                        prop_assert_eq!(arena.first_birth(chains[from]), queues[from].front().copied());
+                        for ahead in 0..ROOM {
+                            let upcoming = arena.upcoming(chains[from], ahead);
+                            let expected = queues[from].get(ahead).map(|&id| event(id));
+                            prop_assert!(upcoming == expected || upcoming.is_none());
+                            prop_assert!(upcoming == expected || ahead > 0);
+                        }
                         let expected = queues[from].pop_front().map(|id| (f64::from(id), event(id)));
                         prop_assert_eq!(arena.take(&mut chains[from]), expected);
                     }
@@ -215,23 +260,41 @@ mod tests {
                         queues[to].extend(moved);
                     }
                 }
-                most = most.max(arena.len());
                 let mut waiting: Vec<f64> = queues.iter().flatten().map(|&id| f64::from(id)).collect();
                 waiting.sort_by(f64::total_cmp);
                 let mut labels: Vec<f64> = arena.window_labels().collect();
                 labels.sort_by(f64::total_cmp);
                 prop_assert_eq!(labels, waiting);
             }
-            prop_assert!(arena.nodes.len() == most);
+            for (chain, queue) in chains.iter_mut().zip(&mut queues) {
+                let mut drained = Vec::new();
+                arena.drain(chain, |events| drained.extend(events.iter().map(|&(_, event)| event)));
+                let expected: Vec<_> = queue.drain(..).map(event).collect();
+                prop_assert_eq!(drained, expected);
+            }
+            prop_assert!(arena.is_empty());
         }
     }
 
     #[test]
     fn labels_are_those_of_windows_only() {
         let (mut arena, mut chain) = (Arena::default(), Chain::EMPTY);
-        arena.append(&mut chain, 1.0, Event::vertex(VertexId::new(3)), 0);
-        arena.append(&mut chain, 2.0, event(0), 0);
+        arena.append(&mut chain, 1.0, Event::vertex(VertexId::new(3)));
+        arena.append(&mut chain, 2.0, event(0));
         assert_eq!(arena.window_labels().collect::<Vec<_>>(), [2.0]);
         assert_eq!(arena.len(), 2);
+    }
+
+    #[test]
+    fn chunks_are_reused() {
+        let (mut arena, mut chain) = (Arena::default(), Chain::EMPTY);
+        for round in 0..100 {
+            for id in 0..3 * ROOM as u32 {
+                arena.append(&mut chain, f64::from(id), event(round));
+            }
+            while arena.take(&mut chain).is_some() {}
+        }
+        assert_eq!(arena.chunks.len(), 3);
+        assert_eq!(size_of::<Chunk>(), 128);
     }
 }

@@ -20,7 +20,8 @@ const LAST_BUCKET: u64 = 1 << 62;
 /// O(1) for each event, whatever the number of buckets. They form a ring from the first bucket on,
 /// of as many slots as the labels that wait are apart; a label more than 262,144 buckets further
 /// up, which only a very small width or an edge of thousands of times the mean length can bring,
-/// waits in a heap, at O(log k). An event takes 24 bytes, a slot 12.
+/// waits in a heap, at O(log k). An event takes 18 bytes, a slot 12, and a bucket has room for six
+/// more events at most.
 #[derive(Clone, Debug)]
 pub struct Calendar {
     /// Buckets for each unit of length.
@@ -80,21 +81,20 @@ impl Calendar {
         self.ring.first()
     }
 
-    /// Puts an event into a bucket that is not below the first. `birth` comes out with it.
+    /// Puts an event into a bucket that is not below the first.
     #[inline]
-    pub fn put(&mut self, bucket: u64, label: f64, event: Event, birth: u32) {
+    pub fn put(&mut self, bucket: u64, label: f64, event: Event) {
         if bucket - self.ring.first() < MOST_BUCKETS {
             let slot = self.ring.occupy(bucket);
             slot.len += 1;
-            self.arena.append(&mut slot.chain, label, event, birth);
+            self.arena.append(&mut slot.chain, label, event);
         } else {
             self.far.push(label, event);
         }
     }
 
-    /// Makes the lowest bucket that is not empty the first one, and returns it; events that come
-    /// out of the heap by that get this birth.
-    pub fn advance(&mut self, birth: u32) -> Option<u64> {
+    /// Makes the lowest bucket that is not empty the first one, and returns it.
+    pub fn advance(&mut self) -> Option<u64> {
         let near = self.ring.next_occupied(self.ring.first());
         let first = near.or_else(|| self.far.peek().map(|(label, _)| self.bucket(label)))?;
         self.ring.advance(first);
@@ -104,7 +104,7 @@ impl Calendar {
                 break;
             }
             self.far.pop();
-            self.put(bucket, label, event, birth);
+            self.put(bucket, label, event);
         }
         Some(first)
     }
@@ -121,40 +121,15 @@ impl Calendar {
         self.ring.slot(bucket).len
     }
 
-    /// The birth of the first event of a bucket.
+    /// Takes all events of a bucket, first in, first out, and puts them behind those in `to`.
     #[inline]
-    pub fn first_birth(&mut self, bucket: u64) -> Option<u32> {
-        self.arena.first_birth(self.ring.slot(bucket).chain)
-    }
-
-    /// The first event of a bucket.
-    #[inline]
-    pub fn first_event(&self, bucket: u64) -> Option<Event> {
-        self.arena.first(self.ring.get(bucket).chain)
-    }
-
-    /// Takes the first event of a bucket, with its label.
-    #[inline]
-    pub fn take(&mut self, bucket: u64) -> Option<(f64, Event)> {
-        let slot = self.ring.slot(bucket);
-        let taken = self.arena.take(&mut slot.chain)?;
-        slot.len -= 1;
-        if slot.len == 0 {
-            self.ring.vacate(bucket);
-        }
-        Some(taken)
-    }
-
-    /// Takes all events of a bucket.
-    #[inline]
-    pub fn drain(&mut self, bucket: u64, mut to: impl FnMut(f64, Event)) {
+    pub fn drain(&mut self, bucket: u64, to: &mut Vec<(f64, Event)>) {
         let slot = self.ring.slot(bucket);
         let mut chain = std::mem::replace(&mut slot.chain, Chain::EMPTY);
         slot.len = 0;
         self.ring.vacate(bucket);
-        while let Some((label, event)) = self.arena.take(&mut chain) {
-            to(label, event);
-        }
+        self.arena
+            .drain(&mut chain, |events| to.extend_from_slice(events));
     }
 
     /// The labels of all windows that wait, in no order.

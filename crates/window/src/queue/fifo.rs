@@ -28,6 +28,11 @@ impl Discipline for Fifo {
         self.events.pop_front()
     }
 
+    #[inline]
+    fn upcoming(&self, skipped: usize) -> Option<Event> {
+        self.events.get(skipped).map(|&(_, event)| event)
+    }
+
     fn window_labels(&self) -> impl Iterator<Item = f64> {
         self.events
             .iter()

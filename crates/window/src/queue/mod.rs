@@ -41,10 +41,11 @@ pub trait Discipline: Send {
     /// Takes the next event, with its label.
     fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)>;
 
-    /// The event that is likely to come next, if that is cheap to tell: what it needs is then read
-    /// ahead of time.
+    /// The event that is likely to come after `skipped` others, if that is cheap to tell: what it
+    /// needs is then read ahead of time.
     #[inline]
-    fn upcoming(&self) -> Option<Event> {
+    fn upcoming(&self, skipped: usize) -> Option<Event> {
+        let _ = skipped;
         None
     }
 

@@ -6,24 +6,30 @@ use super::{Calendar, Discipline, Event, MinHeap};
 use crate::counters::Counter;
 use crate::probe::Probe;
 
-/// Width of a bucket, as a multiple of the [usual one](Calendar::usual_width): the heap then holds
-/// some ten to a hundred events.
+/// Width of a bucket, as a multiple of the [usual one](Calendar::usual_width): it then holds some
+/// ten to a hundred events.
 const WIDTH: f64 = 1.0;
+
+/// How many events, at least, are known to come next, as far as so many wait.
+const KNOWN: usize = 8;
 
 /// A priority queue, which makes an algorithm a continuous Dijkstra.
 ///
-/// Only the events that are next to come are kept in order: those of the current bucket stand in a
-/// heap small enough for the nearest cache, and the others wait in their buckets unsorted. Events
-/// come in exactly the order of one heap for all of them, up to those of equal labels, which come
-/// in an order that depends on the insertions alone.
+/// Only the events that are next to come are in order: the buckets of a [`Calendar`] are taken and sorted one
+/// after the other, a few events ahead. What comes later and belongs before the end of them, as few events
+/// do, goes to a heap. Events come in exactly the order of one heap for all of them, up to those of equal labels,
+/// which come in an order that depends on the insertions alone.
 ///
 /// # Cost
 ///
 /// O(log k) for each event, for k in its bucket; O(log n) where labels do not spread.
 #[derive(Clone, Debug)]
 pub struct Priority {
-    /// Events of the current bucket and of lower ones.
-    near: MinHeap<Event>,
+    /// Events of the buckets up to the current one, in order; those from `next` on are to come.
+    sorted: Vec<(f64, Event)>,
+    next: usize,
+    /// Later events of the same buckets and of lower ones.
+    late: MinHeap<Event>,
     current: u64,
     later: Calendar,
 }
@@ -36,19 +42,33 @@ impl Priority {
 
     fn with_width(width: f64) -> Self {
         Self {
-            near: MinHeap::default(),
+            sorted: Vec::new(),
+            next: 0,
+            late: MinHeap::default(),
             current: 0,
             later: Calendar::new(width),
         }
     }
 
-    /// Makes the next bucket that is not empty the current one.
-    fn turn<P: Probe>(&mut self, _: &mut P) -> Option<()> {
-        self.current = self.later.advance(0)?;
-        let near = &mut self.near;
-        self.later
-            .drain(self.current, |label, event| near.push(label, event));
-        Some(())
+    /// Number of events.
+    fn len(&self) -> usize {
+        self.sorted.len() - self.next + self.late.len() + self.later.len()
+    }
+
+    /// Sorts the next buckets, until enough events are known or there are no more.
+    #[cold]
+    fn refill(&mut self) {
+        self.sorted.drain(..self.next);
+        self.next = 0;
+        while self.sorted.len() < KNOWN
+            && let Some(bucket) = self.later.advance()
+        {
+            self.current = bucket;
+            let before = self.sorted.len();
+            self.later.drain(bucket, &mut self.sorted);
+            // Labels are not negative, and then in the order of their bits.
+            self.sorted[before..].sort_by_key(|&(label, _)| label.to_bits());
+        }
     }
 }
 
@@ -59,39 +79,47 @@ impl Discipline for Priority {
     fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
         let bucket = self.later.bucket(label);
         if bucket <= self.current {
-            self.near.push(label, event);
+            self.late.push(label, event);
         } else {
-            self.later.put(bucket, label, event, 0);
+            self.later.put(bucket, label, event);
         }
         probe.add(Counter::QueuePushes, 1);
-        probe.raise(
-            Counter::QueuePeak,
-            (self.near.len() + self.later.len()) as u64,
-        );
+        probe.raise(Counter::QueuePeak, self.len() as u64);
     }
 
     #[inline]
-    fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)> {
-        if self.near.is_empty() {
-            self.turn(probe)?;
+    fn pop<P: Probe>(&mut self, _: &mut P) -> Option<(f64, Event)> {
+        if self.sorted.len() - self.next < KNOWN && !self.later.is_empty() {
+            self.refill();
         }
-        self.near.pop()
+        let next = self.sorted.get(self.next);
+        if let Some((late, _)) = self.late.peek()
+            && next.is_none_or(|&(label, _)| late < label)
+        {
+            return self.late.pop();
+        }
+        self.next += usize::from(next.is_some());
+        next.copied()
     }
 
     #[inline]
-    fn upcoming(&self) -> Option<Event> {
-        self.near.peek().map(|(_, event)| event)
+    fn upcoming(&self, skipped: usize) -> Option<Event> {
+        let upcoming = self.sorted.get(self.next + skipped);
+        upcoming.map(|&(_, event)| event)
     }
 
     fn window_labels(&self) -> impl Iterator<Item = f64> {
-        let near = self.near.iter().filter(|(_, event)| event.is_window());
+        let near = self.sorted[self.next..].iter().chain(self.late.iter());
+        let near = near.filter(|(_, event)| event.is_window());
         self.later
             .window_labels()
             .chain(near.map(|&(label, _)| label))
     }
 
     fn clear(&mut self) {
-        self.near.clear();
+        self.sorted.clear();
+        self.next = 0;
+        self.late.clear();
         self.current = 0;
         self.later.clear();
     }

@@ -54,12 +54,6 @@ impl Ring {
         &mut self.slots[i]
     }
 
-    /// As [`slot`](Self::slot), to look at.
-    #[inline]
-    pub(crate) fn get(&self, bucket: u64) -> &Slot {
-        &self.slots[self.index(bucket)]
-    }
-
     /// Makes room for `bucket` and marks it as occupied.
     #[inline]
     pub(crate) fn occupy(&mut self, bucket: u64) -> &mut Slot {

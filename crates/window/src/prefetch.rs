@@ -1,0 +1,29 @@
+//! Memory asked for before it is needed.
+
+#![allow(unsafe_code)]
+
+/// Bytes of a cache line.
+const LINE: usize = 64;
+
+/// Asks for all cache lines of `values[i]`; does nothing harmful if there is no such value.
+#[inline]
+pub fn prefetch<T>(values: &[T], i: usize) {
+    let value = values.as_ptr().wrapping_add(i).cast::<u8>();
+    for line in 0..size_of::<T>().div_ceil(LINE) {
+        ask(value.wrapping_add(LINE * line));
+    }
+}
+
+/// Asks for the cache line of an address.
+#[inline]
+#[cfg(target_arch = "x86_64")]
+fn ask(address: *const u8) {
+    use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+    // SAFETY: the processor takes any address, and asking has no effect but on time.
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) }
+}
+
+/// Does nothing on this processor.
+#[inline]
+#[cfg(not(target_arch = "x86_64"))]
+fn ask(_: *const u8) {}

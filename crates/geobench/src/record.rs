@@ -311,6 +311,11 @@ impl Status {
             Self::Refused => "refused",
         }
     }
+
+    /// The same for people, without underscores.
+    pub fn in_words(self) -> String {
+        self.name().replace('_', " ")
+    }
 }
 
 /// Times in seconds; empty and null unless the status is `ok`.

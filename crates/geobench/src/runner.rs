@@ -116,6 +116,12 @@ pub trait Listener {
         let _ = step;
     }
 
+    /// A run has ended, now or before the benchmark was interrupted: it failed so, or took so many seconds if it
+    /// was timed.
+    fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
+        let _ = (step, outcome);
+    }
+
     /// Whether to stop: nothing more is started, what is done is kept, and a run that failed
     /// because of it is not blamed.
     fn interrupted(&self) -> bool {

@@ -2,6 +2,7 @@
 
 mod algos;
 mod args;
+mod board;
 mod compare;
 mod distance;
 mod generate;
@@ -12,6 +13,7 @@ mod outputs;
 mod pool;
 mod progress;
 mod report;
+mod reporter;
 mod run;
 mod shell;
 mod terminal;

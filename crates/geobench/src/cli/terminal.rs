@@ -2,13 +2,18 @@
 
 use std::io::{self, IsTerminal, Write};
 
+use terminal_size::{Height, Width, terminal_size_of};
+
 use super::args::ColorChoice;
+use crate::export::Look;
 
 /// What may be shown how.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Terminal {
     /// Whether tables on standard output use colour.
     pub(super) styled: bool,
+    /// Letters on a line of standard output, if that is a terminal.
+    pub(super) width: Option<usize>,
 }
 
 impl Terminal {
@@ -23,8 +28,23 @@ impl Terminal {
                     && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
             }
         };
-        Self { styled }
+        let width = terminal_size_of(io::stdout()).map(|(Width(width), _)| usize::from(width));
+        Self { styled, width }
     }
+
+    /// How tables look on standard output.
+    pub(super) const fn look(self) -> Look {
+        Look {
+            styled: self.styled,
+            width: self.width,
+        }
+    }
+}
+
+/// Letters on a line and lines of standard error, if that is a terminal.
+pub(super) fn size_of_standard_error() -> Option<[usize; 2]> {
+    let (Width(width), Height(height)) = terminal_size_of(io::stderr())?;
+    Some([width, height].map(usize::from))
 }
 
 /// Writes `text` to standard output at once.

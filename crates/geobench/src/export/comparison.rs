@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::grid::{Entry, Grid};
+use super::grid::{Entry, Grid, Look};
 use super::number::decimals;
 use super::{UnknownEnding, of_ending};
 use crate::compare::{CellChange, Comparison, FigureChange, Key, Side, TimeMethod, exact, percent};
@@ -59,7 +59,10 @@ fn table(comparison: &Comparison, styled: bool) -> String {
         side(&comparison.old),
         side(&comparison.new),
         method(comparison),
-        changes(comparison).terminal(styled)
+        changes(comparison).terminal(Look {
+            styled,
+            width: None,
+        })
     );
     for (title, lines) in [
         ("worse", worse(comparison)),
@@ -242,7 +245,7 @@ fn time(change: &CellChange) -> Entry {
         }
         (None, [Status::Ok, Status::Ok]) => Entry::plain("-"),
         (None, [old, new]) => {
-            let [from, to] = [old, new].map(|status| status.name().replace('_', " "));
+            let [from, to] = [old, new].map(Status::in_words);
             marked(
                 if old == new {
                     to

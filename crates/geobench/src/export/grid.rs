@@ -1,5 +1,7 @@
 //! A table of texts, and how it looks on a terminal and in Markdown.
 
+use std::ops::Range;
+
 use comfy_table::{Attribute, Cell as TableCell, CellAlignment, Color, Table, presets};
 
 /// A figure in a table, or what stands in its place.
@@ -22,6 +24,18 @@ impl Entry {
     }
 }
 
+/// How tables look.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Look {
+    /// Whether the best is set off by colour; else it has a star.
+    pub styled: bool,
+    /// Letters that fit on a line; any number if it is not a terminal that reads.
+    pub width: Option<usize>,
+}
+
+/// Letters that a column takes beside its text: a border, and a space on either side.
+const AROUND: usize = 3;
+
 /// A table.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Grid {
@@ -34,8 +48,52 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// For the terminal: what is set off is coloured if `styled`, else marked with a star.
-    pub(super) fn terminal(&self, styled: bool) -> String {
+    /// For the terminal: what is set off is coloured if it is to be, else marked with a star. A table that is
+    /// too wide is cut into several, each with the texts at its left.
+    pub(super) fn terminal(&self, look: Look) -> String {
+        let parts = self.parts(look.width);
+        let tables: Vec<String> = parts
+            .into_iter()
+            .map(|figures| self.table(figures, look.styled))
+            .collect();
+        tables.join("\n")
+    }
+
+    /// Which columns of figures stand in one table, if no table may be wider than `width`.
+    fn parts(&self, width: Option<usize>) -> Vec<Range<usize>> {
+        let columns = self.header.len();
+        let Some(width) = width else {
+            return std::iter::once(self.texts..columns).collect();
+        };
+        let letters = |text: &str| text.chars().count();
+        let width_of = |place: usize| {
+            let starred = |row: &[Entry]| usize::from(row.iter().any(|entry| entry.best));
+            let rows = self.rows.iter().filter_map(|row| {
+                let star = if place < self.texts { 0 } else { starred(row) };
+                Some(letters(&row.get(place)?.text) + star)
+            });
+            rows.chain([letters(&self.header[place])])
+                .max()
+                .unwrap_or(0)
+                + AROUND
+        };
+        let left = 1 + (0..self.texts).map(width_of).sum::<usize>();
+        let (mut parts, mut start, mut used) = (Vec::new(), self.texts, left);
+        for place in self.texts..columns {
+            let more = width_of(place);
+            // One column is always shown, however narrow the terminal is.
+            if used + more > width && place > start {
+                parts.push(start..place);
+                (start, used) = (place, left);
+            }
+            used += more;
+        }
+        parts.push(start..columns);
+        parts
+    }
+
+    /// A table of the texts and some columns of figures.
+    fn table(&self, figures: Range<usize>, styled: bool) -> String {
         let mut table = Table::new();
         table.load_style(presets::UTF8_FULL_CONDENSED);
         if styled {
@@ -43,6 +101,7 @@ impl Grid {
         } else {
             table.force_no_tty();
         }
+        let shown = |place: &usize| *place < self.texts || figures.contains(place);
         let aligned = |place: usize, text: &str| {
             let cell = TableCell::new(text);
             if place < self.texts {
@@ -52,10 +111,12 @@ impl Grid {
             }
         };
         let header = self.header.iter().enumerate();
+        let header = header.filter(|(place, _)| shown(place));
         table.set_header(header.map(|(place, text)| aligned(place, text)));
         for row in &self.rows {
             let starred = row.iter().any(|entry| entry.best);
-            table.add_row(row.iter().enumerate().map(|(place, entry)| {
+            let entries = row.iter().enumerate().filter(|(place, _)| shown(place));
+            table.add_row(entries.map(|(place, entry)| {
                 let text = match (styled, entry.best, starred && place >= self.texts) {
                     (false, true, _) => format!("{}*", entry.text),
                     // The digits of a row stay below each other.
@@ -107,4 +168,51 @@ fn line(fields: impl Iterator<Item = String>) -> String {
 /// Keeps text from ending a table cell.
 pub(super) fn escape(text: &str) -> String {
     text.replace('|', "\\|").replace('\n', " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wide_table_is_cut_where_the_terminal_ends() {
+        let names = ["", "mmp", "ich", "fwp-mmp{k=200}", "vtp"];
+        let row = |label: &str| {
+            let figures = (1..5).map(|i| Entry {
+                best: i == 4,
+                ..Entry::plain(format!("{label}{i}"))
+            });
+            std::iter::once(Entry::plain(label))
+                .chain(figures)
+                .collect()
+        };
+        let grid = Grid {
+            texts: 1,
+            header: names.map(str::to_owned).to_vec(),
+            rows: vec![row("Time"), row("Windows")],
+        };
+        let look = |width| Look {
+            styled: false,
+            width,
+        };
+        let whole = grid.terminal(look(None));
+        let widest = whole
+            .lines()
+            .map(|line| line.chars().count())
+            .max()
+            .unwrap();
+        assert_eq!(grid.terminal(look(Some(widest))), whole);
+        insta::assert_snapshot!(grid.terminal(look(Some(widest - 1))));
+        for width in 0..widest {
+            let text = grid.terminal(look(Some(width)));
+            // Nothing is lost, and nothing is wider than it must be.
+            for name in names {
+                assert!(text.contains(name), "{text}");
+            }
+            let fits = text
+                .lines()
+                .all(|line| line.chars().count() <= width.max(30));
+            assert!(fits, "{width}:\n{text}");
+        }
+    }
 }

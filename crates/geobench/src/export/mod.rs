@@ -1,5 +1,6 @@
 //! Results as people and programs read them.
 
+mod bars;
 mod comparison;
 mod csv;
 pub(crate) mod figures;
@@ -18,9 +19,12 @@ use std::path::Path;
 
 use crate::record::ResultFile;
 
+pub use bars::{Bar, lines as bar_lines, model_bars};
 pub use comparison::ComparisonFormat;
 pub use csv::header as csv_header;
 pub use figures::{Figure, UnknownFigure, figure};
+pub use grid::Look;
+pub(crate) use ratios::base;
 pub use table::{footnote, group_heading, model_table, ratio_table};
 
 /// A form in which results can be written.

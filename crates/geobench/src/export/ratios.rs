@@ -36,6 +36,25 @@ pub(super) fn view<'r>(group: &GroupRecord, cells: &[&'r Cell]) -> Option<ModelV
     })
 }
 
+/// The algorithm to which ratios are taken: the one that the group names, else `vtp`, else the reference of
+/// the checks of `cells`, else the first. None if there is nothing to compare it with.
+pub(crate) fn base<'r>(
+    group: &'r GroupRecord,
+    algorithms: &[&'r str],
+    cells: &[&'r Cell],
+) -> Option<&'r str> {
+    let ran = |name: &&str| algorithms.contains(name);
+    let reference = cells.iter().find_map(|c| c.check.reference.as_deref());
+    let base = group
+        .ratios_to
+        .as_deref()
+        .filter(ran)
+        .or_else(|| Some("vtp").filter(ran))
+        .or_else(|| reference.filter(ran))
+        .or_else(|| algorithms.first().copied())?;
+    (algorithms.len() > 1).then_some(base)
+}
+
 fn models<'r>(cells: &[&'r Cell]) -> Vec<&'r str> {
     let mut models: Vec<&str> = Vec::new();
     for cell in cells {

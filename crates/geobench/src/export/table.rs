@@ -1,6 +1,6 @@
 //! Tables for the terminal.
 
-use super::grid::{Entry, Grid};
+use super::grid::{Entry, Grid, Look};
 use super::ratios;
 use super::view::{ModelView, Row, sections};
 use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile};
@@ -18,20 +18,14 @@ pub fn group_heading(group: &GroupRecord) -> String {
 }
 
 /// The table of one model of a group, under a line that says which, followed by an empty line.
-/// The best value of a row is set off by colour if `styled`, else by a star.
-pub fn model_table(
-    group: &GroupRecord,
-    model: &ModelRecord,
-    cells: &[Cell],
-    styled: bool,
-) -> String {
-    show(&ModelView::new(group, model, cells), styled)
+pub fn model_table(group: &GroupRecord, model: &ModelRecord, cells: &[Cell], look: Look) -> String {
+    show(&ModelView::new(group, model, cells), look)
 }
 
 /// The table of the ratios in a group, if it asks for some; `cells` are all of the group.
-pub fn ratio_table(group: &GroupRecord, cells: &[Cell], styled: bool) -> String {
+pub fn ratio_table(group: &GroupRecord, cells: &[Cell], look: Look) -> String {
     let cells: Vec<&Cell> = cells.iter().filter(|c| c.group == group.name).collect();
-    ratios::view(group, &cells).map_or_else(String::new, |view| show(&view, styled))
+    ratios::view(group, &cells).map_or_else(String::new, |view| show(&view, look))
 }
 
 /// All tables of `result`.
@@ -39,25 +33,25 @@ pub(super) fn render(result: &ResultFile) -> String {
     let mut text = String::new();
     for section in sections(result) {
         text.extend(section.group.map(group_heading));
-        text.extend(section.views.iter().map(|view| show(view, false)));
+        text.extend(section.views.iter().map(|view| show(view, Look::default())));
     }
     text + &footnote(result, false)
 }
 
-fn show(view: &ModelView<'_>, styled: bool) -> String {
+fn show(view: &ModelView<'_>, look: Look) -> String {
     let mut lines = vec![format!("{}  ({})", view.name, view.size)];
     if !view.refused {
         if !view.sources.is_empty() {
             lines[0] += "  ";
             lines[0] += &view.sources;
         }
-        lines.push(table(view, styled));
+        lines.push(table(view, look));
     }
     lines.extend(view.notes.iter().map(|note| format!("  {note}")));
     lines.join("\n") + "\n\n"
 }
 
-fn table(view: &ModelView<'_>, styled: bool) -> String {
+fn table(view: &ModelView<'_>, look: Look) -> String {
     let header = std::iter::once("").chain(view.algorithms.iter().copied());
     let row = |row: &Row| {
         let label = Entry::plain(row.label.clone());
@@ -70,7 +64,7 @@ fn table(view: &ModelView<'_>, styled: bool) -> String {
         header: header.map(str::to_owned).collect(),
         rows: view.rows.iter().map(row).collect(),
     };
-    grid.terminal(styled)
+    grid.terminal(look)
 }
 
 /// What the figures of the tables of `result` mean, in one line.

@@ -1,6 +1,6 @@
 //! Every form of results, from made-up runs.
 
-use super::Format;
+use super::{Format, Look};
 use crate::record::{GroupRecord, ResultFile, Time};
 use crate::rehearsal::{Rehearsal, crash_ich, plan, rehearse, result, spoil_vtp};
 
@@ -325,7 +325,10 @@ fn colour_marks_the_best_and_the_failed() {
         &GroupRecord::unnamed(),
         &result.models[1],
         &result.cells,
-        true,
+        Look {
+            styled: true,
+            width: None,
+        },
     );
     assert!(text.contains("\u{1b}["));
     assert!(!text.contains('*'));

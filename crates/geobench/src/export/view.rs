@@ -199,9 +199,7 @@ impl Entry {
     fn absent(cells: &[&Cell]) -> Self {
         let failed = cells.iter().find(|cell| cell.status != Status::Ok);
         Self {
-            text: failed
-                .map_or("-", |cell| cell.status.name())
-                .replace('_', " "),
+            text: failed.map_or_else(|| "-".to_owned(), |cell| cell.status.in_words()),
             best: false,
             failed: failed.is_some(),
         }
@@ -306,7 +304,7 @@ fn notes(cells: &[&Cell]) -> Vec<String> {
                 .map_or_else(String::new, |s| format!(", source {s}"));
             let status = match cell.status {
                 Status::Ok => "",
-                status => &format!("{}: ", status.name().replace('_', " ")),
+                status => &format!("{}: ", status.in_words()),
             };
             notes.push(format!("{}{source}: {status}{message}", cell.algorithm));
         }

@@ -6,7 +6,7 @@ use geobench_window::Counter;
 
 use crate::ledger::{Finding, RunId};
 use crate::plan::Plan;
-use crate::record::{Cell, Check, Memory, Time};
+use crate::record::{Cell, Check, Memory, Status, Time};
 use crate::registry::Selection;
 use crate::runner::{Failure, Purpose};
 
@@ -51,6 +51,12 @@ impl<'p> Entry<'p> {
             || (0..plan.repeat).all(|round| !self.lacks(plan, Purpose::Time, round))
                 && !self.lacks(plan, Purpose::Count, 0)
                 && !self.lacks(plan, Purpose::Clock, 0)
+    }
+
+    /// What came of the runs that are known, in short.
+    pub(super) fn outcomes(&self) -> impl Iterator<Item = (Purpose, Result<Option<f64>, Status>)> {
+        let findings = self.findings.iter();
+        findings.map(|(&(purpose, _), finding)| (purpose, outcome(finding)))
     }
 
     /// Takes in what came of a run.
@@ -138,6 +144,14 @@ impl<'p> Entry<'p> {
             unreachable,
             ..worst.cloned().unwrap_or_default()
         }
+    }
+}
+
+/// What came of a run, in short: how it failed, or the seconds that it took if it was timed.
+pub(super) fn outcome(finding: &Finding) -> Result<Option<f64>, Status> {
+    match &finding.failure {
+        Some(failure) => Err(failure.status),
+        None => Ok(finding.observation.seconds),
     }
 }
 

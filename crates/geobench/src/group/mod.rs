@@ -7,7 +7,7 @@ use std::path::Path;
 
 use geobench_mesh::VertexId;
 
-use self::entry::Entry;
+use self::entry::{Entry, outcome};
 use self::yardstick::{Answer, Yardstick};
 use crate::ledger::{Finding, Ledger, RunId};
 use crate::order::Turns;
@@ -76,6 +76,11 @@ impl<'p> Group<'p> {
         ledger: &mut dyn Ledger,
         listener: &mut dyn Listener,
     ) -> anyhow::Result<()> {
+        for entry in &self.entries {
+            for (purpose, outcome) in entry.outcomes() {
+                listener.ran(&self.as_step(entry.algorithm, purpose), outcome);
+            }
+        }
         if !self.is_complete() {
             let mut stage = Stage {
                 executor,
@@ -229,6 +234,8 @@ impl<'p> Group<'p> {
         let algorithm = self.entries[place].algorithm;
         let finding = self.judge(algorithm, done, &stage.yardstick);
         stage.ledger.keep(run, &finding)?;
+        let step = self.as_step(algorithm, purpose);
+        stage.listener.ran(&step, outcome(&finding));
         let entry = &mut self.entries[place];
         entry.made += 1;
         entry.add(purpose, round, finding);

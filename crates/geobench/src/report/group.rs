@@ -1,5 +1,6 @@
 //! The cells of one group, as plots and comparisons look at them.
 
+use crate::export::base;
 use crate::export::figures::{Figure, figure};
 use crate::export::view::{algorithms, overall};
 use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
@@ -93,23 +94,12 @@ impl<'r> Group<'r> {
     pub(crate) fn failure(&self, model: &str, algorithm: &str) -> Option<String> {
         let cells = self.of(model, algorithm);
         let failed = cells.iter().find(|cell| cell.status != Status::Ok)?;
-        Some(failed.status.name().replace('_', " "))
+        Some(failed.status.in_words())
     }
 
-    /// The algorithm to which ratios are taken: the one that the group names, else `vtp`, else the
-    /// reference of its checks, else the first. None if there is nothing to compare it with.
+    /// The algorithm to which ratios are taken, if there is anything to compare it with.
     pub(crate) fn base(&self) -> Option<&'r str> {
-        let ran = |name: &&str| self.algorithms.contains(name);
-        let reference = self.cells.iter().find_map(|c| c.check.reference.as_deref());
-        let base = self
-            .record
-            .ratios_to
-            .as_deref()
-            .filter(ran)
-            .or_else(|| Some("vtp").filter(ran))
-            .or_else(|| reference.filter(ran))
-            .or_else(|| self.algorithms.first().copied())?;
-        (self.algorithms.len() > 1).then_some(base)
+        base(self.record, &self.algorithms, &self.cells)
     }
 }
 

@@ -1,0 +1,209 @@
+//! What becomes of results while a benchmark runs: shown and stored, model by model.
+
+use std::io::Write;
+
+use anyhow::bail;
+
+use super::progress::Progress;
+use super::terminal::{self, Terminal};
+use crate::export::{self, Format};
+use crate::instructions;
+use crate::interrupt;
+use crate::limits::Limits;
+use crate::output::OutputFile;
+use crate::plan::Plan;
+use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
+use crate::runner::{Listener, Step};
+
+use super::run::now;
+
+/// Shows and stores what is done, model by model, so that an interrupted run loses little.
+pub(super) struct Reporter {
+    pub(super) progress: Progress,
+    pub(super) format: Format,
+    pub(super) terminal: Terminal,
+    /// Whether to count instructions.
+    pub(super) instructions: bool,
+    pub(super) outputs: Vec<(Format, OutputFile)>,
+    pub(super) result: ResultFile,
+}
+
+impl Reporter {
+    /// A group begins.
+    pub(super) fn begin(&mut self, plan: &Plan) -> anyhow::Result<()> {
+        let Limits { timeout, memory } = plan.limits;
+        self.result.groups.push(GroupRecord {
+            timeout: timeout.0.map(|time| time.as_secs_f64()),
+            memory_limit: memory.0,
+            ..plan.group.clone()
+        });
+        self.progress.begin(plan);
+        // A part of a plan may have nothing of a group.
+        if plan.runs() == 0 {
+            return Ok(());
+        }
+        self.show(&export::group_heading(&plan.group))
+    }
+
+    /// All cells of a group are known.
+    pub(super) fn end(&self, group: &GroupRecord) -> anyhow::Result<()> {
+        self.show(&export::ratio_table(
+            group,
+            &self.result.cells,
+            self.terminal.look(),
+        ))
+    }
+
+    /// Prints a part of the tables, if tables are what is to be printed.
+    fn show(&self, text: &str) -> anyhow::Result<()> {
+        if self.format == Format::Table && !text.is_empty() {
+            self.progress.suspend(|| terminal::print(text))?;
+        }
+        Ok(())
+    }
+
+    /// Writes what is known so far to all files that can be written again. One that cannot be written
+    /// now can be at the end, and does not stop the run.
+    fn store(&mut self) -> anyhow::Result<()> {
+        self.note_time();
+        for (format, file) in self.outputs.iter().filter(|(_, file)| file.is_replaced()) {
+            if let Err(error) = file.write(format.render(&self.result)?.as_bytes()) {
+                let text = format!("{error:#}; it will be tried again");
+                self.progress.suspend(|| terminal::warning(&text));
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes everything to all files. What cannot be written where it should is saved elsewhere.
+    pub(super) fn store_all(&mut self) -> anyhow::Result<()> {
+        self.note_time();
+        let mut failed = Vec::new();
+        for (format, file) in &self.outputs {
+            if let Err(error) = file.write(format.render(&self.result)?.as_bytes()) {
+                failed.push(format!("{error:#}"));
+            }
+        }
+        if failed.is_empty() {
+            return Ok(());
+        }
+        let rescued = rescue(&Format::Json.render(&self.result)?);
+        bail!("{}; {rescued}", failed.join("; "));
+    }
+
+    fn note_time(&mut self) {
+        self.result.finished = now();
+        if let Some(session) = self.result.sessions.last_mut() {
+            session.finished = Some(self.result.finished.clone());
+        }
+    }
+}
+
+impl Listener for Reporter {
+    fn loading(&mut self, model: &str) {
+        self.progress.loading(model);
+    }
+
+    fn step(&mut self, step: &Step<'_>) {
+        self.progress.step(step);
+    }
+
+    fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
+        self.progress.ran(step, outcome);
+    }
+
+    fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<u64> {
+        // Nobody could tell the solve of an outside program from the rest of it.
+        if cell.algorithm.starts_with("ext:") {
+            return None;
+        }
+        if !self.instructions {
+            return None;
+        }
+        self.progress
+            .counting_instructions(&model.name, &cell.algorithm);
+        match instructions::count(&model.path, &cell.algorithm, cell.source?) {
+            Ok(count) => Some(count),
+            Err(error) => {
+                self.progress.suspend(|| {
+                    terminal::warning(&format!("{}, {}: {error}", model.name, cell.algorithm));
+                });
+                None
+            }
+        }
+    }
+
+    fn skipped(&mut self, runs: usize) {
+        self.progress.skip(runs);
+    }
+
+    fn model_done(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
+        if self.result.models.iter().all(|m| m.name != model.name) {
+            self.result.models.push(model.clone());
+        }
+        self.result.cells.extend_from_slice(cells);
+        self.progress.clear_table();
+        self.progress.suspend(|| {
+            report_failures(cells, self.format);
+            if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
+                let look = self.terminal.look();
+                let mut text = export::model_table(group, model, cells, look);
+                // The last column stays free, as in the live table.
+                let width = look.width.map(|width| width.saturating_sub(1));
+                text += &width
+                    .map_or_else(String::new, |width| export::model_bars(group, cells, width));
+                terminal::print(&text)?;
+            }
+            anyhow::Ok(())
+        })?;
+        self.store()
+    }
+
+    fn interrupted(&self) -> bool {
+        interrupt::requested()
+    }
+}
+
+/// Says on standard error why a model was refused, and what a reader of anything but tables does
+/// not see at once.
+fn report_failures(cells: &[Cell], format: Format) {
+    let mut last_refusal = None;
+    for cell in cells {
+        let Some(message) = &cell.message else {
+            continue;
+        };
+        match cell.status {
+            Status::Refused if last_refusal != Some(message) => {
+                terminal::error(message);
+                last_refusal = Some(message);
+            }
+            Status::Refused => {}
+            status if format != Format::Table => {
+                let source = cell.source.unwrap_or(0);
+                terminal::error(&format!(
+                    "{}: {}, source {source}: {}: {message}",
+                    cell.model,
+                    cell.algorithm,
+                    status.name()
+                ));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Saves results that cannot be written where they should, and says where they are.
+fn rescue(json: &str) -> String {
+    let save = || -> std::io::Result<std::path::PathBuf> {
+        let mut file = tempfile::Builder::new()
+            .prefix("geobench-")
+            .suffix(".json")
+            .tempfile()?;
+        file.write_all(json.as_bytes())?;
+        Ok(file.keep()?.1)
+    };
+    match save() {
+        Ok(path) => format!("the results are in {}", path.display()),
+        Err(error) => format!("nor could the results be saved as a temporary file: {error}"),
+    }
+}

@@ -143,10 +143,9 @@ mod tests {
         assert_eq!(wavefront.deviation(), Some(1.0));
         let course = wavefront.course(50);
         assert!((50..100).contains(&course.len()), "{}", course.len());
-        let gaps: Vec<u64> = course
-            .windows(2)
-            .map(|w| w[1].parents - w[0].parents)
-            .collect();
-        assert!(gaps.iter().all(|gap| *gap == gaps[0]), "{gaps:?}");
+        let gaps = course.windows(2).map(|w| w[1].parents - w[0].parents);
+        let (least, most) = gaps.fold((u64::MAX, 0), |(a, b), gap| (a.min(gap), b.max(gap)));
+        // Where every second sample went, the next one came a little later.
+        assert!(most - least <= least / 10, "{least} to {most}");
     }
 }

@@ -1,44 +1,60 @@
 //! Through which exits of its face a window may leave.
 
-use geobench_mesh::{HalfEdgeId, Mesh};
-use geobench_window::{Faces, Frame, Window, apex_distance, separating_abscissa};
+// What the engine is made of is nobody else's business, so others cannot make choices of their own.
+#![allow(private_bounds, private_interfaces)]
 
-use crate::lists::WindowLists;
-use crate::pairs::MARGIN;
-use crate::sides::{BestPath, Sides};
+use crate::engine::Instructions;
+use crate::engine::dispatch::{self, Program};
+use crate::engine::hand::Hand;
+use crate::engine::kernels::exits::{BestPath, EveryBetterPath, Free, Reach, Rule};
+use crate::engine::kernels::{Gate, measure};
+use crate::engine::lanes::Lanes;
+use crate::engine::store::Line;
+use crate::engine::surface::{Surface, half_edge, next, parts, prev};
+use crate::front::Front;
 
 /// A list about to cross a face.
 #[derive(Clone, Copy, Debug)]
-pub struct Crossing<'a> {
+pub(crate) struct Crossing<'a> {
     /// The half-edge through which it enters.
-    pub(crate) h: HalfEdgeId,
-    pub(crate) frame: &'a Frame,
-    /// The windows that are left of the list, and where their rays to the apex meet the half-edge.
-    pub(crate) windows: &'a [Window],
-    pub(crate) separations: &'a [f64],
-    /// The shortest of their paths to the apex.
+    pub(crate) h: u32,
+    /// What is left of the list.
+    pub(crate) hand: &'a Hand,
+    pub(crate) gate: Gate,
+    /// The shortest of its paths to the apex, and the length of that.
     pub(crate) best: BestPath,
+    pub(crate) distance: f64,
     /// The windows that wait elsewhere.
-    pub(crate) lists: &'a WindowLists,
-    pub(crate) faces: &'a Faces,
+    pub(crate) front: &'a Front,
+    pub(crate) surface: &'a Surface,
+    pub(crate) instructions: Instructions,
+}
+
+impl Crossing<'_> {
+    /// The other two half-edges of the face, those that start and end at the apex reversed: the one behind the head B, and
+    /// the one before the tail A.
+    fn others(&self) -> [u32; 2] {
+        let (f, corner) = parts(self.h);
+        [next(corner), prev(corner)].map(|corner| half_edge(f as u32, corner))
+    }
 }
 
 /// Decides through which exits the windows of a list may leave the face that they cross.
 pub trait Exits: Send {
-    /// Sets up for `mesh`.
-    fn new(mesh: &Mesh) -> Self;
+    /// What the pass across the face asks about each window.
+    #[doc(hidden)]
+    type Rule<'a>: Rule
+    where
+        Self: 'a;
+
+    /// Sets up for a mesh of so many faces.
+    fn new(faces: usize) -> Self;
 
     /// Forgets the last run.
     fn reset(&mut self) {}
 
     /// A list is about to cross.
-    fn enter(&mut self, crossing: &Crossing<'_>) {
-        let _ = crossing;
-    }
-
-    /// Which rays of `w`, a window of that list whose ray to the apex meets the half-edge at `sp`,
-    /// may go where. `best` is the best path of the list, `frame` the frame of the half-edge.
-    fn sides(&self, frame: &Frame, best: &BestPath, w: &Window, sp: f64) -> Sides;
+    fn enter(&mut self, crossing: &Crossing<'_>) -> Self::Rule<'_>;
 }
 
 /// Every ray leaves where it leads: rule 1 switched off.
@@ -46,13 +62,15 @@ pub trait Exits: Send {
 pub struct AnyExit;
 
 impl Exits for AnyExit {
-    fn new(_: &Mesh) -> Self {
+    type Rule<'a> = Free;
+
+    fn new(_: usize) -> Self {
         Self
     }
 
     #[inline]
-    fn sides(&self, _: &Frame, _: &BestPath, w: &Window, sp: f64) -> Sides {
-        Sides::both(w, sp)
+    fn enter(&mut self, _: &Crossing<'_>) -> Free {
+        Free
     }
 }
 
@@ -61,13 +79,15 @@ impl Exits for AnyExit {
 pub struct OneAngleTwoSides;
 
 impl Exits for OneAngleTwoSides {
-    fn new(_: &Mesh) -> Self {
+    type Rule<'a> = BestPath;
+
+    fn new(_: usize) -> Self {
         Self
     }
 
     #[inline]
-    fn sides(&self, _: &Frame, best: &BestPath, w: &Window, sp: f64) -> Sides {
-        best.sides(w, sp)
+    fn enter(&mut self, crossing: &Crossing<'_>) -> BestPath {
+        crossing.best
     }
 }
 
@@ -77,14 +97,14 @@ impl Exits for OneAngleTwoSides {
 #[derive(Clone, Debug)]
 pub struct AcrossTheFace {
     records: PathRecords,
-    reach: Reach,
 }
 
 impl Exits for AcrossTheFace {
-    fn new(mesh: &Mesh) -> Self {
+    type Rule<'a> = (BestPath, Reach);
+
+    fn new(faces: usize) -> Self {
         Self {
-            records: PathRecords::new(mesh),
-            reach: Reach::default(),
+            records: PathRecords::new(faces),
         }
     }
 
@@ -92,18 +112,11 @@ impl Exits for AcrossTheFace {
         self.records.reset();
     }
 
-    fn enter(&mut self, crossing: &Crossing<'_>) {
+    fn enter(&mut self, crossing: &Crossing<'_>) -> (BestPath, Reach) {
         self.records.note(crossing);
-        self.reach = Reach {
-            tail: self.records.least(crossing.h.next()),
-            head: self.records.least(crossing.h.prev()),
-        };
-    }
-
-    #[inline]
-    fn sides(&self, frame: &Frame, best: &BestPath, w: &Window, sp: f64) -> Sides {
-        let rule_1 = best.sides(w, sp);
-        rule_1.and(self.reach.sides(frame.l, w, sp))
+        let [tail, head] = crossing.others().map(|h| self.records.least(h));
+        let l = crossing.gate.l;
+        (crossing.best, Reach { l, tail, head })
     }
 }
 
@@ -114,16 +127,18 @@ impl Exits for AcrossTheFace {
 #[derive(Clone, Debug)]
 pub struct EveryPath {
     records: PathRecords,
-    reach: Reach,
-    paths: Vec<BestPath>,
+    paths: Vec<(BestPath, f64)>,
+    keep: Vec<u8>,
 }
 
 impl Exits for EveryPath {
-    fn new(mesh: &Mesh) -> Self {
+    type Rule<'a> = (BestPath, (Reach, EveryBetterPath<'a>));
+
+    fn new(faces: usize) -> Self {
         Self {
-            records: PathRecords::new(mesh),
-            reach: Reach::default(),
+            records: PathRecords::new(faces),
             paths: Vec::new(),
+            keep: Vec::new(),
         }
     }
 
@@ -131,37 +146,70 @@ impl Exits for EveryPath {
         self.records.reset();
     }
 
-    fn enter(&mut self, crossing: &Crossing<'_>) {
+    fn enter(&mut self, crossing: &Crossing<'_>) -> Self::Rule<'_> {
         self.records.note(crossing);
-        let least = |h| self.records.least(h).min(least_waiting(crossing, h));
-        self.reach = Reach {
-            tail: least(crossing.h.next()),
-            head: least(crossing.h.prev()),
-        };
+        let [tail, head] = crossing.others().map(|h| {
+            let waiting = least_waiting(crossing, h, &mut self.keep);
+            waiting.min(self.records.least(h))
+        });
+        let Gate { l, apex, .. } = crossing.gate;
         self.paths.clear();
-        let windows = crossing.windows.iter().zip(crossing.separations);
-        self.paths
-            .extend(windows.map(|(w, &sp)| BestPath::of(crossing.frame, w, sp)));
-    }
-
-    fn sides(&self, frame: &Frame, best: &BestPath, w: &Window, sp: f64) -> Sides {
-        let own = apex_distance(frame, w, sp) * MARGIN;
-        let better = self.paths.iter().filter(|path| path.distance < own);
-        let rule_1 = best.sides(w, sp);
-        better.fold(
-            rule_1.and(self.reach.sides(frame.l, w, sp)),
-            |sides, path| sides.and(path.sides(w, sp)),
-        )
+        let block = crossing.hand.block();
+        let path = |i| {
+            let path = BestPath::of(block, i, apex, l);
+            let w = crossing.hand.window(i);
+            let [x, y] = [apex[0] - path.entry, apex[1]];
+            let bent = w.distance(path.entry) + (x * x + y * y).sqrt();
+            (path, bent)
+        };
+        self.paths.extend((0..crossing.hand.len).map(path));
+        let every = EveryBetterPath {
+            apex,
+            paths: &self.paths,
+        };
+        (crossing.best, (Reach { l, tail, head }, every))
     }
 }
 
 /// The shortest path of the windows that wait on `h` to the apex of its face.
-fn least_waiting(crossing: &Crossing<'_>, h: HalfEdgeId) -> f64 {
-    let frame = crossing.faces.frame(h);
-    let waiting = crossing.lists.on(h);
-    waiting
-        .map(|w| apex_distance(&frame, w, separating_abscissa(&frame, w)))
-        .fold(f64::INFINITY, f64::min)
+fn least_waiting(crossing: &Crossing<'_>, h: u32, keep: &mut Vec<u8>) -> f64 {
+    let gate = crossing.surface.gate(h, [f64::INFINITY; 2]);
+    let lists = crossing.front.lists(h).into_iter();
+    let lengths = lists.filter(|(_, len)| *len > 0).map(|(block, len)| {
+        let keep = &mut *keep;
+        let program = Least {
+            block,
+            start: 0,
+            len,
+            gate: &gate,
+            keep,
+        };
+        dispatch::run(program, crossing.instructions)
+    });
+    lengths.fold(f64::INFINITY, f64::min)
+}
+
+/// The length of the shortest path to the apex of the windows of a block from `start` to `len`.
+pub(crate) struct Least<'a> {
+    /// With a line behind it if `start` is not 0.
+    pub(crate) block: &'a [Line],
+    pub(crate) start: usize,
+    pub(crate) len: usize,
+    pub(crate) gate: &'a Gate,
+    pub(crate) keep: &'a mut Vec<u8>,
+}
+
+impl Program for Least<'_> {
+    type Output = f64;
+
+    #[allow(unsafe_code)]
+    #[inline(always)]
+    unsafe fn run<L: Lanes>(self) -> f64 {
+        // SAFETY: promised by the caller, and by whoever made this.
+        unsafe {
+            measure::<L, false>(self.block, self.start, self.len, self.gate, self.keep).distance
+        }
+    }
 }
 
 /// For each half-edge the length of the shortest path that has come through it and across its face
@@ -172,9 +220,9 @@ struct PathRecords {
 }
 
 impl PathRecords {
-    fn new(mesh: &Mesh) -> Self {
+    fn new(faces: usize) -> Self {
         Self {
-            least: vec![f64::INFINITY; mesh.half_edge_count()],
+            least: vec![f64::INFINITY; 4 * faces],
         }
     }
 
@@ -183,79 +231,11 @@ impl PathRecords {
     }
 
     fn note(&mut self, crossing: &Crossing<'_>) {
-        let least = &mut self.least[crossing.h.index()];
-        *least = least.min(crossing.best.distance);
+        let least = &mut self.least[crossing.h as usize];
+        *least = least.min(crossing.distance);
     }
 
-    fn least(&self, h: HalfEdgeId) -> f64 {
-        self.least[h.index()]
-    }
-}
-
-/// How far the ends of a half-edge are on paths across its face from the other two half-edges.
-#[derive(Clone, Copy, Debug, Default)]
-struct Reach {
-    /// The tail A, on a path that enters through the edge BC.
-    tail: f64,
-    /// The head B, on a path that enters through the edge CA.
-    head: f64,
-}
-
-impl Reach {
-    /// What such paths leave of `w`, which lies on a half-edge of length `l`.
-    ///
-    /// A path from BC to A parts AB from AC, so every ray of `w` for the left exit crosses it. The
-    /// crossing lies on a path of `w` to A, and of these the one bent at `b0` is the shortest; if
-    /// the path from BC is shorter, so it is up to the crossing, and the ray is useless from there
-    /// on. Mirrored for B and the right exit.
-    #[inline]
-    fn sides(self, l: f64, w: &Window, sp: f64) -> Sides {
-        let Sides { left, right } = Sides::both(w, sp);
-        let to_tail = (w.distance(w.b0) + w.b0) * MARGIN;
-        let to_head = (w.distance(w.b1) + (l - w.b1)) * MARGIN;
-        Sides {
-            left: left.filter(|_| self.tail >= to_tail),
-            right: right.filter(|_| self.head >= to_head),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const WINDOW: Window = Window {
-        b0: 0.25,
-        b1: 0.75,
-        px: 0.5,
-        py: 0.0,
-        sigma: 1.0,
-    };
-
-    #[test]
-    fn a_shorter_path_across_the_face_closes_the_exit_behind_it() {
-        // The window's shortest ways to both ends of the edge have length 1 + 0.25 + 0.25.
-        let sides = |tail, head| Reach { tail, head }.sides(1.0, &WINDOW, 0.5);
-        let both = Sides::both(&WINDOW, 0.5);
-        assert_eq!(sides(2.0, f64::INFINITY), both);
-        assert_eq!(sides(1.4, 2.0), Sides { left: None, ..both });
-        assert_eq!(
-            sides(2.0, 1.4),
-            Sides {
-                right: None,
-                ..both
-            }
-        );
-    }
-
-    #[test]
-    fn an_equal_path_across_the_face_closes_nothing() {
-        for noise in [-1e-15, 0.0, 1e-15] {
-            let equal = Reach {
-                tail: 1.5 + noise,
-                head: 1.5 - noise,
-            };
-            assert_eq!(equal.sides(1.0, &WINDOW, 0.5), Sides::both(&WINDOW, 0.5));
-        }
+    fn least(&self, h: u32) -> f64 {
+        self.least[h as usize]
     }
 }

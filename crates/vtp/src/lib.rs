@@ -38,18 +38,17 @@
 //! keep each other. So the rules can be switched on and off one by one, and the distances stay the
 //! same; where they do not, the rule is wrong.
 
-mod area;
+mod crossing;
 mod engine;
 mod exits;
 mod fast;
-mod lists;
+mod front;
 mod merge;
 mod orient;
 mod pairs;
 mod propagation;
 mod pruning;
 mod schedule;
-mod sides;
 mod trim;
 
 pub mod algorithms;

@@ -16,10 +16,10 @@ pub(crate) const MARGIN: f64 = 1.0 - 1e-12;
 /// Least distance of a crossing from the border of the triangle, as a fraction of its size, for rays
 /// that cross at a right angle. It grows as the sine of the angle falls, for so does the error of the crossing:
 /// two rays through one corner of the triangle seem to cross beside it.
-const INSIDE: f64 = 1e-12;
+pub(crate) const INSIDE: f64 = 1e-12;
 
 /// Greatest such distance that is asked for: rays that are closer to parallel do not cross at all.
-const BLURRED: f64 = 1e-3;
+pub(crate) const BLURRED: f64 = 1e-3;
 
 /// What came of a comparison; either window may have been cut as well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ pub(crate) enum Verdict {
 
 /// The edge on which the compared windows lie.
 #[derive(Clone, Copy, Debug)]
-pub struct Edge {
+pub(crate) struct Edge {
     /// Its length.
     pub(crate) l: f64,
     /// The third vertex of the triangle that the windows have just crossed, below the edge.

@@ -2,87 +2,64 @@
 
 use std::marker::PhantomData;
 
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::{
-    Counter, Faces, Frame, Phase, Probe, Propagate, Solution, Window, apex_distance,
-    is_beaten_from_ends, left_child, right_child, separating_abscissa, spawn_window,
-};
+use geobench_mesh::{Mesh, VertexId};
+use geobench_window::{Counter, Phase, Probe, Propagate, Solution, Window};
 
-use crate::area::Area;
-use crate::exits::{Crossing, Exits};
-use crate::lists::{Arrival, WindowLists};
+use crate::crossing::{Carry, Inspect};
+use crate::engine::Instructions;
+use crate::engine::dispatch;
+use crate::engine::hand::Hand;
+use crate::engine::kernels::{BestPath, Gate, Target};
+use crate::engine::numbering::Numbering;
+use crate::engine::prefetch::{line, prefetch};
+use crate::engine::store::NO_LIST;
+use crate::engine::surface::{Face, NOBODY, Surface, next, parts, prev};
+use crate::exits::{Crossing, Exits, Least};
+use crate::front::{Arrival, Front};
 use crate::merge::Merge;
-use crate::pairs::Edge;
 use crate::pruning::Pairs;
 use crate::schedule::{Schedule, Turn};
-use crate::sides::BestPath;
 
 /// An algorithm that propagates whole lists of windows, on one mesh: in the order of schedule `S`,
 /// with lists merged by `M`, their windows compared by `P` and sent on by `E`.
+///
+/// The solver numbers vertices and faces anew, breadth first.
 #[derive(Clone, Debug)]
 pub struct ListPropagation<'m, S, M, P, E> {
     mesh: &'m Mesh,
-    faces: Faces,
+    instructions: Instructions,
+    numbering: Numbering,
+    surface: Surface,
     schedule: S,
-    area: Area,
-    lists: WindowLists,
+    front: Front,
+    hand: Hand,
     exits: E,
     /// Vertices whose turn has come.
     passed: Vec<bool>,
     distances: Vec<f64>,
-    arrived: Vec<Window>,
-    checked: Vec<Window>,
-    separations: Vec<f64>,
     /// Children narrower than this are dropped.
     threshold: f64,
     choices: PhantomData<(M, P)>,
 }
 
-/// A half-edge through which a list leaves the face that it crosses.
-#[derive(Clone, Copy, Debug)]
-struct Exit {
-    /// The half-edge of the neighbour.
-    target: HalfEdgeId,
-    arrival: Arrival,
-    /// Whether the windows join a list that has waited since an earlier step.
-    secondary: bool,
-    /// The neighbour, if the schedule must know of windows that wait for it.
-    neighbour: Option<Frame>,
-    /// The shortest path through the windows sent to the far vertex of the neighbour.
-    offer: f64,
-}
-
-impl Exit {
-    /// Puts `window` where it waits next.
-    #[inline]
-    fn send<M: Merge>(&mut self, window: Window, lists: &mut WindowLists) {
-        if let Some(frame) = &self.neighbour {
-            let sp = separating_abscissa(frame, &window);
-            self.offer = self.offer.min(apex_distance(frame, &window, sp));
-        }
-        if self.secondary {
-            M::add(lists, self.target, self.arrival, window);
-        } else {
-            lists.push(self.target, self.arrival, window);
-        }
-    }
-}
-
 impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P, E> {
     /// Sets up for `mesh`; O(faces).
     pub fn new(mesh: &'m Mesh) -> Self {
+        let mut numbering = Numbering::breadth_first(mesh);
+        let surface = Surface::new(mesh, &numbering);
+        numbering.forget_faces();
+        let faces = mesh.face_count();
         Self {
             mesh,
-            faces: Faces::new(mesh),
-            schedule: S::new(mesh),
-            area: Area::new(mesh),
-            lists: WindowLists::new(mesh.half_edge_count()),
-            exits: E::new(mesh),
+            instructions: Instructions::detect(),
+            numbering,
+            surface,
+            schedule: S::new(faces),
+            front: Front::new(faces),
+            hand: Hand::new(),
+            exits: E::new(faces),
             passed: Vec::new(),
             distances: Vec::new(),
-            arrived: Vec::new(),
-            checked: Vec::new(),
-            separations: Vec::new(),
             threshold: 0.0,
             choices: PhantomData,
         }
@@ -99,10 +76,20 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
         }
     }
 
+    /// Uses `instructions`, or fewer if the processor lacks them; the best that it has are used otherwise. The
+    /// answer is the same to the bit.
+    #[must_use]
+    pub fn with_instructions(self, instructions: Instructions) -> Self {
+        Self {
+            instructions: instructions.or_less(),
+            ..self
+        }
+    }
+
     /// Every list and queue is empty after a run, so there is only what the run has learnt.
     fn reset(&mut self) {
         self.schedule.reset();
-        self.area.reset();
+        self.front.reset();
         self.exits.reset();
         self.passed.clear();
         self.passed.resize(self.mesh.vertex_count(), false);
@@ -113,11 +100,12 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
 
     /// A path of length `d` reaches `v`. If faces join by vertices every vertex has a turn, and
     /// one from which windows start another one whenever it improves; else only the latter do.
-    fn offer<B: Probe>(&mut self, v: VertexId, d: f64, probe: &mut B) {
-        let known = &mut self.distances[v.index()];
-        if d < *known {
-            *known = d;
-            if (S::BY_VERTEX && !self.passed[v.index()]) || self.mesh.is_pseudo_source(v) {
+    #[inline]
+    fn offer<B: Probe>(&mut self, v: u32, d: f64, probe: &mut B) {
+        let i = v as usize;
+        if d < self.distances[i] {
+            self.distances[i] = d;
+            if (S::BY_VERTEX && !self.passed[i]) || self.surface.vertices[i].pseudo_source {
                 self.schedule.push_vertex(v, d, probe);
             }
         }
@@ -125,199 +113,228 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
 
     /// The turn of vertex `v`: it sends out windows if it is a source or pseudo-source, and the
     /// faces around it may join the traversed area.
-    fn pass<B: Probe>(&mut self, v: VertexId, is_source: bool, probe: &mut B) {
-        self.area.advance();
-        self.passed[v.index()] = true;
-        let mesh = self.mesh;
+    fn pass<B: Probe>(&mut self, v: u32, is_source: bool, probe: &mut B) {
+        self.front.advance();
+        self.passed[v as usize] = true;
         if S::BY_VERTEX || is_source {
-            for &h in mesh.outgoing(v) {
-                self.area.join(h.face(), &self.lists);
+            for &h in self.surface.ring(v) {
+                self.front.join(parts(h).0);
             }
         }
-        if is_source || mesh.is_pseudo_source(v) {
+        if is_source || self.surface.vertices[v as usize].pseudo_source {
             self.spawn(v, probe);
         }
     }
 
     /// Sends out paths along the edges of `v` and windows across its faces.
-    fn spawn<B: Probe>(&mut self, v: VertexId, probe: &mut B) {
+    fn spawn<B: Probe>(&mut self, v: u32, probe: &mut B) {
         probe.add(Counter::PseudoSources, 1);
-        let sigma = self.distances[v.index()];
-        let mesh = self.mesh;
-        for (neighbour, length) in mesh.neighbours(v) {
-            self.offer(neighbour, sigma + length, probe);
-        }
-        for &h in mesh.outgoing(v) {
-            if let Some((target, window)) = spawn_window(&self.faces, h, sigma) {
+        let sigma = self.distances[v as usize];
+        let has_border = self.surface.vertices[v as usize].boundary;
+        for place in self.surface.ring_places(v) {
+            let (f, corner) = parts(self.surface.rings[place]);
+            let (after, before) = (next(corner), prev(corner));
+            let face = &self.surface.faces[f];
+            let target = face.twin[after];
+            let [a, b] = [face.vertex[after], face.vertex[before]];
+            let [to_a, to_b] = [corner, before].map(|k| sigma + face.length[k]);
+            self.offer(a, to_a, probe);
+            if has_border {
+                self.offer(b, to_b, probe);
+            }
+            if target != NOBODY {
                 probe.add(Counter::Spawned, 1);
-                let mut exit = self.exit(h, target, Arrival::AsRightChild);
-                exit.secondary = false;
-                exit.send::<M>(window, &mut self.lists);
-                self.close(&exit, probe);
+                let l = self.surface.length(target);
+                let [px, py] = self.surface.behind(target);
+                let window = [0.0, l, px, py, sigma];
+                let (list, len) = self.front.push(target, Arrival::AsRightChild, window);
+                self.close(target, list, len, len + 1, probe);
             }
         }
-        probe.raise(Counter::PeakWindows, self.lists.waiting() as u64);
-        probe.raise(Counter::PeakWavefront, self.lists.waiting() as u64);
+        probe.raise(Counter::PeakWindows, self.front.waiting() as u64);
+        probe.raise(Counter::PeakWavefront, self.front.waiting() as u64);
     }
 
-    /// The way out of the face of `h` to the neighbour of `target`.
+    /// All windows for half-edge `h` have come; those in `list` from `start` to `len` are new.
     #[inline]
-    fn exit(&self, h: HalfEdgeId, target: HalfEdgeId, arrival: Arrival) -> Exit {
-        let waits = || !self.area.contains(target.face());
-        Exit {
-            target,
-            arrival,
-            secondary: M::PRESERVES_ORDER && waits() && !self.area.is_new(h.face()),
-            neighbour: (!S::BY_VERTEX && waits()).then(|| self.faces.frame(target)),
-            offer: f64::INFINITY,
+    fn close<B: Probe>(&mut self, h: u32, list: u32, start: usize, len: usize, probe: &mut B) {
+        if !S::BY_VERTEX && !self.front.contains(parts(h).0) {
+            let gate = self.surface.gate(h, [f64::INFINITY; 2]);
+            let program = Least {
+                block: self.front.block_and_line_behind(list),
+                start,
+                len,
+                gate: &gate,
+                keep: &mut self.hand.keep,
+            };
+            let offer = dispatch::run(program, self.instructions);
+            self.schedule.wait(parts(h).0 as u32, offer, probe);
         }
-    }
-
-    /// All windows for `exit` have been sent.
-    #[inline]
-    fn close<B: Probe>(&mut self, exit: &Exit, probe: &mut B) {
-        if exit.offer < f64::INFINITY {
-            self.schedule.wait(exit.target.face(), exit.offer, probe);
-        }
-        self.area.make_ready(exit.target, &self.lists);
+        self.front.make_ready(h);
     }
 
     /// Takes the list on `h` across its face.
-    fn cross<B: Probe>(&mut self, h: HalfEdgeId, probe: &mut B) {
-        self.arrived.clear();
-        self.lists.take(h, &mut self.arrived);
-        let frame = self.faces.frame(h);
-        let [tail, head, apex] = self.faces.corners(h);
+    fn cross<B: Probe>(&mut self, h: u32, probe: &mut B) {
+        let (f, corner) = parts(h);
+        let face = self.surface.faces[f];
+        let [tail, head, apex] = [corner, next(corner), prev(corner)].map(|k| face.vertex[k]);
+        let gate = Gate {
+            l: face.length[corner],
+            apex: face.apex(corner),
+            ends: [tail, head].map(|v| self.distances[v as usize]),
+        };
         probe.enter(Phase::Pruning);
-        self.prune(h, frame.l, tail, head, probe);
+        let lists = self.front.lists(h);
+        let arrived = lists[0].1 + lists[1].1;
+        let program = Inspect::<P>::new(lists, &mut self.hand, &self.surface, h, &gate);
+        let found = dispatch::run(program, self.instructions);
+        self.front.clear(h);
         probe.enter(Phase::Propagation);
-        let parents = self.checked.len() as u64;
-        probe.add(Counter::Parents, parents);
-        if probe.wants_sample(parents) {
+        // Comparisons may make several windows of one.
+        probe.add(
+            Counter::Filtered,
+            arrived.saturating_sub(self.hand.len) as u64,
+        );
+        probe.add(Counter::Parents, self.hand.len as u64);
+        if B::COUNTS {
+            // Only windows that start from the vertex behind the edge have their source there.
+            let behind = self.surface.behind(h);
+            let children = self.hand.iter().filter(|w| w.source() != behind);
+            probe.add(Counter::Kept, children.count() as u64);
+        }
+        if probe.wants_sample(self.hand.len as u64) {
             probe.sample(
-                self.lists
+                self.front
                     .windows()
-                    .chain(&self.checked)
-                    .map(Window::min_distance),
+                    .chain(self.hand.iter())
+                    .map(|w| Window::min_distance(&w)),
             );
         }
-        if let Some(best) = self.best_path(&frame) {
-            self.offer(apex, best.distance, probe);
-            self.send_children(h, &frame, best, probe);
+        if self.hand.len > 0 {
+            self.offer(apex, found.distance, probe);
+            let best = BestPath::of(self.hand.block(), found.best, gate.apex, gate.l);
+            self.send_children(h, &face, gate, best, found.distance, found.bound, probe);
         }
         probe.enter(Phase::Management);
-        probe.raise(Counter::PeakWindows, self.lists.waiting() as u64);
-        probe.raise(Counter::PeakWavefront, self.lists.waiting() as u64);
+        probe.raise(Counter::PeakWindows, self.front.waiting() as u64);
+        probe.raise(Counter::PeakWavefront, self.front.waiting() as u64);
     }
 
-    /// Leaves in `checked` what the vertex filter and the comparisons leave of the windows that
-    /// arrived at `h`.
-    fn prune<B: Probe>(
-        &mut self,
-        h: HalfEdgeId,
-        l: f64,
-        tail: VertexId,
-        head: VertexId,
-        probe: &mut B,
-    ) {
-        self.checked.clear();
-        let (d0, d1) = (self.distances[tail.index()], self.distances[head.index()]);
-        let behind = self
-            .faces
-            .twin(h)
-            .map_or([0.0, f64::NEG_INFINITY], |g| self.faces.apex_below(g));
-        let edge = Edge { l, behind };
-        let mut dropped = 0;
-        for w in &self.arrived {
-            if is_beaten_from_ends(w, l, d0, d1) {
-                dropped += 1;
-            } else {
-                dropped += P::push(&mut self.checked, *w, &edge);
-            }
-        }
-        probe.add(Counter::Filtered, dropped);
-        // Only windows that start from the vertex behind the edge have their source there.
-        let children = self.checked.iter().filter(|w| w.source() != behind).count();
-        probe.add(Counter::Kept, children as u64);
-    }
-
-    /// The shortest path of the checked windows to the apex; notes their separating abscissae.
-    fn best_path(&mut self, frame: &Frame) -> Option<BestPath> {
-        self.separations.clear();
-        let mut best: Option<(f64, usize)> = None;
-        for (i, w) in self.checked.iter().enumerate() {
-            let sp = separating_abscissa(frame, w);
-            self.separations.push(sp);
-            let d = apex_distance(frame, w, sp);
-            if best.is_none_or(|(least, _)| d < least) {
-                best = Some((d, i));
-            }
-        }
-        best.map(|(_, i)| BestPath::of(frame, &self.checked[i], self.separations[i]))
-    }
-
-    /// Sends the checked windows on, each through the exits that are open to it.
+    /// Sends the list in hand on, each window through the exits that are open to it; at most as many as `bound` through
+    /// each.
+    #[allow(clippy::too_many_arguments)]
+    #[inline]
     fn send_children<B: Probe>(
         &mut self,
-        h: HalfEdgeId,
-        frame: &Frame,
+        h: u32,
+        face: &Face,
+        gate: Gate,
         best: BestPath,
+        distance: f64,
+        bound: [usize; 2],
         probe: &mut B,
     ) {
-        let [to_left, to_right] = self.faces.exits(h);
-        let mut left_exit = to_left.map(|target| self.exit(h, target, Arrival::AsLeftChild));
-        let mut right_exit = to_right.map(|target| self.exit(h, target, Arrival::AsRightChild));
-        self.exits.enter(&Crossing {
-            h,
-            frame,
-            windows: &self.checked,
-            separations: &self.separations,
-            best,
-            lists: &self.lists,
-            faces: &self.faces,
-        });
-        let (mut tried, mut children, mut tiny) = (0, 0, 0);
-        for (w, &sp) in self.checked.iter().zip(&self.separations) {
-            let sides = self.exits.sides(frame, &best, w, sp);
-            if let Some((exit, limit)) = left_exit.as_mut().zip(sides.left) {
-                tried += 1;
-                if let Some(child) = left_child(frame, w, sp, limit) {
-                    children += 1;
-                    if child.b1 - child.b0 < self.threshold {
-                        tiny += 1;
-                    } else {
-                        exit.send::<M>(child, &mut self.lists);
-                    }
-                }
-            }
-            if let Some((exit, limit)) = right_exit.as_mut().zip(sides.right) {
-                tried += 1;
-                if let Some(child) = right_child(frame, w, sp, limit) {
-                    children += 1;
-                    if child.b1 - child.b0 < self.threshold {
-                        tiny += 1;
-                    } else {
-                        exit.send::<M>(child, &mut self.lists);
-                    }
-                }
+        let (f, corner) = parts(h);
+        let exits = [face.twin[prev(corner)], face.twin[next(corner)]];
+        let arrivals = [Arrival::AsLeftChild, Arrival::AsRightChild];
+        let is_new = (M::PRESERVES_ORDER || B::COUNTS) && self.front.is_new(f);
+        let (mut lists, mut alone) = ([NO_LIST; 2], [false; 2]);
+        for side in 0..2 {
+            let exit = exits[side];
+            if exit != NOBODY && bound[side] > 0 {
+                // A secondary merge.
+                alone[side] = M::PRESERVES_ORDER && !is_new && !self.front.contains(parts(exit).0);
+                lists[side] = self
+                    .front
+                    .reserve(exit, arrivals[side], bound[side], alone[side]);
             }
         }
+        let before = lists.map(|list| self.front.len(list));
+        let (carried, after) = {
+            let rule = self.exits.enter(&Crossing {
+                h,
+                hand: &self.hand,
+                gate,
+                best,
+                distance,
+                front: &self.front,
+                surface: &self.surface,
+                instructions: self.instructions,
+            });
+            let blocks = self.front.blocks(lists);
+            let mut targets = blocks.map(|block| Target {
+                block,
+                len: 0,
+                open: false,
+            });
+            for side in 0..2 {
+                targets[side].len = before[side];
+                targets[side].open = exits[side] != NOBODY;
+            }
+            let triangle = face.triangle(corner);
+            let program = Carry::new(&self.hand, &triangle, &rule, self.threshold, &mut targets);
+            let carried = dispatch::run(program, self.instructions);
+            (carried, targets.map(|target| target.len))
+        };
         probe.enter(Phase::Management);
-        for exit in [left_exit, right_exit].into_iter().flatten() {
-            self.close(&exit, probe);
-        }
-        probe.add(Counter::Propagated, tried);
-        probe.add(Counter::Children, children);
-        probe.add(Counter::Filtered, tiny);
-        let prime = self.area.is_new(h.face());
-        probe.add(
-            if prime {
-                Counter::Prime
+        for side in 0..2 {
+            let (exit, list) = (exits[side], lists[side]);
+            if list == NO_LIST {
+                continue;
+            }
+            if alone[side] {
+                self.front.insert(exit, list, after[side]);
             } else {
-                Counter::Secondary
-            },
-            tried,
-        );
+                self.front.arrive(exit, arrivals[side], list, after[side]);
+            }
+            if after[side] == before[side] {
+                continue;
+            }
+            if alone[side] {
+                self.close_late(exit, probe);
+            } else {
+                self.close(exit, list, before[side], after[side], probe);
+            }
+        }
+        let children = after[0] + after[1] - before[0] - before[1] + carried.tiny;
+        let tried = carried.tried as u64;
+        probe.add(Counter::Propagated, tried);
+        probe.add(Counter::Children, children as u64);
+        probe.add(Counter::Filtered, carried.tiny as u64);
+        let counter = if is_new {
+            Counter::Prime
+        } else {
+            Counter::Secondary
+        };
+        probe.add(counter, tried);
+    }
+
+    /// Windows have been put into their places in the list on `h`, which waits.
+    fn close_late<B: Probe>(&mut self, h: u32, probe: &mut B) {
+        let [(_, len), _] = self.front.lists(h);
+        let list = self.front.first(h);
+        self.close(h, list, 0, len, probe);
+    }
+
+    /// Asks for what the next lists will touch.
+    #[inline(always)]
+    fn prefetch(&self) {
+        if let Some(h) = self.front.upcoming(6) {
+            let f = parts(h).0;
+            if let Some(face) = self.surface.faces.get(f) {
+                line(face);
+                line(&face.apex_x);
+            }
+            self.front.prefetch(f);
+        }
+        if let Some(h) = self.front.upcoming(3) {
+            let (f, corner) = parts(h);
+            let face = &self.surface.faces[f];
+            for corner in [next(corner), prev(corner)] {
+                self.front.prefetch(parts(face.twin[corner]).0);
+            }
+            prefetch(&self.distances, face.vertex[prev(corner)] as usize);
+        }
     }
 }
 
@@ -348,29 +365,34 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<'_
     fn propagate<B: Probe>(&mut self, sources: &[VertexId], probe: &mut B) -> Solution {
         self.reset();
         probe.add(Counter::WindowBytes, size_of::<Window>() as u64);
-        for s in sources {
-            self.distances[s.index()] = 0.0;
+        let sources: Vec<u32> = sources
+            .iter()
+            .map(|&s| self.numbering.new_vertex(s))
+            .collect();
+        for &s in &sources {
+            self.distances[s as usize] = 0.0;
         }
-        for &s in sources {
+        for &s in &sources {
             self.pass(s, true, probe);
         }
         loop {
-            while let Some(h) = self.area.next_ready() {
+            while let Some(h) = self.front.next_ready() {
+                self.prefetch();
                 self.cross(h, probe);
             }
             match self.schedule.pop() {
                 // An entry is void once its vertex has improved or its face has joined.
-                Some((d, Turn::Vertex(v))) if d == self.distances[v.index()] => {
+                Some((d, Turn::Vertex(v))) if d == self.distances[v as usize] => {
                     self.pass(v, false, probe);
                 }
-                Some((_, Turn::Face(f))) if !self.area.contains(f) => {
-                    self.area.advance();
-                    self.area.join(f, &self.lists);
+                Some((_, Turn::Face(f))) if !self.front.contains(f as usize) => {
+                    self.front.advance();
+                    self.front.join(f as usize);
                 }
                 Some(_) => {}
                 None => break,
             }
         }
-        Solution::new(std::mem::take(&mut self.distances))
+        Solution::new(self.numbering.restore(&self.distances))
     }
 }

@@ -1,39 +1,46 @@
 //! Which windows of a list are compared with each other.
 
+#![allow(unsafe_code)]
+// What the engine is made of is nobody else's business, so others cannot make choices of their own.
+#![allow(private_bounds, private_interfaces)]
+
 use geobench_window::Window;
 
+use crate::engine::hand::Hand;
+use crate::engine::kernels::settle;
+use crate::engine::lanes::Lanes;
+use crate::engine::surface::Surface;
 use crate::pairs::{Edge, Verdict, check_pair};
 use crate::trim::trim_pair;
 
 /// Which windows of a list are compared before it crosses its face, and how.
 pub trait Pairs: Send {
-    /// Appends `new` to the windows of a list that have been checked so far, or drops it, and cuts
-    /// or drops those with which it is compared. Returns how many windows died.
-    fn push(checked: &mut Vec<Window>, new: Window, edge: &Edge) -> u64;
+    /// Cuts or drops windows of `hand`, the list on half-edge `h` of `surface`.
+    ///
+    /// # Safety
+    ///
+    /// The processor must know the instructions of `L`.
+    #[doc(hidden)]
+    unsafe fn prune<L: Lanes>(hand: &mut Hand, surface: &Surface, h: u32);
 }
 
 /// Neighbours in the list: rules 2 and 3 (Qin et al. 2016, sections 4.2 and 4.3). A window is
-/// compared with the last one until both of them stay or it dies, so a whole list takes linear
+/// compared with its neighbours until all of them stay or it dies, so a whole list takes linear
 /// time.
 #[derive(Clone, Copy, Debug)]
 pub struct Neighbours;
 
 impl Pairs for Neighbours {
-    #[inline]
-    fn push(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) -> u64 {
-        let mut died = 0;
-        while let Some(last) = checked.last_mut() {
-            match check_pair(last, &mut new, edge) {
-                Verdict::BothStay => break,
-                Verdict::FirstDies => {
-                    checked.pop();
-                    died += 1;
-                }
-                Verdict::SecondDies => return died + 1,
-            }
+    #[inline(always)]
+    unsafe fn prune<L: Lanes>(hand: &mut Hand, surface: &Surface, h: u32) {
+        let len = hand.len;
+        if len < 2 {
+            return;
         }
-        checked.push(new);
-        died
+        let l = surface.length(h);
+        let (block, cuts, again) = hand.parts();
+        // SAFETY: promised by the caller.
+        hand.len = unsafe { settle::<L>(block, len, l, || surface.behind(h), cuts, again) };
     }
 }
 
@@ -42,11 +49,32 @@ impl Pairs for Neighbours {
 pub struct NoPairs;
 
 impl Pairs for NoPairs {
-    #[inline]
-    fn push(checked: &mut Vec<Window>, new: Window, _: &Edge) -> u64 {
-        checked.push(new);
-        0
+    #[inline(always)]
+    unsafe fn prune<L: Lanes>(_: &mut Hand, _: &Surface, _: u32) {}
+}
+
+/// Compares windows one by one: `push` adds each to those that have been checked so far, or drops it, and cuts or drops those
+/// with which it is compared.
+fn one_by_one(
+    hand: &mut Hand,
+    surface: &Surface,
+    h: u32,
+    push: impl Fn(&mut Vec<Window>, Window, &Edge),
+) {
+    if hand.len < 2 {
+        return;
     }
+    let edge = Edge {
+        l: surface.length(h),
+        behind: surface.behind(h),
+    };
+    let mut checked = std::mem::take(&mut hand.windows);
+    checked.clear();
+    for w in hand.iter() {
+        push(&mut checked, w, &edge);
+    }
+    hand.replace(&checked);
+    hand.windows = checked;
 }
 
 /// Every pair, once: quadratic in the length of the list.
@@ -54,22 +82,24 @@ impl Pairs for NoPairs {
 pub struct AllPairs;
 
 impl Pairs for AllPairs {
-    fn push(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) -> u64 {
-        let before = checked.len();
-        let mut alive = true;
-        checked.retain_mut(|w| {
-            if !alive {
-                return true;
-            }
-            let verdict = check_pair(w, &mut new, edge);
-            alive = verdict != Verdict::SecondDies;
-            verdict != Verdict::FirstDies
-        });
-        let died = before - checked.len() + usize::from(!alive);
-        if alive {
-            checked.push(new);
+    unsafe fn prune<L: Lanes>(hand: &mut Hand, surface: &Surface, h: u32) {
+        one_by_one(hand, surface, h, push_to_all);
+    }
+}
+
+/// Compares `new` with all of `checked`.
+fn push_to_all(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) {
+    let mut alive = true;
+    checked.retain_mut(|w| {
+        if !alive {
+            return true;
         }
-        died as u64
+        let verdict = check_pair(w, &mut new, edge);
+        alive = verdict != Verdict::SecondDies;
+        verdict != Verdict::FirstDies
+    });
+    if alive {
+        checked.push(new);
     }
 }
 
@@ -79,47 +109,47 @@ impl Pairs for AllPairs {
 pub struct TiePoints;
 
 impl Pairs for TiePoints {
-    fn push(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) -> u64 {
-        let mut died = 0;
-        while let Some(last) = checked.last_mut() {
-            match check_pair(last, &mut new, edge) {
-                Verdict::BothStay => {}
-                Verdict::FirstDies => {
-                    checked.pop();
-                    died += 1;
-                    continue;
-                }
-                Verdict::SecondDies => return died + 1,
-            }
-            let Some((of_last, of_new)) = trim_pair(last, &new, edge.l) else {
-                break;
-            };
-            if of_new.is_empty() {
-                return died + 1;
-            }
-            checked.pop();
-            if of_last.is_empty() {
-                died += 1;
+    unsafe fn prune<L: Lanes>(hand: &mut Hand, surface: &Surface, h: u32) {
+        one_by_one(hand, surface, h, push_and_trim);
+    }
+}
+
+/// Compares `new` with the last of `checked`, and the next to last if that dies, and so on, and trims overlaps.
+fn push_and_trim(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) {
+    while let Some(last) = checked.last_mut() {
+        match check_pair(last, &mut new, edge) {
+            Verdict::BothStay => {}
+            Verdict::FirstDies => {
+                checked.pop();
                 continue;
             }
-            let start = checked.len();
-            checked.extend(of_last.iter().chain(of_new.iter()));
-            checked[start..].sort_by(|a, b| a.b0.total_cmp(&b.b0));
-            return died;
+            Verdict::SecondDies => return,
         }
-        checked.push(new);
-        died
+        let Some((of_last, of_new)) = trim_pair(last, &new, edge.l) else {
+            break;
+        };
+        if of_new.is_empty() {
+            return;
+        }
+        checked.pop();
+        if of_last.is_empty() {
+            continue;
+        }
+        let start = checked.len();
+        checked.extend(of_last.iter().chain(of_new.iter()));
+        checked[start..].sort_by(|a, b| a.b0.total_cmp(&b.b0));
+        return;
     }
+    checked.push(new);
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use geobench_mesh::{Mesh, TriangleSoup};
 
-    const EDGE: Edge = Edge {
-        l: 1.0,
-        behind: [0.5, -1.0],
-    };
+    use super::*;
+    use crate::engine::lanes::Scalar;
+    use crate::engine::numbering::Numbering;
 
     fn window(b0: f64, b1: f64, px: f64, py: f64, sigma: f64) -> Window {
         Window {
@@ -131,13 +161,19 @@ mod tests {
         }
     }
 
-    fn push_all<P: Pairs>(windows: &[Window]) -> (Vec<Window>, u64) {
-        let mut checked = Vec::new();
-        let died = windows
-            .iter()
-            .map(|&w| P::push(&mut checked, w, &EDGE))
-            .sum();
-        (checked, died)
+    /// What `P` leaves of `windows` on an edge of length 1 with a vertex at (0.5, -1) behind it.
+    fn prune<P: Pairs>(windows: &[Window]) -> Vec<Window> {
+        let positions = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0], [0.5, -1.0]];
+        let positions = positions.map(|[x, y]| [x, y, 0.0]).to_vec();
+        let soup = TriangleSoup::new(positions, vec![[0, 1, 2], [1, 0, 3]]);
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        let surface = Surface::new(&mesh, &Numbering::same());
+        assert_eq!(surface.behind(0), [0.5, -1.0]);
+        let mut hand = Hand::new();
+        hand.replace(windows);
+        // SAFETY: every processor can count to one.
+        unsafe { P::prune::<Scalar>(&mut hand, &surface, 0) }
+        hand.iter().collect()
     }
 
     #[test]
@@ -145,10 +181,10 @@ mod tests {
         let dear = [0.1, 0.2, 0.3].map(|b0| window(b0, b0 + 0.1, 0.9, -1.0, 3.0));
         let better = window(0.0, 0.6, 0.1, -1.0, 0.0);
         let list = [&dear[..], &[better]].concat();
-        assert_eq!(push_all::<Neighbours>(&list), (vec![better], 3));
-        assert_eq!(push_all::<AllPairs>(&list), (vec![better], 3));
-        assert_eq!(push_all::<TiePoints>(&list), (vec![better], 3));
-        assert_eq!(push_all::<NoPairs>(&list), (list, 0));
+        assert_eq!(prune::<Neighbours>(&list), [better]);
+        assert_eq!(prune::<AllPairs>(&list), [better]);
+        assert_eq!(prune::<TiePoints>(&list), [better]);
+        assert_eq!(prune::<NoPairs>(&list), list);
     }
 
     #[test]
@@ -157,8 +193,8 @@ mod tests {
         let beside = window(0.9, 1.0, 0.95, -1.0, 0.0);
         let beaten = window(0.2, 0.4, 0.9, -1.0, 3.0);
         let list = [best, beside, beaten];
-        assert_eq!(push_all::<Neighbours>(&list).1, 0);
-        assert_eq!(push_all::<AllPairs>(&list), (vec![best, beside], 1));
+        assert_eq!(prune::<Neighbours>(&list), list);
+        assert_eq!(prune::<AllPairs>(&list), [best, beside]);
     }
 
     #[test]
@@ -169,9 +205,9 @@ mod tests {
             ..w
         };
         for list in [[w, w], [w, noisy], [noisy, w]] {
-            assert_eq!(push_all::<Neighbours>(&list), (list.to_vec(), 0));
-            assert_eq!(push_all::<AllPairs>(&list), (list.to_vec(), 0));
-            assert_eq!(push_all::<TiePoints>(&list), (list.to_vec(), 0));
+            assert_eq!(prune::<Neighbours>(&list), list);
+            assert_eq!(prune::<AllPairs>(&list), list);
+            assert_eq!(prune::<TiePoints>(&list), list);
         }
     }
 
@@ -180,9 +216,9 @@ mod tests {
         let left = window(0.0, 0.8, 0.0, -1.0, 0.0);
         let right = window(0.2, 1.0, 1.0, -1.0, 0.0);
         for list in [[left, right], [right, left]] {
-            let (checked, died) = push_all::<TiePoints>(&list);
+            let checked = prune::<TiePoints>(&list);
             let ends: Vec<_> = checked.iter().map(|w| [w.b0, w.b1]).collect();
-            assert_eq!((ends, died), (vec![[0.0, 0.5], [0.5, 1.0]], 0));
+            assert_eq!(ends, [[0.0, 0.5], [0.5, 1.0]]);
         }
     }
 
@@ -190,8 +226,8 @@ mod tests {
     fn a_better_window_in_the_middle_parts_the_other_one() {
         let dear = window(0.0, 1.0, 0.5, -1.0, 5.0);
         let cheap = window(0.4, 0.6, 0.5, -0.5, 0.0);
-        let (checked, died) = push_all::<TiePoints>(&[dear, cheap]);
+        let checked = prune::<TiePoints>(&[dear, cheap]);
         let ends: Vec<_> = checked.iter().map(|w| [w.b0, w.b1]).collect();
-        assert_eq!((ends, died), (vec![[0.0, 0.4], [0.4, 0.6], [0.6, 1.0]], 0));
+        assert_eq!(ends, [[0.0, 0.4], [0.4, 0.6], [0.6, 1.0]]);
     }
 }

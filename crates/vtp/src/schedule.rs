@@ -1,6 +1,5 @@
 //! Schedules: which faces join the traversed area next.
 
-use geobench_mesh::{FaceId, Mesh, VertexId};
 use geobench_window::queue::MinHeap;
 use geobench_window::{Counter, Probe};
 
@@ -8,9 +7,9 @@ use geobench_window::{Counter, Probe};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
     /// A vertex.
-    Vertex(VertexId),
+    Vertex(u32),
     /// A face, which joins the traversed area alone.
-    Face(FaceId),
+    Face(u32),
 }
 
 /// An order in which the traversed area grows. Distances do not depend on it, costs do.
@@ -19,18 +18,18 @@ pub trait Schedule: Send {
     /// own, and [`wait`](Schedule::wait) must be told of windows that wait for them.
     const BY_VERTEX: bool;
 
-    /// An empty schedule for `mesh`.
-    fn new(mesh: &Mesh) -> Self;
+    /// An empty schedule for a mesh of so many faces. Vertices and faces have the numbers of the solver.
+    fn new(faces: usize) -> Self;
 
     /// Forgets the last run, which has emptied the queue.
     fn reset(&mut self);
 
     /// Vertex `v` is to have a turn, at distance `d`.
-    fn push_vertex<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P);
+    fn push_vertex<P: Probe>(&mut self, v: u32, d: f64, probe: &mut P);
 
     /// Windows have come to wait for `face`; the shortest of their paths to the vertex opposite
     /// their edge has length `offer`.
-    fn wait<P: Probe>(&mut self, face: FaceId, offer: f64, probe: &mut P);
+    fn wait<P: Probe>(&mut self, face: u32, offer: f64, probe: &mut P);
 
     /// Takes the next turn, with the distance that it was queued for.
     fn pop(&mut self) -> Option<(f64, Turn)>;
@@ -39,13 +38,13 @@ pub trait Schedule: Send {
 /// Nearest vertex first (Qin et al. 2016, section 5.2).
 #[derive(Clone, Debug)]
 pub struct NearestVertex {
-    front: MinHeap<VertexId>,
+    front: MinHeap<u32>,
 }
 
 impl Schedule for NearestVertex {
     const BY_VERTEX: bool = true;
 
-    fn new(_: &Mesh) -> Self {
+    fn new(_: usize) -> Self {
         Self {
             front: MinHeap::default(),
         }
@@ -54,11 +53,11 @@ impl Schedule for NearestVertex {
     fn reset(&mut self) {}
 
     #[inline]
-    fn push_vertex<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) {
+    fn push_vertex<P: Probe>(&mut self, v: u32, d: f64, probe: &mut P) {
         push(&mut self.front, d, v, probe);
     }
 
-    fn wait<P: Probe>(&mut self, _: FaceId, _: f64, _: &mut P) {}
+    fn wait<P: Probe>(&mut self, _: u32, _: f64, _: &mut P) {}
 
     #[inline]
     fn pop(&mut self) -> Option<(f64, Turn)> {
@@ -79,10 +78,10 @@ pub struct NearestFace {
 impl Schedule for NearestFace {
     const BY_VERTEX: bool = false;
 
-    fn new(mesh: &Mesh) -> Self {
+    fn new(faces: usize) -> Self {
         Self {
             front: MinHeap::default(),
-            offers: vec![f64::INFINITY; mesh.face_count()],
+            offers: vec![f64::INFINITY; faces],
         }
     }
 
@@ -90,12 +89,12 @@ impl Schedule for NearestFace {
         self.offers.fill(f64::INFINITY);
     }
 
-    fn push_vertex<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) {
+    fn push_vertex<P: Probe>(&mut self, v: u32, d: f64, probe: &mut P) {
         push(&mut self.front, d, Turn::Vertex(v), probe);
     }
 
-    fn wait<P: Probe>(&mut self, face: FaceId, offer: f64, probe: &mut P) {
-        let least = &mut self.offers[face.index()];
+    fn wait<P: Probe>(&mut self, face: u32, offer: f64, probe: &mut P) {
+        let least = &mut self.offers[face as usize];
         if offer < *least {
             *least = offer;
             push(&mut self.front, offer, Turn::Face(face), probe);

@@ -118,8 +118,9 @@ impl Program for Run<'_> {
             Kernel::Measure => {
                 let block = bench.store.block(list);
                 // SAFETY: promised by the caller.
-                let found =
-                    unsafe { kernels::measure::<L>(block, len, &bench.gate, &mut bench.keep) };
+                let found = unsafe {
+                    kernels::measure::<L, true>(block, 0, len, &bench.gate, &mut bench.keep)
+                };
                 bench.found = Some(found);
                 found.kept
             }
@@ -128,7 +129,7 @@ impl Program for Run<'_> {
                     return 0;
                 };
                 let [block, left, right] = bench.store.blocks([list, left, right]);
-                let best = BestPath::of(block, found.best, bench.gate.apex);
+                let best = BestPath::of(block, found.best, bench.gate.apex, bench.gate.l);
                 let [mut left, mut right] = [left, right].map(|block| Target {
                     block,
                     len: 0,
@@ -136,12 +137,13 @@ impl Program for Run<'_> {
                 });
                 // SAFETY: promised by the caller; `keep` is of this list, and each target has room for all of it.
                 unsafe {
-                    kernels::carry::<L>(
+                    kernels::carry::<L, BestPath>(
                         block,
                         len,
                         &bench.keep,
                         &bench.triangle,
                         &best,
+                        0.0,
                         [&mut left, &mut right],
                     );
                 }

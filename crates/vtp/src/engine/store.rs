@@ -194,9 +194,24 @@ impl WindowStore {
         &mut self.lines[range.start..=range.end]
     }
 
-    /// The blocks of three different lists; none of [`NO_LIST`].
+    /// The block of `list`, for reading.
     #[inline]
-    pub(crate) fn blocks(&mut self, lists: [u32; 3]) -> [&mut [Line]; 3] {
+    pub(crate) fn read(&self, list: u32) -> &[Line] {
+        &self.lines[self.range(list)]
+    }
+
+    /// The window at place `i` of `list`.
+    #[inline]
+    pub(crate) fn get(&self, list: u32, i: usize) -> [f64; COLUMNS] {
+        let List { start, class, .. } = self.lists[list as usize];
+        let column = lines_of(class) as usize;
+        let first = start as usize + i / Line::LANES;
+        std::array::from_fn(|c| self.lines[first + c * column].0[i % Line::LANES])
+    }
+
+    /// The blocks of different lists; none of [`NO_LIST`].
+    #[inline]
+    pub(crate) fn blocks<const N: usize>(&mut self, lists: [u32; N]) -> [&mut [Line]; N] {
         let ranges = lists.map(|list| self.range(list));
         match self.lines.get_disjoint_mut(ranges) {
             Ok(blocks) => blocks,
@@ -215,15 +230,8 @@ impl WindowStore {
 
     /// All windows that wait, as b0, b1, px, py and σ.
     pub(crate) fn windows(&self) -> impl Iterator<Item = [f64; COLUMNS]> {
-        self.lists.iter().flat_map(move |list| {
-            let column = lines_of(list.class) as usize;
-            (0..list.len as usize).map(move |i| {
-                std::array::from_fn(|c| {
-                    let line = list.start as usize + c * column + i / Line::LANES;
-                    self.lines[line].0[i % Line::LANES]
-                })
-            })
-        })
+        (0..self.lists.len() as u32)
+            .flat_map(move |list| (0..self.len(list)).map(move |i| self.get(list, i)))
     }
 }
 

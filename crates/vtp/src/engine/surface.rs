@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use geobench_mesh::{HalfEdgeId, Mesh};
 
-use super::kernels::Triangle;
+use super::kernels::{Gate, Triangle};
 use super::numbering::Numbering;
 use super::store::NO_LIST;
 
@@ -166,6 +166,39 @@ impl Surface {
             angles,
             mean_length: total / mesh.half_edge_count().max(1) as f64,
         }
+    }
+
+    /// The length of `h`.
+    #[inline]
+    pub(crate) fn length(&self, h: u32) -> f64 {
+        let (f, corner) = parts(h);
+        self.faces[f].length[corner]
+    }
+
+    /// The half-edge `h` as the passes over its list see it, its ends at `ends`.
+    #[inline]
+    pub(crate) fn gate(&self, h: u32, ends: [f64; 2]) -> Gate {
+        let (f, corner) = parts(h);
+        let face = &self.faces[f];
+        Gate {
+            l: face.length[corner],
+            apex: face.apex(corner),
+            ends,
+        }
+    }
+
+    /// The third vertex of the face below `h`, in the frame of `h`; a point infinitely far below if there is none.
+    #[inline]
+    pub(crate) fn behind(&self, h: u32) -> [f64; 2] {
+        let (f, corner) = parts(h);
+        let twin = self.faces[f].twin[corner];
+        if twin == NOBODY {
+            return [0.0, f64::NEG_INFINITY];
+        }
+        let (f, corner) = parts(twin);
+        let below = &self.faces[f];
+        let [x, y] = below.apex(corner);
+        [below.length[corner] - x, -y]
     }
 
     /// Where the half-edges that start at `v` stand in `rings` and `angles`.

@@ -247,7 +247,7 @@ impl<'m> VtpFast<'m> {
         };
         let block = self.store.block(list);
         // SAFETY: promised by the caller.
-        let found = unsafe { kernels::measure::<L>(block, len, &gate, &mut self.keep) };
+        let found = unsafe { kernels::measure::<L, true>(block, 0, len, &gate, &mut self.keep) };
         probe.enter(Phase::Propagation);
         probe.add(Counter::Filtered, (arrived - found.kept) as u64);
         probe.add(Counter::Parents, found.kept as u64);
@@ -264,7 +264,7 @@ impl<'m> VtpFast<'m> {
             }));
         }
         if found.kept > 0 {
-            let best = BestPath::of(self.store.block(list), found.best, gate.apex);
+            let best = BestPath::of(self.store.block(list), found.best, gate.apex, gate.l);
             // The consequences wait: whether a path is the shortest is hard to predict.
             let known = &mut self.distances[apex as usize];
             let nearer = found.distance < *known;
@@ -324,13 +324,14 @@ impl<'m> VtpFast<'m> {
         };
         let triangle = face.triangle(corner);
         // SAFETY: promised by the caller; `keep` and the bounds are of this list.
-        let tried = unsafe {
-            kernels::carry::<L>(
+        let carried = unsafe {
+            kernels::carry::<L, BestPath>(
                 block,
                 found.len,
                 &self.keep,
                 &triangle,
                 best,
+                0.0,
                 [&mut left, &mut right],
             )
         };
@@ -347,7 +348,7 @@ impl<'m> VtpFast<'m> {
             }
         }
         let children = after[0] + after[1] - before[0] - before[1];
-        probe.add(Counter::Propagated, tried as u64);
+        probe.add(Counter::Propagated, carried.tried as u64);
         probe.add(Counter::Children, children as u64);
     }
 

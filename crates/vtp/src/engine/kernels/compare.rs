@@ -1,10 +1,12 @@
 //! Rules 2 and 3 on a whole list at once.
 
-use super::carry::CLEARANCE;
 use super::columns::{Sink, Windows, within};
 use crate::engine::lanes::{LaneMask, Lanes};
 use crate::engine::store::Line;
 use crate::pairs::MARGIN;
+
+/// Fraction of the coordinates' size by which a point must lie off a ray to count as beside it.
+pub(super) const CLEARANCE: f64 = 1e-12;
 
 /// What neighbours leave of the intervals, kept from run to run.
 #[derive(Clone, Debug, Default)]
@@ -14,11 +16,55 @@ pub(crate) struct Cuts {
 }
 
 impl Cuts {
-    fn resize(&mut self, len: usize) {
+    /// Room for a list of `len` and what whole registers overrun.
+    #[inline(always)]
+    pub(super) fn resize(&mut self, len: usize) {
+        let len = len + 2 * Line::LANES;
         for ends in &mut self.ends {
             if ends.len() < len {
                 ends.resize(len.next_power_of_two(), 0.0);
             }
+        }
+    }
+
+    /// Notes what is left of the windows from number `i` on, compared with their right neighbours, and of these.
+    ///
+    /// # Safety
+    ///
+    /// The processor must know the instructions of `L`, and there must be room for a list that long.
+    #[inline(always)]
+    pub(super) unsafe fn note<L: Lanes>(&mut self, i: usize, [of_a, of_b]: [[L; 2]; 2]) {
+        let [b0_first, b1_first, b0_second, b1_second] = &mut self.ends;
+        // SAFETY: promised by the caller.
+        unsafe {
+            of_a[0].store(b0_first.as_mut_ptr().add(i));
+            of_a[1].store(b1_first.as_mut_ptr().add(i));
+            of_b[0].store(b0_second.as_mut_ptr().add(i + 1));
+            of_b[1].store(b1_second.as_mut_ptr().add(i + 1));
+        }
+    }
+
+    /// The first window has no left neighbour.
+    #[inline(always)]
+    pub(super) fn open(&mut self) {
+        self.ends[2][0] = f64::NEG_INFINITY;
+        self.ends[3][0] = f64::INFINITY;
+    }
+
+    /// What both neighbours have left of the windows from number `i` on.
+    ///
+    /// # Safety
+    ///
+    /// As for [`note`](Self::note).
+    #[inline(always)]
+    pub(super) unsafe fn left<L: Lanes>(&self, i: usize) -> [L; 2] {
+        let [b0_first, b1_first, b0_second, b1_second] = &self.ends;
+        // SAFETY: promised by the caller.
+        unsafe {
+            [
+                L::load(b0_first.as_ptr().add(i)).max(L::load(b0_second.as_ptr().add(i))),
+                L::load(b1_first.as_ptr().add(i)).min(L::load(b1_second.as_ptr().add(i))),
+            ]
         }
     }
 }
@@ -37,8 +83,7 @@ impl Cuts {
 /// The processor must know the instructions of `L`.
 #[inline(always)]
 pub(crate) unsafe fn compare<L: Lanes>(block: &mut [Line], len: usize, cuts: &mut Cuts) -> usize {
-    cuts.resize(len + 2 * Line::LANES);
-    let [b0_first, b1_first, b0_second, b1_second] = &mut cuts.ends;
+    cuts.resize(len);
     // The last line is only for reading behind the block.
     let own = block.len() - 1;
     let mut rest = Sink::new(&mut block[..own], 0);
@@ -51,21 +96,15 @@ pub(crate) unsafe fn compare<L: Lanes>(block: &mut [Line], len: usize, cuts: &mu
             let a = columns.load::<L>(i);
             let b = columns.load::<L>(i + 1);
             let pairs = within::<L>(i, len - 1);
-            let [of_a, of_b] = losses::<L>(&a, &b, pairs);
-            of_a[0].store(b0_first.as_mut_ptr().add(i));
-            of_a[1].store(b1_first.as_mut_ptr().add(i));
-            of_b[0].store(b0_second.as_mut_ptr().add(i + 1));
-            of_b[1].store(b1_second.as_mut_ptr().add(i + 1));
+            cuts.note(i, losses::<L>(&a, &b, pairs).0);
             i += L::COUNT;
         }
-        b0_second[0] = f64::NEG_INFINITY;
-        b1_second[0] = f64::INFINITY;
+        cuts.open();
         let mut i = 0;
         while i < len {
             // Read before anything is written: `rest` never overtakes.
             let w = columns.load::<L>(i);
-            let b0 = L::load(b0_first.as_ptr().add(i)).max(L::load(b0_second.as_ptr().add(i)));
-            let b1 = L::load(b1_first.as_ptr().add(i)).min(L::load(b1_second.as_ptr().add(i)));
+            let [b0, b1] = cuts.left::<L>(i);
             let alive = b0.lt(b1) & within::<L>(i, len);
             rest.add(alive, &Windows { b0, b1, ..w });
             i += L::COUNT;
@@ -74,21 +113,26 @@ pub(crate) unsafe fn compare<L: Lanes>(block: &mut [Line], len: usize, cuts: &mu
     }
 }
 
-/// What is left of the intervals of `a` and of `b` after each pair has been compared.
+/// What is left of the intervals of `a` and of `b` after each of `pairs` has been compared, and which of these do not meet.
 ///
 /// # Safety
 ///
 /// The processor must know the instructions of `L`.
 #[inline(always)]
-unsafe fn losses<L: Lanes>(a: &Windows<L>, b: &Windows<L>, pairs: L::Mask) -> [[L; 2]; 2] {
+pub(super) unsafe fn losses<L: Lanes>(
+    a: &Windows<L>,
+    b: &Windows<L>,
+    pairs: L::Mask,
+) -> ([[L; 2]; 2], L::Mask) {
     // SAFETY: promised by the caller.
     let (zero, margin, clearance) =
         unsafe { (L::splat(0.0), L::splat(MARGIN), L::splat(CLEARANCE)) };
     let (mut of_a, mut of_b) = ([a.b0, a.b1], [b.b0, b.b1]);
     let (lo, hi) = (a.b0.max(b.b0), a.b1.min(b.b1));
     let overlap = pairs & lo.le(hi);
+    let apart = pairs & !overlap;
     if !overlap.any() {
-        return [of_a, of_b];
+        return ([of_a, of_b], apart);
     }
     let (dx, dy) = (b.px - a.px, b.py - a.py);
     let size = clearance * (a.px.abs() + a.py.abs() + b.px.abs() + b.py.abs());
@@ -113,13 +157,19 @@ unsafe fn losses<L: Lanes>(a: &Windows<L>, b: &Windows<L>, pairs: L::Mask) -> [[
         of_b[0] = L::select(a_wins & cut_b[0], of_b[0].max(x), of_b[0]);
         of_b[1] = L::select(a_wins & cut_b[1], of_b[1].min(x), of_b[1]);
     }
-    [of_a, of_b]
+    ([of_a, of_b], apart)
 }
 
 /// Whether the source at `offset` from that of `w` lies clearly left, and clearly right, of the ray
 /// of `w` through abscissa `x`; `size` is the size of their coordinates times the clearance.
 #[inline(always)]
-fn side<L: Lanes>(w: &Windows<L>, x: L, offset: [L; 2], size: L, zero: L) -> [L::Mask; 2] {
+pub(super) fn side<L: Lanes>(
+    w: &Windows<L>,
+    x: L,
+    offset: [L; 2],
+    size: L,
+    zero: L,
+) -> [L::Mask; 2] {
     let along = x - w.px;
     let area = along * offset[1] + w.py * offset[0];
     let doubt = size * (along.abs() + w.py.abs());

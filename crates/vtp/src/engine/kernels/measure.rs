@@ -1,27 +1,14 @@
-//! First pass over a list that is about to cross its face: the vertex filter, and the shortest path
-//! to the apex.
+//! Pass over a list that is about to cross its face: the vertex filter, if that has not been applied
+//! yet, and the shortest path to the apex.
 
 use super::columns::{Columns, Windows, within};
+use super::filter::{Filter, Gate, squares};
 use crate::engine::lanes::{LaneMask, Lanes};
 use crate::engine::store::Line;
-
-/// How much shorter a path through a vertex must be, relatively, before it deletes a window.
-pub(crate) const MARGIN: f64 = 1.0 + 1e-12;
 
 /// By how much, relative to the shortest path so far, a window may seem too long and still have its
 /// path measured: far more than rounding can make of it.
 const LENIENCY: f64 = 1.0 + 1e-13;
-
-/// What the pass must know of the half-edge.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Gate {
-    /// Length of the half-edge.
-    pub(crate) l: f64,
-    /// Position of the apex.
-    pub(crate) apex: [f64; 2],
-    /// Distances known at the tail and the head.
-    pub(crate) ends: [f64; 2],
-}
 
 /// What the pass found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,8 +25,8 @@ pub(crate) struct Measured {
     pub(crate) bound: [usize; 2],
 }
 
-/// Filters and measures the first `len` windows of `block`; leaves in `keep` a bit for each window,
-/// a byte for each register, whether it is left.
+/// Measures the windows of `block` from `start` to `len`, those that pass the vertex filter if `FILTER` says so;
+/// leaves in `keep` a bit for each window, a byte for each register, whether it is left.
 ///
 /// With e = cy - py and D = cy·px - cx·py, a ray through abscissa s leaves to the left if
 /// m(s) = s·e - D < 0: the sides of both ends of a window take no division. It offers the apex C
@@ -50,10 +37,12 @@ pub(crate) struct Measured {
 ///
 /// # Safety
 ///
-/// The processor must know the instructions of `L`.
+/// The processor must know the instructions of `L`; if `start` is not 0 a line behind the block must be readable and
+/// belong to it.
 #[inline(always)]
-pub(crate) unsafe fn measure<L: Lanes>(
+pub(crate) unsafe fn measure<L: Lanes, const FILTER: bool>(
     block: &[Line],
+    start: usize,
     len: usize,
     gate: &Gate,
     keep: &mut Vec<u8>,
@@ -74,30 +63,26 @@ pub(crate) unsafe fn measure<L: Lanes>(
     // last one lies, and there are no more registers than windows.
     unsafe {
         let zero = L::splat(0.0);
-        let tail = L::splat(gate.ends[0] * MARGIN);
-        let head = L::splat(gate.ends[1] * MARGIN + gate.l);
+        let filter = Filter::<L>::new(gate);
         let (cx, cy) = (L::splat(gate.apex[0]), L::splat(gate.apex[1]));
         let cy2 = cy * cy;
         let mut limit = L::splat(f64::INFINITY);
-        let mut i = 0;
+        let mut i = start;
         while i < len {
+            let windows = columns.load::<L>(i);
+            let [r0, r1] = squares(&windows);
+            let mut kept = within::<L>(i, len);
+            if FILTER {
+                kept = filter.passes(&windows, [r0, r1], zero) & kept;
+            }
+            *keep.get_unchecked_mut((i - start) / L::COUNT) = kept.bits();
             let Windows {
                 b0,
                 b1,
                 px,
                 py,
                 sigma,
-            } = columns.load::<L>(i);
-            // The vertex filter: the paths from both ends of the edge to the far end of the window.
-            let py2 = py * py;
-            let (x0, x1) = (b0 - px, b1 - px);
-            let (r0, r1) = (x0 * x0 + py2, x1 * x1 + py2);
-            let (from_tail, from_head) = (tail - sigma + b1, head - sigma - b0);
-            let kept = zero.le(from_tail.min(from_head))
-                & r1.le(from_tail * from_tail)
-                & r0.le(from_head * from_head)
-                & within::<L>(i, len);
-            *keep.get_unchecked_mut(i / L::COUNT) = kept.bits();
+            } = windows;
             // On which side of the apex its ends pass.
             let e = cy - py;
             let d = cy * px - cx * py;

@@ -2,17 +2,25 @@
 //!
 //! | kernel | what it does | rules |
 //! |---|---|---|
-//! | [`compare`] | cuts neighbours that lose to each other | 2 and 3 |
-//! | [`measure()`] | filters, counts who goes where, finds the shortest path to the apex | vertex filter |
-//! | [`carry()`] | takes the windows across the face | 1 |
+//! | [`gather`] | brings the lists of a half-edge together | vertex filter |
+//! | [`compare`] | cuts neighbours that lose to each other, all at once | 2 and 3 |
+//! | [`settle`] | the same until all neighbours stay | 2 and 3 |
+//! | [`measure()`] | counts who goes where, finds the shortest path to the apex | vertex filter, if asked |
+//! | [`carry()`] | takes the windows across the face | 1 and others, see [`exits`] |
 
 #![allow(unsafe_code)]
 
 mod carry;
 mod columns;
 mod compare;
+pub(crate) mod exits;
+mod filter;
 mod measure;
+mod settle;
 
-pub(crate) use carry::{BestPath, Target, Triangle, carry};
+pub(crate) use carry::{Carried, Target, Triangle, carry};
 pub(crate) use compare::{Cuts, compare};
-pub(crate) use measure::{Gate, MARGIN, Measured, measure};
+pub(crate) use exits::BestPath;
+pub(crate) use filter::{Gate, MARGIN, gather};
+pub(crate) use measure::{Measured, measure};
+pub(crate) use settle::settle;

@@ -1,0 +1,477 @@
+//! Through which exits of its face a window may leave.
+
+use super::columns::Windows;
+use super::compare::CLEARANCE;
+use crate::engine::lanes::{LaneMask, Lanes};
+use crate::engine::store::Line;
+use crate::pairs::MARGIN;
+
+/// By how far, as a fraction of the half-edge, rays of a source on the edge must lie beyond the best path before rule
+/// 1 cuts them: such a source, behind a face of no area, sends rays of all directions through less width
+/// than rounding moves the path by.
+const SLACK: f64 = 1e-12;
+
+/// Windows about to cross, and where their rays go.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rays<L: Lanes> {
+    pub(super) windows: Windows<L>,
+    /// Those that are in the list.
+    pub(super) kept: L::Mask,
+    /// cy - py and cy·px - cx·py: a ray through abscissa s leaves to the left if s·e < d.
+    pub(super) e: L,
+    pub(super) d: L,
+}
+
+/// What a rule leaves of windows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sides<L: Lanes> {
+    /// Those to be tried at the left and at the right exit.
+    pub(super) tried: [L::Mask; 2],
+    /// Those of them whose rays for it are cut.
+    pub(super) cut: [L::Mask; 2],
+    /// Where: only rays left of the first may go left, only those right of the second right.
+    pub(super) limits: [L; 2],
+}
+
+impl<L: Lanes> Sides<L> {
+    /// What this and another rule leave together.
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        let cut = |side: usize| self.cut[side] | other.cut[side];
+        let limit = |side: usize, both: L| {
+            let one = L::select(self.cut[side], self.limits[side], other.limits[side]);
+            L::select(self.cut[side] & other.cut[side], both, one)
+        };
+        Self {
+            tried: [
+                self.tried[0] & other.tried[0],
+                self.tried[1] & other.tried[1],
+            ],
+            cut: [cut(0), cut(1)],
+            limits: [
+                limit(0, self.limits[0].min(other.limits[0])),
+                limit(1, self.limits[1].max(other.limits[1])),
+            ],
+        }
+    }
+}
+
+/// Says which rays may leave where.
+pub(crate) trait Rule {
+    /// What is left of `rays`, besides that each leaves where it leads.
+    ///
+    /// # Safety
+    ///
+    /// The processor must know the instructions of `L`.
+    unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L>;
+}
+
+/// None: every ray leaves where it leads.
+#[derive(Clone, Copy, Debug)]
+pub struct Free;
+
+impl Rule for Free {
+    #[inline(always)]
+    unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L> {
+        // SAFETY: promised by the caller.
+        let (none, zero) = unsafe { (L::Mask::from_bits(0), L::splat(0.0)) };
+        Sides {
+            tried: [rays.kept; 2],
+            cut: [none; 2],
+            limits: [zero; 2],
+        }
+    }
+}
+
+/// A shortest path to the apex: that of a list, for rule 1 (one angle, two sides).
+///
+/// Let S be where it enters and q its source. Every path of a window to the apex C is at least as long. A ray
+/// that enters left of S but heads for the right exit crosses the segment from S to C, and is useless from
+/// there on; so rays left of S may only go left, and rays right of S only right. Rays on their
+/// own side survive, unless the best path has crossed them before it reached S: that is certain for
+/// all rays right of S if q lies right of the window's last ray and the window's source left of the
+/// best path, and mirrored on the left.
+///
+/// The printed rule drops a window's whole side by comparing where rays to C enter; that is unsound where
+/// intervals overlap.
+#[derive(Clone, Copy, Debug)]
+pub struct BestPath {
+    /// Where it crosses the half-edge.
+    pub(crate) entry: f64,
+    /// Where it comes from.
+    pub(crate) source: [f64; 2],
+    /// By how much rounding may move it.
+    slack: f64,
+}
+
+impl BestPath {
+    /// The path that crosses a half-edge of length `l` at `entry`.
+    #[inline(always)]
+    pub(crate) fn new(entry: f64, source: [f64; 2], l: f64) -> Self {
+        Self {
+            entry,
+            source,
+            slack: SLACK * l,
+        }
+    }
+
+    /// The path of window `i` of `block` to `apex`, across a half-edge of length `l`.
+    #[inline(always)]
+    pub(crate) fn of(block: &[Line], i: usize, apex: [f64; 2], l: f64) -> Self {
+        let column = block.len() / crate::engine::store::COLUMNS;
+        let at = |c: usize| block[c * column + i / Line::LANES].0[i % Line::LANES];
+        let [b0, b1, px, py] = [at(0), at(1), at(2), at(3)];
+        let sp = (apex[1] * px - apex[0] * py) / (apex[1] - py);
+        let entry = if sp < b0 {
+            b0
+        } else if sp > b1 {
+            b1
+        } else {
+            sp
+        };
+        Self::new(entry, [px, py], l)
+    }
+}
+
+impl Rule for BestPath {
+    #[inline(always)]
+    unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L> {
+        let Windows { b0, b1, py, .. } = rays.windows;
+        // SAFETY: promised by the caller.
+        let (zero, entry, slack) =
+            unsafe { (L::splat(0.0), L::splat(self.entry), L::splat(self.slack)) };
+        let slack = L::select(py.lt(zero - slack), zero, slack);
+        let (before, behind) = (entry - slack, entry + slack);
+        let mut left = rays.kept & b0.lt(behind);
+        let mut right = rays.kept & before.lt(b1);
+        let mut cut_left = left & behind.lt(b1) & (behind * rays.e).lt(rays.d);
+        let mut cut_right = right & b0.lt(before) & rays.d.lt(before * rays.e);
+        if (cut_left | cut_right).any() {
+            // SAFETY: promised by the caller.
+            let [crossed_left, crossed_right] = unsafe { crossed::<L>(&rays.windows, self) };
+            left = left & !(cut_left & crossed_left);
+            right = right & !(cut_right & crossed_right);
+            cut_left = cut_left & left;
+            cut_right = cut_right & right;
+        }
+        Sides {
+            tried: [left, right],
+            cut: [cut_left, cut_right],
+            limits: [entry; 2],
+        }
+    }
+}
+
+/// Where the best path has, beyond doubt, crossed all rays of a window left of its entry, and all
+/// right of it: its source lies beyond the outer ray, and the window's source on the other side of it.
+///
+/// # Safety
+///
+/// The processor must know the instructions of `L`.
+#[inline(always)]
+unsafe fn crossed<L: Lanes>(w: &Windows<L>, best: &BestPath) -> [L::Mask; 2] {
+    let Windows { b0, b1, px, py, .. } = *w;
+    // SAFETY: promised by the caller.
+    let (qx, qy, s, clearance, zero) = unsafe {
+        (
+            L::splat(best.source[0]),
+            L::splat(best.source[1]),
+            L::splat(best.entry),
+            L::splat(CLEARANCE),
+            L::splat(0.0),
+        )
+    };
+    let (dx, dy) = (qx - px, qy - py);
+    let size = clearance * (px.abs() + py.abs() + qx.abs() + qy.abs());
+    // Twice the area of the window's source, its end x on the edge, and the best source; the sign is that of
+    // the side on which the latter lies.
+    let left = (b0 - px) * dy + py * dx;
+    let left_doubt = size * ((b0 - px).abs() + py.abs());
+    let right = (b1 - px) * dy + py * dx;
+    let right_doubt = size * ((b1 - px).abs() + py.abs());
+    // The same of the best path and the window's source.
+    let own = zero - ((s - qx) * dy + qy * dx);
+    let own_doubt = size * ((s - qx).abs() + qy.abs());
+    [
+        left_doubt.lt(left) & own.lt(zero - own_doubt),
+        right.lt(zero - right_doubt) & own_doubt.lt(own),
+    ]
+}
+
+/// How far the ends of a half-edge are on paths across its face from the other two half-edges.
+///
+/// A path from BC to A parts AB from AC, so every ray of a window for the left exit crosses it. The
+/// crossing lies on a path of the window to A, and of these the one bent at `b0` is the shortest; if
+/// the path from BC is shorter, so it is up to the crossing, and the ray is useless from there on.
+/// Mirrored for B and the right exit (Strategy II of the transfer report, figure 5.6 c; case 11 of Qin et al. 2016).
+#[derive(Clone, Copy, Debug)]
+pub struct Reach {
+    /// Length of the half-edge.
+    pub(crate) l: f64,
+    /// The tail A, on a path that enters through the edge BC.
+    pub(crate) tail: f64,
+    /// The head B, on a path that enters through the edge CA.
+    pub(crate) head: f64,
+}
+
+impl Rule for Reach {
+    #[inline(always)]
+    unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L> {
+        let Windows {
+            b0,
+            b1,
+            px,
+            py,
+            sigma,
+        } = rays.windows;
+        // SAFETY: promised by the caller.
+        unsafe {
+            let margin = L::splat(MARGIN);
+            let py2 = py * py;
+            let (x0, x1) = (b0 - px, b1 - px);
+            let to_tail = (sigma + (x0 * x0 + py2).sqrt() + b0) * margin;
+            let to_head = (sigma + (x1 * x1 + py2).sqrt() + (L::splat(self.l) - b1)) * margin;
+            let none = L::Mask::from_bits(0);
+            Sides {
+                tried: [
+                    rays.kept & to_tail.le(L::splat(self.tail)),
+                    rays.kept & to_head.le(L::splat(self.head)),
+                ],
+                cut: [none; 2],
+                limits: [b0; 2],
+            }
+        }
+    }
+}
+
+/// Two rules.
+impl<A: Rule, B: Rule> Rule for (A, B) {
+    #[inline(always)]
+    unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L> {
+        // SAFETY: promised by the caller.
+        unsafe { self.0.sides(rays).and(self.1.sides(rays)) }
+    }
+}
+
+/// The paths of all windows of a list to the apex C: none of them is crossed by a ray of a window whose own path to C
+/// is longer (cases 7 to 10 of Qin et al. 2016 for all pairs, which rule 1 makes for the best window only).
+#[derive(Clone, Copy, Debug)]
+pub struct EveryBetterPath<'a> {
+    pub(crate) apex: [f64; 2],
+    /// The paths and their lengths.
+    pub(crate) paths: &'a [(BestPath, f64)],
+}
+
+impl Rule for EveryBetterPath<'_> {
+    #[inline(always)]
+    unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L> {
+        // SAFETY: promised by the caller.
+        unsafe {
+            let own = to_apex(rays, self.apex) * L::splat(MARGIN);
+            let mut sides = Free.sides(rays);
+            for (path, length) in self.paths {
+                let longer = rays.kept & L::splat(*length).lt(own);
+                if longer.any() {
+                    let of_path = path.sides(&Rays {
+                        kept: longer,
+                        ..*rays
+                    });
+                    let tried = of_path.tried.map(|tried| tried | !longer);
+                    sides = sides.and(Sides { tried, ..of_path });
+                }
+            }
+            sides
+        }
+    }
+}
+
+/// The lengths of the shortest paths of windows to the apex: straight where they see it, else
+/// bent at the end of the interval that is nearest to the straight ray.
+///
+/// # Safety
+///
+/// The processor must know the instructions of `L`.
+#[inline(always)]
+unsafe fn to_apex<L: Lanes>(rays: &Rays<L>, apex: [f64; 2]) -> L {
+    let Windows {
+        b0,
+        b1,
+        px,
+        py,
+        sigma,
+    } = rays.windows;
+    // SAFETY: promised by the caller.
+    unsafe {
+        let (cx, cy) = (L::splat(apex[0]), L::splat(apex[1]));
+        let passes_left = rays.d.lt(b0 * rays.e);
+        let passes_right = (b1 * rays.e).lt(rays.d);
+        let bend = L::select(passes_left, b0, b1);
+        let (x, beside) = (bend - px, cx - bend);
+        let bent = (x * x + py * py).sqrt() + (beside * beside + cy * cy).sqrt();
+        let across = cx - px;
+        let straight = (across * across + rays.e * rays.e).sqrt();
+        sigma + L::select(passes_left | passes_right, bent, straight)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::lanes::Scalar;
+
+    /// The limits within which one window may go on to the left and to the right.
+    #[derive(Debug, PartialEq)]
+    struct Open {
+        left: Option<f64>,
+        right: Option<f64>,
+    }
+
+    fn window(b0: f64, b1: f64, px: f64, py: f64) -> [f64; 5] {
+        [b0, b1, px, py, 0.0]
+    }
+
+    fn best(entry: f64, source: [f64; 2]) -> BestPath {
+        BestPath::new(entry, source, 1.0)
+    }
+
+    /// What `rule` leaves of a window whose ray to the apex enters at `sp`.
+    fn sides(rule: &impl Rule, window: [f64; 5], sp: f64) -> Open {
+        let lane = |x: f64| -> Scalar {
+            // SAFETY: every processor can count to one.
+            unsafe { Scalar::splat(x) }
+        };
+        let [b0, b1, px, py, sigma] = window.map(lane);
+        let windows = Windows {
+            b0,
+            b1,
+            px,
+            py,
+            sigma,
+        };
+        // SAFETY: as above.
+        let sides = unsafe {
+            rule.sides(&Rays {
+                windows,
+                kept: LaneMask::from_bits(1),
+                e: lane(1.0),
+                d: lane(sp),
+            })
+        };
+        let limit = |side: usize, natural: f64| {
+            let limit = if sides.cut[side].any() {
+                sides.limits[side].least()
+            } else {
+                natural
+            };
+            sides.tried[side].any().then_some(limit)
+        };
+        Open {
+            left: limit(0, window[1].min(sp)),
+            right: limit(1, window[0].max(sp)),
+        }
+    }
+
+    fn open(left: Option<f64>, right: Option<f64>) -> Open {
+        Open { left, right }
+    }
+
+    #[test]
+    fn windows_on_either_side_of_the_best_path_go_one_way() {
+        let best = best(0.5, [0.5, -1.0]);
+        let on_the_left = sides(&best, window(0.1, 0.4, 0.5, -1.0), 0.5);
+        assert_eq!(on_the_left, open(Some(0.4), None));
+        let on_the_right = sides(&best, window(0.6, 0.9, 0.5, -1.0), 0.5);
+        assert_eq!(on_the_right, open(None, Some(0.6)));
+    }
+
+    #[test]
+    fn the_best_window_is_split_at_its_own_ray() {
+        let sides = sides(&best(0.5, [0.5, -1.0]), window(0.1, 0.9, 0.5, -1.0), 0.5);
+        assert_eq!(sides, open(Some(0.5), Some(0.5)));
+    }
+
+    #[test]
+    fn a_window_split_left_of_the_best_path_is_cut_there() {
+        // Its rays between 0.3 and 0.5 head right and cross the best path; those beyond 0.5 head
+        // right too, and are crossed before the edge if the best source lies beyond them.
+        let w = window(0.1, 0.9, 0.2, -1.0);
+        let beside = sides(&best(0.5, [0.6, -0.2]), w, 0.3);
+        assert_eq!(beside, open(Some(0.3), Some(0.5)));
+        let beyond = sides(&best(0.5, [3.0, -0.5]), w, 0.3);
+        assert_eq!(beyond, open(Some(0.3), None));
+    }
+
+    #[test]
+    fn a_window_split_right_of_the_best_path_is_cut_there() {
+        let w = window(0.1, 0.9, 0.8, -1.0);
+        let beside = sides(&best(0.5, [0.4, -0.2]), w, 0.7);
+        assert_eq!(beside, open(Some(0.5), Some(0.7)));
+        let beyond = sides(&best(0.5, [-2.0, -0.5]), w, 0.7);
+        assert_eq!(beyond, open(None, Some(0.7)));
+    }
+
+    /// On a flat grid all windows have one source, seen through different triangles. When the side
+    /// on which its images lie was read from their rounding, whole windows died and hundreds of
+    /// vertices stayed at infinity.
+    #[test]
+    fn rounding_between_images_of_one_source_deletes_nothing() {
+        let noise = [-3e-16, 0.0, 3e-16];
+        for dx in noise {
+            for dy in noise {
+                for ds in noise {
+                    let w = window(0.1, 0.9, 0.5 + dx, -1.0 + dy);
+                    let open = sides(&best(0.5 + ds, [0.5, -1.0]), w, 0.5 - ds);
+                    assert!(
+                        open.left.is_some() && open.right.is_some(),
+                        "{dx} {dy} {ds}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn of_two_rules_the_narrower_limits_hold() {
+        let w = window(0.1, 0.9, 0.2, -1.0);
+        let both = (best(0.5, [0.6, -0.2]), best(0.6, [0.7, -0.2]));
+        assert_eq!(sides(&both, w, 0.3), open(Some(0.3), Some(0.6)));
+        assert_eq!(sides(&(Free, both.0), w, 0.3), open(Some(0.3), Some(0.5)));
+    }
+
+    /// A window from a source on the edge: the shortest ways to both ends have length 1 + 0.25 + 0.25.
+    const ON_EDGE: [f64; 5] = [0.25, 0.75, 0.5, 0.0, 1.0];
+
+    #[test]
+    fn a_shorter_path_across_the_face_closes_the_exit_behind_it() {
+        let reach = |tail, head| sides(&Reach { l: 1.0, tail, head }, ON_EDGE, 0.5);
+        let (left, right) = (Some(0.5), Some(0.5));
+        assert_eq!(reach(2.0, f64::INFINITY), open(left, right));
+        assert_eq!(reach(1.4, 2.0), open(None, right));
+        assert_eq!(reach(2.0, 1.4), open(left, None));
+    }
+
+    #[test]
+    fn an_equal_path_across_the_face_closes_nothing() {
+        for noise in [-1e-15, 0.0, 1e-15] {
+            let equal = Reach {
+                l: 1.0,
+                tail: 1.5 + noise,
+                head: 1.5 - noise,
+            };
+            assert_eq!(sides(&equal, ON_EDGE, 0.5), open(Some(0.5), Some(0.5)));
+        }
+    }
+
+    #[test]
+    fn only_paths_shorter_than_a_window_s_own_part_it() {
+        // The apex stands 1 above its source (the e of `sides`): its own path there, through 0.25, is a little longer.
+        let w = window(0.1, 0.9, 0.2, -1.0);
+        let paths = |length| [(best(0.5, [0.6, -0.2]), length)];
+        let every = |paths: &[(BestPath, f64)]| {
+            let apex = [0.3, 0.0];
+            sides(&EveryBetterPath { apex, paths }, w, 0.25)
+        };
+        assert_eq!(every(&paths(0.9)), open(Some(0.25), Some(0.5)));
+        assert_eq!(every(&paths(1.1)), open(Some(0.25), Some(0.25)));
+    }
+}

@@ -1,0 +1,94 @@
+//! The vertex filter, and lists brought together under it.
+
+use super::columns::{Columns, Sink, Windows, within};
+use crate::engine::lanes::{LaneMask, Lanes};
+use crate::engine::store::Line;
+
+/// How much shorter a path through a vertex must be, relatively, before it deletes a window.
+pub(crate) const MARGIN: f64 = 1.0 + 1e-12;
+
+/// What the passes must know of the half-edge.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gate {
+    /// Length of the half-edge.
+    pub(crate) l: f64,
+    /// Position of the apex.
+    pub(crate) apex: [f64; 2],
+    /// Distances known at the tail and the head.
+    pub(crate) ends: [f64; 2],
+}
+
+/// The vertex filter at one half-edge.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Filter<L> {
+    tail: L,
+    head: L,
+}
+
+impl<L: Lanes> Filter<L> {
+    /// # Safety
+    ///
+    /// The processor must know the instructions of `L`.
+    #[inline(always)]
+    pub(super) unsafe fn new(gate: &Gate) -> Self {
+        // SAFETY: promised by the caller.
+        unsafe {
+            Self {
+                tail: L::splat(gate.ends[0] * MARGIN),
+                head: L::splat(gate.ends[1] * MARGIN + gate.l),
+            }
+        }
+    }
+
+    /// The windows that no path from an end of the edge along it beats at their far end, and so
+    /// everywhere (Xin and Wang 2009, theorem 3.2); `squares` are those of the distances from the source to
+    /// both ends of the window.
+    #[inline(always)]
+    pub(super) fn passes(&self, w: &Windows<L>, squares: [L; 2], zero: L) -> L::Mask {
+        let (from_tail, from_head) = (self.tail - w.sigma + w.b1, self.head - w.sigma - w.b0);
+        zero.le(from_tail.min(from_head))
+            & squares[1].le(from_tail * from_tail)
+            & squares[0].le(from_head * from_head)
+    }
+}
+
+/// The squares of the distances from the sources to both ends of the windows.
+#[inline(always)]
+pub(super) fn squares<L: Lanes>(w: &Windows<L>) -> [L; 2] {
+    let py2 = w.py * w.py;
+    let (x0, x1) = (w.b0 - w.px, w.b1 - w.px);
+    [x0 * x0 + py2, x1 * x1 + py2]
+}
+
+/// Writes the windows of `lists`, blocks with their lengths, that pass the filter into `hand`, one list
+/// behind the other, and returns how many there are.
+///
+/// # Safety
+///
+/// The processor must know the instructions of `L`; `hand` must have room for all windows.
+#[inline(always)]
+pub(crate) unsafe fn gather<L: Lanes>(
+    lists: [(&[Line], usize); 2],
+    gate: &Gate,
+    hand: &mut [Line],
+) -> usize {
+    let mut rest = Sink::new(hand, 0);
+    // SAFETY: promised by the caller; windows are read up to the end of the line in which the last one lies.
+    unsafe {
+        let zero = L::splat(0.0);
+        let filter = Filter::<L>::new(gate);
+        for (block, len) in lists {
+            let columns = Columns::new(block);
+            let mut i = 0;
+            while i < len {
+                let w = columns.load::<L>(i);
+                let passed = filter.passes(&w, squares(&w), zero) & within::<L>(i, len);
+                if passed.any() {
+                    rest.add(passed, &w);
+                }
+                i += L::COUNT;
+            }
+        }
+    }
+    rest.len()
+}

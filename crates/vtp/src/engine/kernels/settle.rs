@@ -1,0 +1,300 @@
+//! Rules 2 and 3 as the paper has them: neighbours are compared until all of them stay.
+
+use super::columns::{Sink, Windows, within};
+use super::compare::{CLEARANCE, Cuts, losses, side};
+use crate::engine::lanes::{LaneMask, Lanes};
+use crate::engine::store::Line;
+use crate::pairs::{BLURRED, INSIDE, MARGIN};
+
+/// Compares neighbours among the first `len` windows of `block`, which is followed by a line that may be read; cuts what
+/// each loses, drops who has lost all, compares those who thereby become neighbours, and so on.
+/// Returns how many are left.
+///
+/// `l` is the length of the edge, `behind` finds the third vertex of the triangle below it, `again` is scratch.
+///
+/// The paper goes through the list from one end, and a window meets its second neighbour as the first one has left it.
+/// Here all pairs of a round meet as they came, registers at a time: a ray that is cut crosses a real path that is
+/// shorter, and that stays true when the winner is cut elsewhere. Which windows are compared is the same.
+///
+/// # Safety
+///
+/// The processor must know the instructions of `L`.
+#[inline(always)]
+pub(crate) unsafe fn settle<L: Lanes>(
+    block: &mut [Line],
+    mut len: usize,
+    l: f64,
+    behind: impl Fn() -> [f64; 2],
+    cuts: &mut Cuts,
+    again: &mut Vec<u8>,
+) -> usize {
+    if len < 2 {
+        return len;
+    }
+    cuts.resize(len);
+    // A bit for each window that is to be compared with the next one, a byte for each register.
+    let registers = len.div_ceil(L::COUNT);
+    again.clear();
+    again.resize(registers, u8::MAX);
+    // The last line is only for reading behind the block.
+    let own = block.len() - 1;
+    loop {
+        let mut rest = Sink::new(&mut block[..own], 0);
+        let columns = rest.columns();
+        let mut died = false;
+        // SAFETY: the caller vouches for the processor. Windows are read up to one behind the line in which the
+        // last one lies, and the scratch is longer than that.
+        unsafe {
+            let mut i = 0;
+            while i < len {
+                let a = columns.load::<L>(i);
+                let b = columns.load::<L>(i + 1);
+                let pairs = within::<L>(i, len - 1) & L::Mask::from_bits(again[i / L::COUNT]);
+                let left = if pairs.any() {
+                    let (left, apart) = losses::<L>(&a, &b, pairs);
+                    crossings::<L>(&a, &b, apart, l, &behind, left)
+                } else {
+                    [[a.b0, a.b1], [b.b0, b.b1]]
+                };
+                cuts.note(i, left);
+                i += L::COUNT;
+            }
+            cuts.open();
+            again.fill(0);
+            let mut i = 0;
+            while i < len {
+                // Read before anything is written: `rest` never overtakes.
+                let w = columns.load::<L>(i);
+                let [b0, b1] = cuts.left::<L>(i);
+                let listed = within::<L>(i, len);
+                let alive = b0.lt(b1) & listed;
+                if alive.count() < listed.count() {
+                    died = true;
+                    bring_together::<L>(alive, listed.count(), rest.len(), again);
+                }
+                rest.add(alive, &Windows { b0, b1, ..w });
+                i += L::COUNT;
+            }
+        }
+        len = rest.len();
+        if !died || len < 2 {
+            return len;
+        }
+    }
+}
+
+/// Sets the bits of windows whose right neighbours have died. Of `listed` windows of a register those in `alive` stay, behind
+/// `before` others.
+#[inline(always)]
+fn bring_together<L: Lanes>(alive: L::Mask, listed: usize, before: usize, again: &mut [u8]) {
+    let mut place = before;
+    for lane in 0..listed {
+        if alive.bits() >> lane & 1 != 0 {
+            place += 1;
+        } else if place > 0 {
+            let left = place - 1;
+            again[left / L::COUNT] |= 1 << (left % L::COUNT);
+        }
+    }
+}
+
+/// What is `left` of neighbours after those that are `apart` have been compared (cases 3 and 6): if their nearest
+/// rays have crossed inside the triangle behind the edge, the one that is longer up to there dies.
+///
+/// Why all of it may go stands with [`check_pair`](crate::pairs::check_pair), the plain form.
+///
+/// # Safety
+///
+/// The processor must know the instructions of `L`.
+#[inline(always)]
+unsafe fn crossings<L: Lanes>(
+    a: &Windows<L>,
+    b: &Windows<L>,
+    apart: L::Mask,
+    l: f64,
+    behind: &impl Fn() -> [f64; 2],
+    mut left: [[L; 2]; 2],
+) -> [[L; 2]; 2] {
+    if !apart.any() {
+        return left;
+    }
+    // SAFETY: promised by the caller.
+    let (zero, clearance) = unsafe { (L::splat(0.0), L::splat(CLEARANCE)) };
+    let in_order = a.b1.lt(b.b0);
+    let (v, u) = (select(in_order, a, b), select(in_order, b, a));
+    // Rays to the nearest ends cross below the edge if each source lies beyond the other's ray.
+    let (dx, dy) = (u.px - v.px, u.py - v.py);
+    let size = clearance * (a.px.abs() + a.py.abs() + b.px.abs() + b.py.abs());
+    let beyond_left = side(&v, v.b1, [dx, dy], size, zero)[0];
+    let beyond_right = side(&u, u.b0, [zero - dx, zero - dy], size, zero)[1];
+    let crossing = apart & beyond_left & beyond_right;
+    if crossing.any() {
+        // SAFETY: promised by the caller.
+        let dead = unsafe { dearer::<L>(&v, &u, crossing, l, behind()) };
+        // SAFETY: promised by the caller.
+        let none = unsafe { L::splat(f64::NEG_INFINITY) };
+        let a_dies = (in_order & dead[0]) | (!in_order & dead[1]);
+        let b_dies = (in_order & dead[1]) | (!in_order & dead[0]);
+        left[0][1] = L::select(a_dies, none, left[0][1]);
+        left[1][1] = L::select(b_dies, none, left[1][1]);
+    }
+    left
+}
+
+/// Windows of `yes` where `mask` holds, of `no` elsewhere.
+#[inline(always)]
+fn select<L: Lanes>(mask: L::Mask, yes: &Windows<L>, no: &Windows<L>) -> Windows<L> {
+    Windows {
+        b0: L::select(mask, yes.b0, no.b0),
+        b1: L::select(mask, yes.b1, no.b1),
+        px: L::select(mask, yes.px, no.px),
+        py: L::select(mask, yes.py, no.py),
+        sigma: L::select(mask, yes.sigma, no.sigma),
+    }
+}
+
+/// Which of the left windows `v` and which of the right ones `u` die of each other, among `pairs`.
+///
+/// # Safety
+///
+/// The processor must know the instructions of `L`.
+#[inline(always)]
+unsafe fn dearer<L: Lanes>(
+    v: &Windows<L>,
+    u: &Windows<L>,
+    pairs: L::Mask,
+    l: f64,
+    behind: [f64; 2],
+) -> [L::Mask; 2] {
+    // SAFETY: promised by the caller.
+    unsafe {
+        let [zero, one, l, margin] = [0.0, 1.0, l, MARGIN].map(|x| L::splat(x));
+        let [tx, ty] = behind.map(|x| L::splat(x));
+        let (rx, ry) = (v.b1 - v.px, zero - v.py);
+        let (qx, qy) = (u.b0 - u.px, zero - u.py);
+        let (dx, dy) = (u.px - v.px, u.py - v.py);
+        let denominator = rx * qy - ry * qx;
+        let s = (dx * qy - dy * qx) / denominator;
+        let t = (dx * ry - dy * rx) / denominator;
+        let (r2, q2) = (rx * rx + ry * ry, qx * qx + qy * qy);
+        let blur = L::splat(INSIDE) * (r2 * q2).sqrt() / denominator.abs();
+        // The crossing, and whether it is clearly inside the triangle.
+        let (x, y) = (v.px + s * rx, v.py + s * ry);
+        let depth = y / ty;
+        let leftmost = depth * tx;
+        let rightmost = l + depth * (tx - l);
+        let slack = blur * l;
+        let inside = zero.lt(s)
+            & s.lt(one)
+            & zero.lt(t)
+            & t.lt(one)
+            & blur.lt(L::splat(BLURRED))
+            & blur.lt(depth)
+            & depth.lt(one - blur)
+            & (leftmost + slack).lt(x)
+            & x.lt(rightmost - slack);
+        let (to_left, to_right) = (v.sigma + s * r2.sqrt(), u.sigma + t * q2.sqrt());
+        [
+            pairs & inside & to_right.lt(to_left * margin),
+            pairs & inside & to_left.lt(to_right * margin),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use geobench_window::Window;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::engine::lanes::Scalar;
+    use crate::pairs::{Edge, Verdict, check_pair};
+
+    const EDGE: Edge = Edge {
+        l: 1.0,
+        behind: [0.4, -0.8],
+    };
+
+    prop_compose! {
+        fn windows()(
+            b0 in 0.0..0.9f64, width in 0.01..0.3f64,
+            px in -1.0..2.0f64, py in -2.0..-0.9f64, sigma in 0.0..0.5f64,
+        ) -> Window {
+            Window { b0, b1: (b0 + width).min(1.0), px, py, sigma }
+        }
+    }
+
+    fn settled(list: &[Window]) -> Vec<Window> {
+        let mut lines = vec![Line::default(); 5 * list.len().div_ceil(Line::LANES) + 1];
+        let column = lines.len() / 5;
+        for (i, w) in list.iter().enumerate() {
+            for (c, x) in [w.b0, w.b1, w.px, w.py, w.sigma].into_iter().enumerate() {
+                lines[c * column + i / Line::LANES].0[i % Line::LANES] = x;
+            }
+        }
+        let (mut cuts, mut again) = (Cuts::default(), Vec::new());
+        let behind = || EDGE.behind;
+        // SAFETY: every processor can count to one.
+        let len = unsafe {
+            settle::<Scalar>(
+                &mut lines,
+                list.len(),
+                EDGE.l,
+                behind,
+                &mut cuts,
+                &mut again,
+            )
+        };
+        let at = |c: usize, i: usize| lines[c * column + i / Line::LANES].0[i % Line::LANES];
+        (0..len)
+            .map(|i| Window {
+                b0: at(0, i),
+                b1: at(1, i),
+                px: at(2, i),
+                py: at(3, i),
+                sigma: at(4, i),
+            })
+            .collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        /// Two windows leave of each other what the plain form leaves, except that both of its cuts are made with the windows
+        /// as they came.
+        #[test]
+        fn two_windows_fare_as_in_the_plain_form(a in windows(), b in windows()) {
+            let (mut first, mut second) = (a, b);
+            let plain = match check_pair(&mut first, &mut second, &EDGE) {
+                Verdict::BothStay => vec![first, second],
+                Verdict::FirstDies => vec![b],
+                Verdict::SecondDies => vec![a],
+            };
+            let found = settled(&[a, b]);
+            if plain.len() == 1 {
+                prop_assert_eq!(found.len(), 1);
+                prop_assert_eq!(found[0].source(), plain[0].source());
+            } else {
+                prop_assert_eq!(found, plain);
+            }
+        }
+    }
+
+    #[test]
+    fn windows_brought_together_by_a_death_are_compared() {
+        let window = |b0: f64, b1: f64, px: f64, sigma: f64| Window {
+            b0,
+            b1,
+            px,
+            py: -1.0,
+            sigma,
+        };
+        let better = window(0.0, 0.6, 0.1, 0.0);
+        // The first neighbours are no neighbours of the one that kills them all.
+        let dear = [0.1, 0.2, 0.3].map(|b0| window(b0, b0 + 0.1, 0.9, 3.0));
+        let list = [&dear[..], &[better]].concat();
+        assert_eq!(settled(&list), [better]);
+        let list = [&[better], &dear[..]].concat();
+        assert_eq!(settled(&list), [better]);
+    }
+}

@@ -1,0 +1,337 @@
+//! The traversed area, and the lists of windows on its border.
+
+use geobench_window::Window;
+
+use crate::engine::store::{COLUMNS, Line, NO_LIST, WindowStore};
+use crate::engine::surface::{half_edge, parts};
+
+/// From which side of the face below its half-edge a window came.
+///
+/// A half-edge is the left exit of one half-edge and the right exit of another. Seen from below,
+/// the windows that come as left children lie before those that come as right children, so that
+/// keeping two lists and reading one after the other keeps windows in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Arrival {
+    /// Through the left exit of a face.
+    AsLeftChild = 0,
+    /// Through the right exit of a face, or from the vertex opposite the half-edge.
+    AsRightChild = 1,
+}
+
+/// What changes at a face: half a cache line.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(32))]
+struct Place {
+    /// The two lists that wait on each half-edge.
+    lists: [[u32; 2]; 3],
+    /// The step in which the face joined the area; none of this run if it has not.
+    joined: u32,
+    /// Whether the lists on each half-edge are about to cross.
+    queued: [bool; 3],
+}
+
+/// The faces that have been taken so far, and the windows that wait. A list of windows crosses the face ahead of it as
+/// soon as that face belongs to the area; else it waits on the wavefront, the border of the area.
+#[derive(Clone, Debug)]
+pub(crate) struct Front {
+    places: Vec<Place>,
+    store: WindowStore,
+    /// The number of this step, and of the last one before this run.
+    step: u32,
+    before: u32,
+    /// Half-edges whose lists are about to cross a face of the area, and how many of them have.
+    ready: Vec<u32>,
+    crossed: usize,
+}
+
+impl Front {
+    /// No face of as many.
+    pub(crate) fn new(faces: usize) -> Self {
+        Self {
+            places: vec![Place::default(); faces],
+            store: WindowStore::new(),
+            step: 0,
+            before: 0,
+            ready: Vec::new(),
+            crossed: 0,
+        }
+    }
+
+    /// Forgets the last run, at the end of which no list was ready.
+    pub(crate) fn reset(&mut self) {
+        self.before = self.step;
+        // A run has fewer steps than that.
+        if self.step > u32::MAX / 2 {
+            (self.step, self.before) = (0, 0);
+            for place in &mut self.places {
+                place.joined = 0;
+            }
+        }
+    }
+
+    /// Begins a step.
+    pub(crate) fn advance(&mut self) {
+        self.step += 1;
+    }
+
+    /// Whether `face` has joined.
+    #[inline]
+    pub(crate) fn contains(&self, face: usize) -> bool {
+        self.places[face].joined > self.before
+    }
+
+    /// Whether `face` joined in this step.
+    #[inline]
+    pub(crate) fn is_new(&self, face: usize) -> bool {
+        self.places[face].joined == self.step
+    }
+
+    /// `face` joins in this step, if it has not yet, and the lists that wait for it are ready.
+    #[inline]
+    pub(crate) fn join(&mut self, face: usize) {
+        if !self.contains(face) {
+            self.places[face].joined = self.step;
+            for corner in 0..3 {
+                if self.places[face].lists[corner] != [NO_LIST; 2] {
+                    self.make_ready(half_edge(face as u32, corner));
+                }
+            }
+        }
+    }
+
+    /// Queues the lists on `h`, which are not empty, if its face has joined.
+    #[inline]
+    pub(crate) fn make_ready(&mut self, h: u32) {
+        let (face, corner) = parts(h);
+        let place = &mut self.places[face];
+        if place.joined > self.before && !place.queued[corner] {
+            place.queued[corner] = true;
+            self.ready.push(h);
+        }
+    }
+
+    /// Takes the half-edge that has been ready longest.
+    #[inline]
+    pub(crate) fn next_ready(&mut self) -> Option<u32> {
+        let Some(&h) = self.ready.get(self.crossed) else {
+            self.ready.clear();
+            self.crossed = 0;
+            return None;
+        };
+        self.crossed += 1;
+        let (face, corner) = parts(h);
+        self.places[face].queued[corner] = false;
+        Some(h)
+    }
+
+    /// The half-edge that will be taken after so many others.
+    #[inline]
+    pub(crate) fn upcoming(&self, after: usize) -> Option<u32> {
+        self.ready.get(self.crossed + after).copied()
+    }
+
+    /// Number of windows that wait.
+    pub(crate) fn waiting(&self) -> usize {
+        self.store.waiting()
+    }
+
+    /// All windows that wait.
+    pub(crate) fn windows(&self) -> impl Iterator<Item = Window> {
+        self.store.windows().map(|[b0, b1, px, py, sigma]| Window {
+            b0,
+            b1,
+            px,
+            py,
+            sigma,
+        })
+    }
+
+    /// The blocks of the lists on `h`, in order, and their lengths.
+    #[inline]
+    pub(crate) fn lists(&self, h: u32) -> [(&[Line], usize); 2] {
+        let (face, corner) = parts(h);
+        let lists = self.places[face].lists[corner];
+        lists.map(|list| (self.store.read(list), self.store.len(list)))
+    }
+
+    /// The list of those that came to `h` as left children, or of all that have been put in order.
+    pub(crate) fn first(&self, h: u32) -> u32 {
+        let (face, corner) = parts(h);
+        self.places[face].lists[corner][0]
+    }
+
+    /// Leaves nothing on `h`.
+    #[inline]
+    pub(crate) fn clear(&mut self, h: u32) {
+        let (face, corner) = parts(h);
+        for list in std::mem::take(&mut self.places[face].lists[corner]) {
+            if list != NO_LIST {
+                self.store.set_len(list, 0);
+            }
+        }
+    }
+
+    /// A list for `more` windows to come to `h`, behind those that came the same way, or alone: then it has to be
+    /// [inserted](Self::insert).
+    #[inline]
+    pub(crate) fn reserve(&mut self, h: u32, arrival: Arrival, more: usize, alone: bool) -> u32 {
+        let (face, corner) = parts(h);
+        let list = self.places[face].lists[corner][arrival as usize];
+        self.store.reserve(if alone { NO_LIST } else { list }, more)
+    }
+
+    /// The windows of `list`, from [`reserve`](Self::reserve), now are the first `len` of its block; the list waits
+    /// on `h`.
+    #[inline]
+    pub(crate) fn arrive(&mut self, h: u32, arrival: Arrival, list: u32, len: usize) {
+        let (face, corner) = parts(h);
+        self.places[face].lists[corner][arrival as usize] = self.store.set_len(list, len);
+    }
+
+    /// Puts the first `len` windows in the block of `list`, reserved alone, into the lists on `h` in the order of the left
+    /// ends, which is the order of the whole from then on until it is taken.
+    pub(crate) fn insert(&mut self, h: u32, list: u32, len: usize) {
+        if len == 0 {
+            self.store.set_len(list, 0);
+            return;
+        }
+        let (face, corner) = parts(h);
+        let [mut all, second] = std::mem::take(&mut self.places[face].lists[corner]);
+        for (from, count) in [(second, self.store.len(second)), (list, len)] {
+            let sorted = from == list;
+            for i in 0..count {
+                let window = self.store.get(from, i);
+                all = self.store.reserve(all, 1);
+                let mut place = self.store.len(all);
+                self.store.set_len(all, place + 1);
+                // The second list lies behind the first one.
+                while sorted && place > 0 && self.store.get(all, place - 1)[0] > window[0] {
+                    let moved = self.store.get(all, place - 1);
+                    self.store.put(all, place, moved);
+                    place -= 1;
+                }
+                self.store.put(all, place, window);
+            }
+            if from != NO_LIST {
+                self.store.set_len(from, 0);
+            }
+        }
+        self.places[face].lists[corner][0] = all;
+    }
+
+    /// Adds a window behind those that came to `h` the same way, and returns its list and its number.
+    pub(crate) fn push(
+        &mut self,
+        h: u32,
+        arrival: Arrival,
+        window: [f64; COLUMNS],
+    ) -> (u32, usize) {
+        let list = self.reserve(h, arrival, 1, false);
+        let len = self.store.len(list);
+        self.store.put(list, len, window);
+        self.arrive(h, arrival, list, len + 1);
+        (list, len)
+    }
+
+    /// Number of windows in a list.
+    #[inline]
+    pub(crate) fn len(&self, list: u32) -> usize {
+        self.store.len(list)
+    }
+
+    /// The blocks of two different lists; none of [`NO_LIST`].
+    #[inline]
+    pub(crate) fn blocks(&mut self, lists: [u32; 2]) -> [&mut [Line]; 2] {
+        self.store.blocks(lists)
+    }
+
+    /// The block of a list and the line behind it.
+    #[inline]
+    pub(crate) fn block_and_line_behind(&mut self, list: u32) -> &mut [Line] {
+        self.store.block_and_line_behind(list)
+    }
+
+    /// Asks for what a list that comes to `face` touches.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, face: usize) {
+        crate::engine::prefetch::prefetch(&self.places, face);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn window(b0: f64) -> [f64; COLUMNS] {
+        [b0, b0 + 1.0, 0.0, -1.0, 0.0]
+    }
+
+    fn starts(front: &Front, h: u32) -> Vec<f64> {
+        let lists = front.lists(h);
+        let starts = lists.map(|(block, len)| block.iter().flat_map(|line| line.0).take(len));
+        starts.into_iter().flatten().collect()
+    }
+
+    #[test]
+    fn left_children_come_first_and_lists_are_used_again() {
+        let mut front = Front::new(2);
+        let h = half_edge(1, 2);
+        for round in 0..3 {
+            front.push(h, Arrival::AsRightChild, window(3.0));
+            front.push(h, Arrival::AsLeftChild, window(1.0));
+            front.push(h, Arrival::AsLeftChild, window(2.0));
+            assert_eq!(front.waiting(), 3, "round {round}");
+            assert_eq!(starts(&front, h), [1.0, 2.0, 3.0]);
+            front.clear(h);
+            assert!(starts(&front, h).is_empty());
+            assert_eq!(front.waiting(), 0);
+        }
+    }
+
+    #[test]
+    fn late_windows_are_put_in_their_places() {
+        let mut front = Front::new(1);
+        for (arrival, b0) in [
+            (Arrival::AsRightChild, 4.0),
+            (Arrival::AsLeftChild, 2.0),
+            (Arrival::AsLeftChild, 3.0),
+        ] {
+            front.push(0, arrival, window(b0));
+        }
+        for late in [[2.5, 9.0], [0.0, 3.0]] {
+            let list = front.reserve(0, Arrival::AsLeftChild, 2, true);
+            for (i, b0) in late.into_iter().enumerate() {
+                front.store.put(list, i, window(b0));
+            }
+            front.insert(0, list, 2);
+        }
+        assert_eq!(starts(&front, 0), [0.0, 2.0, 2.5, 3.0, 3.0, 4.0, 9.0]);
+        assert_eq!(front.waiting(), 7);
+        // None of those expected arrived: what waits lost its list once.
+        let list = front.reserve(0, Arrival::AsLeftChild, 2, true);
+        front.insert(0, list, 0);
+        assert_eq!(starts(&front, 0).len(), 7);
+        front.clear(0);
+        assert_eq!(front.waiting(), 0);
+    }
+
+    #[test]
+    fn a_face_joins_once_a_run_and_its_lists_are_ready_then() {
+        let mut front = Front::new(2);
+        for _ in 0..2 {
+            front.reset();
+            front.advance();
+            front.push(half_edge(1, 0), Arrival::AsLeftChild, window(1.0));
+            front.make_ready(half_edge(1, 0));
+            assert!(!front.contains(1) && front.next_ready().is_none());
+            front.join(1);
+            front.join(1);
+            assert!(front.contains(1) && front.is_new(1));
+            assert_eq!(front.next_ready(), Some(half_edge(1, 0)));
+            assert_eq!(front.next_ready(), None);
+            front.clear(half_edge(1, 0));
+            front.advance();
+            assert!(front.contains(1) && !front.is_new(1));
+        }
+    }
+}

@@ -33,15 +33,34 @@ pub struct Neighbours;
 impl Pairs for Neighbours {
     #[inline(always)]
     unsafe fn prune<L: Lanes>(hand: &mut Hand, surface: &Surface, h: u32) {
-        let len = hand.len;
-        if len < 2 {
-            return;
-        }
-        let l = surface.length(h);
-        let (block, cuts, again) = hand.parts();
         // SAFETY: promised by the caller.
-        hand.len = unsafe { settle::<L>(block, len, l, || surface.behind(h), cuts, again) };
+        unsafe { settle_neighbours::<L, false>(hand, surface, h) };
     }
+}
+
+/// Compares neighbours until all of them stay, and cuts them at their tie points if `TRIM` says so. Returns whether that
+/// has come to an end; it has not if a window falls to pieces or loses its place.
+///
+/// # Safety
+///
+/// The processor must know the instructions of `L`.
+#[inline(always)]
+unsafe fn settle_neighbours<L: Lanes, const TRIM: bool>(
+    hand: &mut Hand,
+    surface: &Surface,
+    h: u32,
+) -> bool {
+    let len = hand.len;
+    if len < 2 {
+        return true;
+    }
+    let l = surface.length(h);
+    let (block, cuts, again) = hand.parts();
+    // SAFETY: promised by the caller.
+    let (len, settled) =
+        unsafe { settle::<L, TRIM>(block, len, l, || surface.behind(h), cuts, again) };
+    hand.len = len;
+    settled
 }
 
 /// None: rules 2 and 3 switched off.
@@ -109,8 +128,12 @@ fn push_to_all(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) {
 pub struct TiePoints;
 
 impl Pairs for TiePoints {
+    #[inline(always)]
     unsafe fn prune<L: Lanes>(hand: &mut Hand, surface: &Surface, h: u32) {
-        one_by_one(hand, surface, h, push_and_trim);
+        // SAFETY: promised by the caller.
+        if !unsafe { settle_neighbours::<L, true>(hand, surface, h) } {
+            one_by_one(hand, surface, h, push_and_trim);
+        }
     }
 }
 

@@ -46,7 +46,7 @@ impl Pieces {
 }
 
 /// Distance of a source from the edge, as a fraction of its length, below which it stands on it.
-const ON_EDGE: f64 = 1e-10;
+pub(crate) const ON_EDGE: f64 = 1e-10;
 
 /// What two overlapping windows of one edge of length `l` keep if each gives up the ranges on which the other is
 /// shorter (Surazhsky et al. 2005, section 3.5).

@@ -178,7 +178,7 @@ pub(super) fn side<L: Lanes>(
 
 /// The lengths of the paths of `w` to abscissa `x`.
 #[inline(always)]
-fn length<L: Lanes>(w: &Windows<L>, x: L) -> L {
+pub(super) fn length<L: Lanes>(w: &Windows<L>, x: L) -> L {
     let along = x - w.px;
     w.sigma + (along * along + w.py * w.py).sqrt()
 }

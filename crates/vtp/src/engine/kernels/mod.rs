@@ -17,6 +17,7 @@ pub(crate) mod exits;
 mod filter;
 mod measure;
 mod settle;
+mod trim;
 
 pub(crate) use carry::{Carried, Target, Triangle, carry};
 pub(crate) use compare::{Cuts, compare};

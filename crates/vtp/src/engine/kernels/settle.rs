@@ -2,13 +2,18 @@
 
 use super::columns::{Sink, Windows, within};
 use super::compare::{CLEARANCE, Cuts, losses, side};
+use super::trim::trim;
 use crate::engine::lanes::{LaneMask, Lanes};
 use crate::engine::store::Line;
 use crate::pairs::{BLURRED, INSIDE, MARGIN};
 
 /// Compares neighbours among the first `len` windows of `block`, which is followed by a line that may be read; cuts what
 /// each loses, drops who has lost all, compares those who thereby become neighbours, and so on.
-/// Returns how many are left.
+/// Returns how many are left, and whether they have settled.
+///
+/// If `TRIM` says so, neighbours also give up the stretches of their overlap on which the other is shorter. If one of
+/// them would be left in several pieces by that, or out of order, the list has not settled and must be taken on window
+/// by window.
 ///
 /// `l` is the length of the edge, `behind` finds the third vertex of the triangle below it, `again` is scratch.
 ///
@@ -20,16 +25,16 @@ use crate::pairs::{BLURRED, INSIDE, MARGIN};
 ///
 /// The processor must know the instructions of `L`.
 #[inline(always)]
-pub(crate) unsafe fn settle<L: Lanes>(
+pub(crate) unsafe fn settle<L: Lanes, const TRIM: bool>(
     block: &mut [Line],
     mut len: usize,
     l: f64,
     behind: impl Fn() -> [f64; 2],
     cuts: &mut Cuts,
     again: &mut Vec<u8>,
-) -> usize {
+) -> (usize, bool) {
     if len < 2 {
-        return len;
+        return (len, true);
     }
     cuts.resize(len);
     // A bit for each window that is to be compared with the next one, a byte for each register.
@@ -52,7 +57,16 @@ pub(crate) unsafe fn settle<L: Lanes>(
                 let pairs = within::<L>(i, len - 1) & L::Mask::from_bits(again[i / L::COUNT]);
                 let left = if pairs.any() {
                     let (left, apart) = losses::<L>(&a, &b, pairs);
-                    crossings::<L>(&a, &b, apart, l, &behind, left)
+                    let left = crossings::<L>(&a, &b, apart, l, &behind, left);
+                    if TRIM {
+                        let (left, anew) = trim::<L>(&a, &b, pairs, l, left);
+                        if anew.any() {
+                            return (len, false);
+                        }
+                        left
+                    } else {
+                        left
+                    }
                 } else {
                     [[a.b0, a.b1], [b.b0, b.b1]]
                 };
@@ -78,7 +92,7 @@ pub(crate) unsafe fn settle<L: Lanes>(
         }
         len = rest.len();
         if !died || len < 2 {
-            return len;
+            return (len, true);
         }
     }
 }
@@ -224,7 +238,11 @@ mod tests {
         }
     }
 
-    fn settled(list: &[Window]) -> Vec<Window> {
+    fn settled<const TRIM: bool>(list: &[Window]) -> Vec<Window> {
+        try_settled::<TRIM>(list).unwrap()
+    }
+
+    fn try_settled<const TRIM: bool>(list: &[Window]) -> Option<Vec<Window>> {
         let mut lines = vec![Line::default(); 5 * list.len().div_ceil(Line::LANES) + 1];
         let column = lines.len() / 5;
         for (i, w) in list.iter().enumerate() {
@@ -235,8 +253,8 @@ mod tests {
         let (mut cuts, mut again) = (Cuts::default(), Vec::new());
         let behind = || EDGE.behind;
         // SAFETY: every processor can count to one.
-        let len = unsafe {
-            settle::<Scalar>(
+        let (len, settled) = unsafe {
+            settle::<Scalar, TRIM>(
                 &mut lines,
                 list.len(),
                 EDGE.l,
@@ -246,15 +264,14 @@ mod tests {
             )
         };
         let at = |c: usize, i: usize| lines[c * column + i / Line::LANES].0[i % Line::LANES];
-        (0..len)
-            .map(|i| Window {
-                b0: at(0, i),
-                b1: at(1, i),
-                px: at(2, i),
-                py: at(3, i),
-                sigma: at(4, i),
-            })
-            .collect()
+        let window = |i| Window {
+            b0: at(0, i),
+            b1: at(1, i),
+            px: at(2, i),
+            py: at(3, i),
+            sigma: at(4, i),
+        };
+        settled.then(|| (0..len).map(window).collect())
     }
 
     proptest! {
@@ -270,7 +287,7 @@ mod tests {
                 Verdict::FirstDies => vec![b],
                 Verdict::SecondDies => vec![a],
             };
-            let found = settled(&[a, b]);
+            let found = settled::<false>(&[a, b]);
             if plain.len() == 1 {
                 prop_assert_eq!(found.len(), 1);
                 prop_assert_eq!(found[0].source(), plain[0].source());
@@ -278,6 +295,49 @@ mod tests {
                 prop_assert_eq!(found, plain);
             }
         }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        /// At every point of the edge the shorter one of the two is kept, and no overlap is left that is worth a tie.
+        #[test]
+        fn trimmed_neighbours_lose_no_distance(
+            a in windows(), b in windows(), x in 0.0..1.0f64,
+        ) {
+            let covers = |w: &Window| w.b0 <= x && x <= w.b1;
+            let reached = |windows: &[Window]| {
+                let reached = windows.iter().filter(|w| covers(w));
+                reached.map(|w| w.distance(x)).fold(f64::INFINITY, f64::min)
+            };
+            let Some(found) = try_settled::<true>(&[a, b]) else {
+                return Ok(());
+            };
+            prop_assert!(found.len() <= 2);
+            if let [a, b] = found[..] {
+                let overlap = a.b1.min(b.b1) - a.b0.max(b.b0);
+                let x = 0.5 * (a.b1.min(b.b1) + a.b0.max(b.b0));
+                let equal = (a.distance(x) - b.distance(x)).abs() <= 1e-11 * a.distance(x);
+                prop_assert!(overlap <= 1e-9 || equal, "{found:?}");
+            }
+            // What the ends of the overlap tell may go further than the overlap.
+            let before = reached(&settled::<false>(&[a, b]));
+            let after = reached(&found);
+            prop_assert!(before == after || (after - before).abs() <= 1e-12 * before);
+        }
+    }
+
+    #[test]
+    fn a_list_that_would_fall_to_pieces_is_left_to_others() {
+        let window = |b0: f64, b1: f64, py: f64, sigma: f64| Window {
+            b0,
+            b1,
+            px: 0.5,
+            py,
+            sigma,
+        };
+        let list = [window(0.0, 1.0, -1.0, 5.0), window(0.4, 0.6, -0.5, 0.0)];
+        assert_eq!(try_settled::<true>(&list), None);
     }
 
     #[test]
@@ -293,8 +353,8 @@ mod tests {
         // The first neighbours are no neighbours of the one that kills them all.
         let dear = [0.1, 0.2, 0.3].map(|b0| window(b0, b0 + 0.1, 0.9, 3.0));
         let list = [&dear[..], &[better]].concat();
-        assert_eq!(settled(&list), [better]);
+        assert_eq!(settled::<false>(&list), [better]);
         let list = [&[better], &dear[..]].concat();
-        assert_eq!(settled(&list), [better]);
+        assert_eq!(settled::<false>(&list), [better]);
     }
 }

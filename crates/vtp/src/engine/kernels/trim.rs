@@ -1,0 +1,119 @@
+//! Overlapping neighbours cut at their tie points, as in MMP.
+
+use super::columns::Windows;
+use super::compare::length;
+use crate::engine::lanes::{LaneMask, Lanes};
+use crate::pairs::MARGIN;
+use crate::trim::ON_EDGE;
+
+/// What is `left` of the intervals of neighbours `a` and `b` after each of `pairs` has given up the stretches of
+/// their overlap on which the other is shorter; and the pairs of which one would be left in several pieces, or both
+/// in the wrong order, for which a list would have to be made anew.
+///
+/// The vector form of [`trim_pair`](crate::trim::trim_pair), with the formulas of [`geobench_window::tie_points`].
+///
+/// # Safety
+///
+/// The processor must know the instructions of `L`.
+#[inline(always)]
+pub(super) unsafe fn trim<L: Lanes>(
+    a: &Windows<L>,
+    b: &Windows<L>,
+    pairs: L::Mask,
+    l: f64,
+    left: [[L; 2]; 2],
+) -> ([[L; 2]; 2], L::Mask) {
+    let [[a0, a1], [b0, b1]] = left;
+    let (lo, hi) = (a0.max(b0), a1.min(b1));
+    // SAFETY: promised by the caller.
+    let (on_edge, margin, half) =
+        unsafe { (L::splat(-ON_EDGE * l), L::splat(MARGIN), L::splat(0.5)) };
+    let overlap = pairs & a0.lt(a1) & b0.lt(b1) & lo.lt(hi) & a.py.max(b.py).le(on_edge);
+    if !overlap.any() {
+        return (left, overlap);
+    }
+    // SAFETY: promised by the caller.
+    let ties = unsafe { ties(a, b) };
+    // A tie elsewhere leaves an empty stretch at the start.
+    let [t, u] = ties.map(|tie| L::select(lo.lt(tie) & tie.lt(hi), tie, lo));
+    let stretches = [[lo, t.min(u)], [t.min(u), t.max(u)], [t.max(u), hi]];
+    let mut empty = [overlap; 3];
+    let (mut lost_by_a, mut lost_by_b) = ([overlap; 3], [overlap; 3]);
+    for (i, [from, to]) in stretches.into_iter().enumerate() {
+        let middle = half * (from + to);
+        let (to_a, to_b) = (length(a, middle), length(b, middle));
+        let wide = overlap & from.lt(to);
+        empty[i] = !wide;
+        lost_by_a[i] = wide & to_b.lt(to_a * margin);
+        lost_by_b[i] = wide & to_a.lt(to_b * margin);
+    }
+    let (of_a, a_parted) = rest::<L>([a0, a1], &stretches, empty, lost_by_a);
+    let (of_b, b_parted) = rest::<L>([b0, b1], &stretches, empty, lost_by_b);
+    let choose = |new: [L; 2], old: [L; 2]| {
+        [
+            L::select(overlap, new[0], old[0]),
+            L::select(overlap, new[1], old[1]),
+        ]
+    };
+    let left = [choose(of_a, left[0]), choose(of_b, left[1])];
+    let disordered = of_b[0].lt(of_a[0]) & of_a[0].lt(of_a[1]) & of_b[0].lt(of_b[1]);
+    (left, overlap & (a_parted | b_parted | disordered))
+}
+
+/// What is left of an interval that has `lost` some of three consecutive stretches in it, some of which may be
+/// `empty`, and whether a lost one parts it.
+#[inline(always)]
+fn rest<L: Lanes>(
+    [start, end]: [L; 2],
+    stretches: &[[L; 2]; 3],
+    empty: [L::Mask; 3],
+    lost: [L::Mask; 3],
+) -> ([L; 2], L::Mask) {
+    let (lo, hi) = (stretches[0][0], stretches[2][1]);
+    let (mut first, mut last) = (hi, lo);
+    for i in [2, 1, 0] {
+        first = L::select(empty[i] | lost[i], first, stretches[i][0]);
+    }
+    for i in [0, 1, 2] {
+        last = L::select(empty[i] | lost[i], last, stretches[i][1]);
+    }
+    let first = L::select(start.lt(lo), start, first);
+    let last = L::select(hi.lt(end), end, last);
+    let within = |i: usize| lost[i] & first.le(stretches[i][0]) & stretches[i][1].le(last);
+    ([first, last], within(0) | within(1) | within(2))
+}
+
+/// The two abscissae at which windows tie; infinite or NaN where there are fewer.
+///
+/// # Safety
+///
+/// The processor must know the instructions of `L`.
+#[inline(always)]
+unsafe fn ties<L: Lanes>(w0: &Windows<L>, w1: &Windows<L>) -> [L; 2] {
+    // SAFETY: promised by the caller.
+    let [zero, half, none] = unsafe { [0.0, 0.5, f64::INFINITY].map(|x| L::splat(x)) };
+    let a = w1.px - w0.px;
+    let delta = w1.sigma - w0.sigma;
+    let y1 = w1.py;
+    let leading = (a - delta) * (a + delta);
+    let b = half * (leading + (w0.py - y1) * (w0.py + y1));
+    // Of a negative radicand nothing comes but NaN.
+    let root = delta * (b * b + leading * y1 * y1).sqrt();
+    let middle = zero - a * b;
+    let numerators = [middle + root, middle - root];
+    let product = (b - delta * y1) * (b + delta * y1);
+    let no_delta = delta.le(zero) & zero.le(delta);
+    let tie = |s: usize| {
+        let (own, other) = (numerators[s], numerators[1 - s]);
+        let direct = other.abs().le(own.abs());
+        let u = L::select(direct, own, product) / L::select(direct, leading, other);
+        let scaled = a * u + b;
+        let valid = zero.le(scaled * delta) & zero.le((delta * delta + scaled) * delta);
+        L::select(valid, w1.px + u, none)
+    };
+    let bisector = w1.px - b / a;
+    [
+        L::select(no_delta, bisector, tie(0)),
+        L::select(no_delta, none, tie(1)),
+    ]
+}

@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 use crate::engine::dispatch::Program;
 use crate::engine::hand::Hand;
 use crate::engine::kernels::exits::Rule;
-use crate::engine::kernels::{Carried, Gate, Measured, Target, Triangle, carry};
+use crate::engine::kernels::{Carried, Gate, Measured, Target, Triangle, carry, measure};
 use crate::engine::lanes::Lanes;
 use crate::engine::store::Line;
 use crate::engine::surface::Surface;
@@ -108,6 +108,28 @@ impl<R: Rule> Program for Carry<'_, '_, R> {
                 self.threshold,
                 [left, right],
             )
+        }
+    }
+}
+
+/// The length of the shortest path to the apex of the windows of a block from `start` to `len`.
+pub(crate) struct Least<'a> {
+    /// With a line behind it if `start` is not 0.
+    pub(crate) block: &'a [Line],
+    pub(crate) start: usize,
+    pub(crate) len: usize,
+    pub(crate) gate: &'a Gate,
+    pub(crate) keep: &'a mut Vec<u8>,
+}
+
+impl Program for Least<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    unsafe fn run<L: Lanes>(self) -> f64 {
+        // SAFETY: promised by the caller, and by whoever made this.
+        unsafe {
+            measure::<L, false>(self.block, self.start, self.len, self.gate, self.keep).distance
         }
     }
 }

@@ -3,13 +3,12 @@
 // What the engine is made of is nobody else's business, so others cannot make choices of their own.
 #![allow(private_bounds, private_interfaces)]
 
+use crate::crossing::Least;
 use crate::engine::Instructions;
-use crate::engine::dispatch::{self, Program};
+use crate::engine::dispatch;
 use crate::engine::hand::Hand;
+use crate::engine::kernels::Gate;
 use crate::engine::kernels::exits::{BestPath, EveryBetterPath, Free, Reach, Rule};
-use crate::engine::kernels::{Gate, measure};
-use crate::engine::lanes::Lanes;
-use crate::engine::store::Line;
 use crate::engine::surface::{Surface, half_edge, next, parts, prev};
 use crate::front::Front;
 
@@ -187,29 +186,6 @@ fn least_waiting(crossing: &Crossing<'_>, h: u32, keep: &mut Vec<u8>) -> f64 {
         dispatch::run(program, crossing.instructions)
     });
     lengths.fold(f64::INFINITY, f64::min)
-}
-
-/// The length of the shortest path to the apex of the windows of a block from `start` to `len`.
-pub(crate) struct Least<'a> {
-    /// With a line behind it if `start` is not 0.
-    pub(crate) block: &'a [Line],
-    pub(crate) start: usize,
-    pub(crate) len: usize,
-    pub(crate) gate: &'a Gate,
-    pub(crate) keep: &'a mut Vec<u8>,
-}
-
-impl Program for Least<'_> {
-    type Output = f64;
-
-    #[allow(unsafe_code)]
-    #[inline(always)]
-    unsafe fn run<L: Lanes>(self) -> f64 {
-        // SAFETY: promised by the caller, and by whoever made this.
-        unsafe {
-            measure::<L, false>(self.block, self.start, self.len, self.gate, self.keep).distance
-        }
-    }
 }
 
 /// For each half-edge the length of the shortest path that has come through it and across its face

@@ -252,7 +252,7 @@ impl Front {
     }
 
     /// Asks for what a list that comes to `face` touches.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn prefetch(&self, face: usize) {
         crate::engine::prefetch::prefetch(&self.places, face);
     }

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution, Window};
 
-use crate::crossing::{Carry, Inspect};
+use crate::crossing::{Carry, Inspect, Least};
 use crate::engine::Instructions;
 use crate::engine::dispatch;
 use crate::engine::hand::Hand;
@@ -14,7 +14,7 @@ use crate::engine::numbering::Numbering;
 use crate::engine::prefetch::{line, prefetch};
 use crate::engine::store::NO_LIST;
 use crate::engine::surface::{Face, NOBODY, Surface, next, parts, prev};
-use crate::exits::{Crossing, Exits, Least};
+use crate::exits::{Crossing, Exits};
 use crate::front::{Arrival, Front};
 use crate::merge::Merge;
 use crate::pruning::Pairs;
@@ -317,7 +317,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
     }
 
     /// Asks for what the next lists will touch.
-    #[inline(always)]
+    #[inline]
     fn prefetch(&self) {
         if let Some(h) = self.front.upcoming(6) {
             let f = parts(h).0;

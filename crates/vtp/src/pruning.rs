@@ -1,6 +1,8 @@
 //! Which windows of a list are compared with each other.
 
 #![allow(unsafe_code)]
+// Kernels must be inlined into the functions that have the features of the processor.
+#![allow(clippy::inline_always)]
 // What the engine is made of is nobody else's business, so others cannot make choices of their own.
 #![allow(private_bounds, private_interfaces)]
 

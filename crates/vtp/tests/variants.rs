@@ -11,16 +11,28 @@ use geobench_vtp::{
 use geobench_window::{Counter, Counters, Solver};
 
 fn family(mesh: &Mesh) -> [(&'static str, Box<dyn Solver + '_>); 9] {
+    family_with(mesh, Instructions::detect())
+}
+
+fn family_with(
+    mesh: &Mesh,
+    instructions: Instructions,
+) -> [(&'static str, Box<dyn Solver + '_>); 9] {
+    macro_rules! solver {
+        ($algorithm:ident) => {
+            Box::new($algorithm::new(mesh).with_instructions(instructions))
+        };
+    }
     [
-        ("vtp", Box::new(Vtp::new(mesh))),
-        ("opvtp", Box::new(Opvtp::new(mesh))),
-        ("ftp", Box::new(Ftp::new(mesh))),
-        ("opftp", Box::new(Opftp::new(mesh))),
-        ("vtp-exhaustive", Box::new(VtpExhaustive::new(mesh))),
-        ("vtp-trimming", Box::new(VtpTrimming::new(mesh))),
-        ("vtp-no-rule1", Box::new(VtpNoRule1::new(mesh))),
-        ("vtp-no-rules23", Box::new(VtpNoRules23::new(mesh))),
-        ("edge-based", Box::new(EdgeBased::new(mesh))),
+        ("vtp", solver!(Vtp)),
+        ("opvtp", solver!(Opvtp)),
+        ("ftp", solver!(Ftp)),
+        ("opftp", solver!(Opftp)),
+        ("vtp-exhaustive", solver!(VtpExhaustive)),
+        ("vtp-trimming", solver!(VtpTrimming)),
+        ("vtp-no-rule1", solver!(VtpNoRule1)),
+        ("vtp-no-rules23", solver!(VtpNoRules23)),
+        ("edge-based", solver!(EdgeBased)),
     ]
 }
 
@@ -181,8 +193,26 @@ fn all_instructions_give_the_same_bits_and_counts() {
             }
         }
     }
+    for wide in [Instructions::Avx2, Instructions::Avx512] {
+        if wide.is_available() {
+            check_bits(wide);
+        }
+    }
     if available == 0 {
         eprintln!("SKIPPED: this processor has no vector instructions that are used");
+    }
+}
+
+/// The whole family with `wide` instructions against one number at a time.
+fn check_bits(wide: Instructions) {
+    let spec = "gen:sphere,subdiv=4,noise=0.05,seed=2";
+    let mesh = scaled(soup_of(spec), 1.0);
+    let source = [VertexId::new(mesh.vertex_count() as u32 / 3)];
+    let scalar = family_with(&mesh, Instructions::Scalar);
+    for ((name, mut one), (_, mut other)) in scalar.into_iter().zip(family_with(&mesh, wide)) {
+        let [(expected, counters), (found, counted)] =
+            [&mut one, &mut other].map(|solver| solver.count(&source).unwrap());
+        assert!(expected == found && counters == counted, "{name}: {wide}");
     }
 }
 

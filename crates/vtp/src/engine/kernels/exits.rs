@@ -37,20 +37,22 @@ impl<L: Lanes> Sides<L> {
     /// What this and another rule leave together.
     #[inline(always)]
     fn and(self, other: Self) -> Self {
-        let cut = |side: usize| self.cut[side] | other.cut[side];
-        let limit = |side: usize, both: L| {
-            let one = L::select(self.cut[side], self.limits[side], other.limits[side]);
-            L::select(self.cut[side] & other.cut[side], both, one)
-        };
+        // No closures: they would be functions of their own, without the features of the processor.
+        let either = [self.cut[0] | other.cut[0], self.cut[1] | other.cut[1]];
+        let both = [self.cut[0] & other.cut[0], self.cut[1] & other.cut[1]];
+        let one = [
+            L::select(self.cut[0], self.limits[0], other.limits[0]),
+            L::select(self.cut[1], self.limits[1], other.limits[1]),
+        ];
         Self {
             tried: [
                 self.tried[0] & other.tried[0],
                 self.tried[1] & other.tried[1],
             ],
-            cut: [cut(0), cut(1)],
+            cut: either,
             limits: [
-                limit(0, self.limits[0].min(other.limits[0])),
-                limit(1, self.limits[1].max(other.limits[1])),
+                L::select(both[0], self.limits[0].min(other.limits[0]), one[0]),
+                L::select(both[1], self.limits[1].max(other.limits[1]), one[1]),
             ],
         }
     }
@@ -276,7 +278,7 @@ impl Rule for EveryBetterPath<'_> {
                         kept: longer,
                         ..*rays
                     });
-                    let tried = of_path.tried.map(|tried| tried | !longer);
+                    let tried = [of_path.tried[0] | !longer, of_path.tried[1] | !longer];
                     sides = sides.and(Sides { tried, ..of_path });
                 }
             }

@@ -182,8 +182,9 @@ unsafe fn dearer<L: Lanes>(
 ) -> [L::Mask; 2] {
     // SAFETY: promised by the caller.
     unsafe {
-        let [zero, one, l, margin] = [0.0, 1.0, l, MARGIN].map(|x| L::splat(x));
-        let [tx, ty] = behind.map(|x| L::splat(x));
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let (l, margin) = (L::splat(l), L::splat(MARGIN));
+        let (tx, ty) = (L::splat(behind[0]), L::splat(behind[1]));
         let (rx, ry) = (v.b1 - v.px, zero - v.py);
         let (qx, qy) = (u.b0 - u.px, zero - u.py);
         let (dx, dy) = (u.px - v.px, u.py - v.py);

@@ -35,7 +35,8 @@ pub(super) unsafe fn trim<L: Lanes>(
     // SAFETY: promised by the caller.
     let ties = unsafe { ties(a, b) };
     // A tie elsewhere leaves an empty stretch at the start.
-    let [t, u] = ties.map(|tie| L::select(lo.lt(tie) & tie.lt(hi), tie, lo));
+    let t = L::select(lo.lt(ties[0]) & ties[0].lt(hi), ties[0], lo);
+    let u = L::select(lo.lt(ties[1]) & ties[1].lt(hi), ties[1], lo);
     let stretches = [[lo, t.min(u)], [t.min(u), t.max(u)], [t.max(u), hi]];
     let mut empty = [overlap; 3];
     let (mut lost_by_a, mut lost_by_b) = ([overlap; 3], [overlap; 3]);
@@ -49,13 +50,16 @@ pub(super) unsafe fn trim<L: Lanes>(
     }
     let (of_a, a_parted) = rest::<L>([a0, a1], &stretches, empty, lost_by_a);
     let (of_b, b_parted) = rest::<L>([b0, b1], &stretches, empty, lost_by_b);
-    let choose = |new: [L; 2], old: [L; 2]| {
+    let left = [
         [
-            L::select(overlap, new[0], old[0]),
-            L::select(overlap, new[1], old[1]),
-        ]
-    };
-    let left = [choose(of_a, left[0]), choose(of_b, left[1])];
+            L::select(overlap, of_a[0], a0),
+            L::select(overlap, of_a[1], a1),
+        ],
+        [
+            L::select(overlap, of_b[0], b0),
+            L::select(overlap, of_b[1], b1),
+        ],
+    ];
     let disordered = of_b[0].lt(of_a[0]) & of_a[0].lt(of_a[1]) & of_b[0].lt(of_b[1]);
     (left, overlap & (a_parted | b_parted | disordered))
 }
@@ -79,8 +83,10 @@ fn rest<L: Lanes>(
     }
     let first = L::select(start.lt(lo), start, first);
     let last = L::select(hi.lt(end), end, last);
-    let within = |i: usize| lost[i] & first.le(stretches[i][0]) & stretches[i][1].le(last);
-    ([first, last], within(0) | within(1) | within(2))
+    let mut parted = lost[0] & first.le(lo) & stretches[0][1].le(last);
+    parted = parted | (lost[1] & first.le(stretches[1][0]) & stretches[1][1].le(last));
+    parted = parted | (lost[2] & first.le(stretches[2][0]) & hi.le(last));
+    ([first, last], parted)
 }
 
 /// The two abscissae at which windows tie; infinite or NaN where there are fewer.
@@ -91,7 +97,7 @@ fn rest<L: Lanes>(
 #[inline(always)]
 unsafe fn ties<L: Lanes>(w0: &Windows<L>, w1: &Windows<L>) -> [L; 2] {
     // SAFETY: promised by the caller.
-    let [zero, half, none] = unsafe { [0.0, 0.5, f64::INFINITY].map(|x| L::splat(x)) };
+    let (zero, half, none) = unsafe { (L::splat(0.0), L::splat(0.5), L::splat(f64::INFINITY)) };
     let a = w1.px - w0.px;
     let delta = w1.sigma - w0.sigma;
     let y1 = w1.py;
@@ -103,17 +109,18 @@ unsafe fn ties<L: Lanes>(w0: &Windows<L>, w1: &Windows<L>) -> [L; 2] {
     let numerators = [middle + root, middle - root];
     let product = (b - delta * y1) * (b + delta * y1);
     let no_delta = delta.le(zero) & zero.le(delta);
-    let tie = |s: usize| {
+    let mut ties = [none; 2];
+    for s in 0..2 {
         let (own, other) = (numerators[s], numerators[1 - s]);
         let direct = other.abs().le(own.abs());
         let u = L::select(direct, own, product) / L::select(direct, leading, other);
         let scaled = a * u + b;
         let valid = zero.le(scaled * delta) & zero.le((delta * delta + scaled) * delta);
-        L::select(valid, w1.px + u, none)
-    };
+        ties[s] = L::select(valid, w1.px + u, none);
+    }
     let bisector = w1.px - b / a;
     [
-        L::select(no_delta, bisector, tie(0)),
-        L::select(no_delta, none, tie(1)),
+        L::select(no_delta, bisector, ties[0]),
+        L::select(no_delta, none, ties[1]),
     ]
 }

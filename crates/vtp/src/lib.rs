@@ -20,16 +20,17 @@
 //! | through which exits a window may leave | [`Exits`] | [`OneAngleTwoSides`] (rule 1), [`AnyExit`], [`AcrossTheFace`], [`EveryPath`] |
 //!
 //! Common to all is the vertex filter, which drops windows that a path through a known vertex
-//! beats ([`geobench_window::is_beaten_from_ends`]): without it windows behind the wavefront, which
-//! meet no other ones, would never end.
+//! beats ([`geobench_window::is_beaten_from_ends`] in plain form): without it windows behind the
+//! wavefront, which meet no other ones, would never end.
 //!
 //! [`algorithms`] has a page for each combination that has a name. Another one is a type:
 //! `ListPropagation::<NearestFace, OrderFree, NoPairs, AnyExit>::new(&mesh)`.
 //!
 //! # For speed
 //!
-//! [`VtpFast`] is VTP on an `engine` of structures of arrays and vector instructions; see
-//! [its page](algorithms::vtp_fast).
+//! All of this stands on one `engine`: lists are structures of arrays, and what is done with a list is a pass
+//! over registers of up to eight windows ([`Instructions`]). [`VtpFast`] is VTP with every further
+//! improvement that keeps it exact; see [its page](algorithms::vtp_fast).
 //!
 //! # Every deletion is beyond doubt
 //!

@@ -6,7 +6,7 @@
 //!
 //! Keeping the order costs a distance to the far vertex for every window that comes to wait, and three
 //! times the insertions into the queue. On the horse it saves a half of the secondary propagations and
-//! takes as many children as VTP (0.1 % more) in a sixth more time; the paper finds 1 % to 5 % fewer
+//! takes as many children as VTP (0.1 % more) in a third more time; the paper finds 1 % to 5 % fewer
 //! propagations and more time.
 //!
 //! **Cost.** Time O(n²) for n faces in the worst case, apart from the queue of faces; space O(n).

@@ -4,7 +4,8 @@
 //! Everything else is as in [VTP](super::vtp).
 //!
 //! On the horse there are 55 % more children than in VTP, and as many more propagations: the rules save
-//! 36 % of them, "about 30 %" in the paper. The comparisons cost as much time as they save there.
+//! 36 % of them, "about 30 %" in the paper. The comparisons cost a sixth more time than they save
+//! there.
 //!
 //! **Cost** as VTP. **Keeps** the windows of the wavefront, half as many again as VTP at the peak.
 //! **Choose it** to see what rules 2 and 3 do.

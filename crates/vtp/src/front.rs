@@ -1,5 +1,7 @@
 //! The traversed area, and the lists of windows on its border.
 
+use std::ops::Range;
+
 use geobench_window::Window;
 
 use crate::engine::store::{COLUMNS, Line, NO_LIST, WindowStore};
@@ -137,13 +139,16 @@ impl Front {
 
     /// All windows that wait.
     pub(crate) fn windows(&self) -> impl Iterator<Item = Window> {
-        self.store.windows().map(|[b0, b1, px, py, sigma]| Window {
-            b0,
-            b1,
-            px,
-            py,
-            sigma,
-        })
+        self.store.windows()
+    }
+
+    /// The windows of `list` at `places`.
+    pub(crate) fn windows_at(
+        &self,
+        list: u32,
+        places: Range<usize>,
+    ) -> impl Iterator<Item = Window> {
+        self.store.windows_at(list, places)
     }
 
     /// The blocks of the lists on `h`, in order, and their lengths.

@@ -10,6 +10,7 @@ use crate::engine::Instructions;
 use crate::engine::dispatch;
 use crate::engine::hand::Hand;
 use crate::engine::kernels::{BestPath, Gate, Target};
+use crate::engine::levels::Levels;
 use crate::engine::numbering::Numbering;
 use crate::engine::prefetch::{line, prefetch};
 use crate::engine::store::NO_LIST;
@@ -37,6 +38,7 @@ pub struct ListPropagation<'m, S, M, P, E> {
     /// Vertices whose turn has come.
     passed: Vec<bool>,
     distances: Vec<f64>,
+    levels: Levels,
     /// Children narrower than this are dropped.
     threshold: f64,
     choices: PhantomData<(M, P)>,
@@ -60,6 +62,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
             exits: E::new(faces),
             passed: Vec::new(),
             distances: Vec::new(),
+            levels: Levels::default(),
             threshold: 0.0,
             choices: PhantomData,
         }
@@ -91,6 +94,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
         self.schedule.reset();
         self.front.reset();
         self.exits.reset();
+        self.levels.clear();
         self.passed.clear();
         self.passed.resize(self.mesh.vertex_count(), false);
         self.distances.clear();
@@ -146,6 +150,9 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
                 probe.add(Counter::Spawned, 1);
                 let l = self.surface.length(target);
                 let [px, py] = self.surface.behind(target);
+                if B::COUNTS {
+                    self.levels.start(target, [px, py], sigma);
+                }
                 let window = [0.0, l, px, py, sigma];
                 let (list, len) = self.front.push(target, Arrival::AsRightChild, window);
                 self.close(target, list, len, len + 1, probe);
@@ -215,6 +222,9 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
             let best = BestPath::of(self.hand.block(), found.best, gate.apex, gate.l);
             self.send_children(h, &face, gate, best, found.distance, found.bound, probe);
         }
+        if B::COUNTS {
+            self.levels.forget(h);
+        }
         probe.enter(Phase::Management);
         probe.raise(Counter::PeakWindows, self.front.waiting() as u64);
         probe.raise(Counter::PeakWavefront, self.front.waiting() as u64);
@@ -250,6 +260,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
             }
         }
         let before = lists.map(|list| self.front.len(list));
+        let triangle = face.triangle(corner);
         let (carried, after) = {
             let rule = self.exits.enter(&Crossing {
                 h,
@@ -271,12 +282,21 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
                 targets[side].len = before[side];
                 targets[side].open = exits[side] != NOBODY;
             }
-            let triangle = face.triangle(corner);
             let program = Carry::new(&self.hand, &triangle, &rule, self.threshold, &mut targets);
             let carried = dispatch::run(program, self.instructions);
             (carried, targets.map(|target| target.len))
         };
         probe.enter(Phase::Management);
+        if B::COUNTS {
+            let departure = self.levels.leave(h, &triangle);
+            for side in (0..2).filter(|&side| lists[side] != NO_LIST) {
+                let children = self
+                    .front
+                    .windows_at(lists[side], before[side]..after[side]);
+                let deepest = self.levels.arrive(exits[side], children, &departure, side);
+                probe.raise(Counter::Levels, u64::from(deepest));
+            }
+        }
         for side in 0..2 {
             let (exit, list) = (exits[side], lists[side]);
             if list == NO_LIST {
@@ -352,6 +372,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<'_
             Counter::WindowBytes,
             Counter::QueuePushes,
             Counter::QueuePeak,
+            Counter::Levels,
             Counter::PseudoSources,
             Counter::Prime,
             Counter::Secondary,

@@ -262,6 +262,20 @@ fn counts_fit_together_in_every_algorithm() {
     }
 }
 
+/// On the flat grid no path bends, so the deepest window has crossed the longest strip of faces that a
+/// straight line from the corner meets, whatever the algorithm.
+#[test]
+fn levels_are_those_of_mmp_where_only_the_shape_decides() {
+    let mesh = scaled(soup_of("gen:grid,n=9"), 1.0);
+    let levels = |counters: &Counters| counters.get(Counter::Levels).unwrap();
+    let (_, of_mmp) = mmp(&mesh).count(&[VertexId::new(0)]).unwrap();
+    assert!(levels(&of_mmp) > 9);
+    for (name, mut solver) in family(&mesh).into_iter().chain(fast(&mesh)) {
+        let (_, counters) = solver.count(&[VertexId::new(0)]).unwrap();
+        assert_eq!(levels(&counters), levels(&of_mmp), "{name}");
+    }
+}
+
 #[test]
 fn every_choice_leaves_its_mark_on_the_counts() {
     let mesh = scaled(soup_of("gen:sphere,subdiv=4,noise=0.05,seed=2"), 1.0);

@@ -12,6 +12,7 @@ pub(crate) mod hand;
 mod instructions;
 pub(crate) mod kernels;
 pub(crate) mod lanes;
+pub(crate) mod levels;
 pub(crate) mod numbering;
 pub(crate) mod prefetch;
 pub(crate) mod shadow;

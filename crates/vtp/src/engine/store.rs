@@ -4,6 +4,10 @@
 //! bytes a window. Blocks come in classes by size and are used again, last freed first, so that the
 //! few thousand windows of a wavefront stay in the same cache lines from the start to the end.
 
+use std::ops::Range;
+
+use geobench_window::Window;
+
 /// A cache line of a column.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
@@ -228,10 +232,27 @@ impl WindowStore {
         start as usize..start as usize + COLUMNS * lines_of(class) as usize
     }
 
-    /// All windows that wait, as b0, b1, px, py and σ.
-    pub(crate) fn windows(&self) -> impl Iterator<Item = [f64; COLUMNS]> {
-        (0..self.lists.len() as u32)
-            .flat_map(move |list| (0..self.len(list)).map(move |i| self.get(list, i)))
+    /// The windows of `list` at `places`.
+    pub(crate) fn windows_at(
+        &self,
+        list: u32,
+        places: Range<usize>,
+    ) -> impl Iterator<Item = Window> {
+        places.map(move |i| {
+            let [b0, b1, px, py, sigma] = self.get(list, i);
+            Window {
+                b0,
+                b1,
+                px,
+                py,
+                sigma,
+            }
+        })
+    }
+
+    /// All windows that wait.
+    pub(crate) fn windows(&self) -> impl Iterator<Item = Window> {
+        (0..self.lists.len() as u32).flat_map(move |list| self.windows_at(list, 0..self.len(list)))
     }
 }
 
@@ -262,7 +283,14 @@ mod tests {
             list = store.set_len(list, 8);
             list = store.reserve(list, 100);
             let waiting: Vec<_> = store.windows().collect();
-            assert_eq!(waiting, [[0.0, 1.0, 2.0, 3.0, 4.0]; 8], "round {round}");
+            let window = Window {
+                b0: 0.0,
+                b1: 1.0,
+                px: 2.0,
+                py: 3.0,
+                sigma: 4.0,
+            };
+            assert_eq!(waiting, [window; 8], "round {round}");
             assert_eq!((store.waiting(), store.len(list)), (8, 8));
             assert_eq!(store.set_len(list, 0), NO_LIST);
             assert_eq!(store.lists.len(), 3);

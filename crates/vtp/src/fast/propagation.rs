@@ -1,13 +1,14 @@
 //! The main loop: buckets of vertices have their turns, and lists cross faces until all wait.
 
 use geobench_mesh::{Mesh, VertexId};
-use geobench_window::{Counter, Phase, Probe, Propagate, Solution, Window};
+use geobench_window::{Counter, Phase, Probe, Propagate, Solution};
 
 use super::options::Options;
 use crate::engine::buckets::Buckets;
 use crate::engine::dispatch::{self, Program};
 use crate::engine::kernels::{self, BestPath, Cuts, Gate, Measured, Target};
 use crate::engine::lanes::Lanes;
+use crate::engine::levels::Levels;
 use crate::engine::numbering::Numbering;
 use crate::engine::prefetch::{line, prefetch};
 use crate::engine::shadow::Origin;
@@ -54,6 +55,7 @@ pub struct VtpFast<'m> {
     improved: usize,
     keep: Vec<u8>,
     cuts: Cuts,
+    pub(super) levels: Levels,
 }
 
 impl<'m> VtpFast<'m> {
@@ -94,6 +96,7 @@ impl<'m> VtpFast<'m> {
             improved: 0,
             keep: Vec::new(),
             cuts: Cuts::default(),
+            levels: Levels::default(),
         }
     }
 
@@ -112,6 +115,7 @@ impl<'m> VtpFast<'m> {
         }
         self.run += 1;
         self.buckets.reset();
+        self.levels.clear();
         let vertices = self.mesh.vertex_count();
         for distances in [&mut self.distances, &mut self.spawned] {
             distances.clear();
@@ -252,16 +256,7 @@ impl<'m> VtpFast<'m> {
         probe.add(Counter::Filtered, (arrived - found.kept) as u64);
         probe.add(Counter::Parents, found.kept as u64);
         if probe.wants_sample(found.kept as u64) {
-            probe.sample(self.store.windows().map(|[b0, b1, px, py, sigma]| {
-                Window {
-                    b0,
-                    b1,
-                    px,
-                    py,
-                    sigma,
-                }
-                .min_distance()
-            }));
+            probe.sample(self.store.windows().map(|w| w.min_distance()));
         }
         if found.kept > 0 {
             let best = BestPath::of(self.store.block(list), found.best, gate.apex, gate.l);
@@ -277,10 +272,13 @@ impl<'m> VtpFast<'m> {
             };
             self.improved += usize::from(nearer);
             // SAFETY: promised by the caller.
-            unsafe { self.send::<L, P>(list, corner, &face, &found, &best, probe) };
+            unsafe { self.send::<L, P>(list, h, &face, &found, &best, probe) };
         }
         probe.enter(Phase::Management);
         self.store.set_len(list, 0);
+        if P::COUNTS {
+            self.levels.forget(h);
+        }
         probe.raise(Counter::PeakWindows, self.store.waiting() as u64);
     }
 
@@ -294,12 +292,13 @@ impl<'m> VtpFast<'m> {
     unsafe fn send<L: Lanes, P: Probe>(
         &mut self,
         list: u32,
-        corner: usize,
+        h: u32,
         face: &crate::engine::surface::Face,
         found: &Measured,
         best: &BestPath,
         probe: &mut P,
     ) {
+        let (_, corner) = parts(h);
         let exits = [face.twin[prev(corner)], face.twin[next(corner)]];
         let mut lists = [NO_LIST; 2];
         for side in 0..2 {
@@ -337,6 +336,16 @@ impl<'m> VtpFast<'m> {
         };
         let after = [left.len, right.len];
         probe.enter(Phase::Management);
+        if P::COUNTS {
+            let departure = self.levels.leave(h, &triangle);
+            for side in (0..2).filter(|&side| lists[side] != NO_LIST) {
+                let children = self
+                    .store
+                    .windows_at(lists[side], before[side]..after[side]);
+                let deepest = self.levels.arrive(exits[side], children, &departure, side);
+                probe.raise(Counter::Levels, u64::from(deepest));
+            }
+        }
         for side in 0..2 {
             if lists[side] != NO_LIST {
                 let (f, k) = parts(exits[side]);
@@ -421,6 +430,7 @@ impl Propagate for VtpFast<'_> {
             Counter::QueuePushes,
             Counter::QueuePeak,
             Counter::Iterations,
+            Counter::Levels,
             Counter::PseudoSources,
         ]
     }

@@ -86,6 +86,9 @@ impl VtpFast<'_> {
         let len = self.store.len(list);
         debug_assert!(list != NO_LIST);
         self.store.put(list, len, [0.0, l, l - x, -y, d]);
+        if P::COUNTS {
+            self.levels.start(twin, [l - x, -y], d);
+        }
         self.surface.faces[target].list[k] = self.store.set_len(list, len + 1);
         self.make_ready(target, k);
     }

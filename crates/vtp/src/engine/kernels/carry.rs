@@ -21,6 +21,20 @@ pub(crate) struct Triangle {
     pub(crate) directions: [[f64; 2]; 2],
 }
 
+impl Triangle {
+    /// Where the source image of a window lies for its children behind AC (0) or CB (1): the same arithmetic, and
+    /// so the same bits, as in [`carry`].
+    #[inline]
+    pub(crate) fn source_beyond(&self, side: usize, [px, py]: [f64; 2]) -> [f64; 2] {
+        let [ux, uy] = self.directions[side];
+        let [x, y] = match side {
+            0 => [px, py],
+            _ => [px - self.apex[0], py - self.apex[1]],
+        };
+        [ux * x + uy * y, (ux * y - uy * x).min(0.0)]
+    }
+}
+
 /// A list behind an exit.
 #[derive(Debug)]
 pub(crate) struct Target<'a> {

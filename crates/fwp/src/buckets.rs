@@ -179,6 +179,11 @@ impl Discipline for Buckets {
     }
 
     #[inline]
+    fn is_due(&self, label: f64) -> bool {
+        self.calendar.bucket(label) <= self.round.end
+    }
+
+    #[inline]
     fn upcoming(&self, skipped: usize) -> Option<Event> {
         let upcoming = self.events.get(self.next + skipped);
         upcoming.map(|&(_, event)| event)

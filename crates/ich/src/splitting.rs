@@ -1,8 +1,8 @@
 //! The policy of the CH family: windows pass a filter, wait, split once at each angle, and are forgotten.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::continuous::{Arrival, Policy, Side, Surface};
-use geobench_window::{Counter, Passage, Phase, Probe, Window};
+use geobench_window::continuous::{Arrival, Policy, Side, Surface, Turn};
+use geobench_window::{Counter, Passage, Phase, Probe};
 
 use crate::angle::{Angles, Split};
 use crate::tree::{Guard, Leaves, Lineage, Node};
@@ -109,13 +109,13 @@ impl Policy for Splitting {
         id: u32,
         surface: &Surface,
         probe: &mut P,
-    ) -> Option<(Window, Lineage)> {
+    ) -> Turn<Lineage> {
         let node = self.leaves.remove(id);
         if self.is_stale(&node, surface) {
             probe.add(Counter::Filtered, 1);
-            return None;
+            return Turn::Void;
         }
-        Some((node.window, node.lineage))
+        Turn::Now(node.window, node.lineage)
     }
 
     #[inline]

@@ -1,11 +1,12 @@
 //! The policy of MMP: every window is kept where it is the shortest.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::continuous::{Arrival, Policy, Surface};
-use geobench_window::{Counter, Passage, Probe, Window, prefetch};
+use geobench_window::continuous::{Arrival, Policy, Surface, Turn};
+use geobench_window::{Counter, Passage, Probe};
 
-use crate::levels::Levels;
-use crate::list::{Direction, Inserter, WindowList};
+use crate::forgetting::{Forgetting, Keep, reach};
+use crate::insertion::Inserter;
+use crate::lists::{Direction, Lists};
 
 /// Which windows are trimmed against each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,13 +24,17 @@ pub enum Carrier {
 #[derive(Clone, Debug)]
 pub struct Trimming {
     carrier: Carrier,
+    keep: Keep,
     /// The windows about to enter the face of each half-edge; with [`Carrier::Edge`] those of both
     /// half-edges of an edge stand with the one of lower number, in its frame.
-    lists: Vec<WindowList>,
+    lists: Lists,
     inserter: Inserter,
+    forgetting: Forgetting,
+    /// Windows that are stored or would be if all were kept.
     stored: usize,
-    /// Kept in counted runs only.
-    levels: Levels,
+    /// The level in the sequence tree of each window, by slot: trimming needs none, they are counted because
+    /// the papers count them. Kept in counted runs only.
+    levels: Vec<u32>,
 }
 
 impl Trimming {
@@ -37,11 +42,19 @@ impl Trimming {
     pub fn new(mesh: &Mesh, carrier: Carrier) -> Self {
         Self {
             carrier,
-            lists: vec![WindowList::default(); mesh.half_edge_count()],
+            keep: Keep::default(),
+            lists: Lists::new(mesh.half_edge_count()),
             inserter: Inserter::default(),
+            forgetting: Forgetting::default(),
             stored: 0,
-            levels: Levels::default(),
+            levels: Vec::new(),
         }
+    }
+
+    /// Stores these windows.
+    #[must_use]
+    pub fn keeping(self, keep: Keep) -> Self {
+        Self { keep, ..self }
     }
 
     /// The half-edge whose list holds the windows of `h`, and how they cross there.
@@ -70,10 +83,11 @@ impl Policy for Trimming {
         Counter::Levels,
     ];
 
-    const WINDOW_BYTES: usize = WindowList::WINDOW_BYTES;
+    const WINDOW_BYTES: usize = Lists::WINDOW_BYTES;
 
     fn reset(&mut self) {
-        self.lists.iter_mut().for_each(WindowList::clear);
+        self.lists.clear();
+        self.forgetting.clear();
         self.stored = 0;
         self.levels.clear();
     }
@@ -82,6 +96,7 @@ impl Policy for Trimming {
         0
     }
 
+    #[inline]
     fn arrive<P: Probe>(
         &mut self,
         arrival: &Arrival<u32>,
@@ -95,38 +110,45 @@ impl Policy for Trimming {
             Direction::Forward => arrival.window,
             Direction::Reverse => arrival.window.reversed(l),
         };
-        let list = &mut self.lists[place.index()];
-        let inserter = &mut self.inserter;
-        let before = list.len();
-        if P::COUNTS {
-            self.levels.before_insertion(list);
+        let place = place.index();
+        let lists = &mut self.lists;
+        if lists.is_closed(place) {
+            if window.min_distance() > reach(&arrival.edge) {
+                probe.add(Counter::Filtered, 1);
+                return false;
+            }
+            lists.reopen(place);
         }
-        inserter.insert(list, &window, direction, l);
-        self.stored = self.stored + list.len() - before;
+        let inserter = &mut self.inserter;
+        let before = lists.len(place);
+        inserter.insert(lists, place, &window, direction, l);
+        self.stored = self.stored + lists.len(place) - before;
         for entry in &inserter.to_queue {
-            // One of the other direction may have been trimmed and must wait anew.
-            let h = if Direction::of(entry.id) == direction {
+            // One of the other direction may have been split, and its second part must wait too.
+            let h = if self.lists.direction(entry.slot) == direction {
                 arrival.h
             } else {
                 surface.faces().twin(arrival.h).unwrap_or(arrival.h)
             };
-            queue(h, entry.label, entry.id, probe);
+            queue(h, entry.label, entry.slot, probe);
         }
         let kept = inserter.new_pieces > 0;
-        probe.add(
-            Counter::Reinserted,
-            (inserter.to_queue.len() - inserter.new_pieces) as u64,
-        );
+        probe.add(Counter::Reinserted, inserter.outdated as u64);
         probe.add(Counter::Trimmed, inserter.trimmed as u64);
         probe.add(
             Counter::Filtered,
             inserter.removed as u64 + u64::from(!kept),
         );
-        probe.raise(Counter::PeakWindows, self.stored as u64);
+        probe.raise(Counter::PeakWindows, self.lists.stored() as u64);
         if P::COUNTS {
-            let entries = &inserter.to_queue;
-            self.levels.after_insertion(list, entries, arrival.lineage);
-            probe.raise(Counter::PeakWavefront, self.levels.len() as u64);
+            let slots = self.lists.windows().len();
+            self.levels.resize(slots.max(self.levels.len()), 0);
+            for entry in &inserter.to_queue {
+                let level = entry.part_of.map(|slot| self.levels[slot as usize]);
+                self.levels[entry.slot as usize] = level.unwrap_or(arrival.lineage);
+            }
+            let waiting = self.lists.waiting();
+            probe.raise(Counter::PeakWavefront, waiting as u64);
             if kept {
                 probe.raise(Counter::Levels, u64::from(arrival.lineage));
             }
@@ -134,21 +156,37 @@ impl Policy for Trimming {
         kept
     }
 
+    #[inline]
     fn take<P: Probe>(
         &mut self,
         h: HalfEdgeId,
         id: u32,
         surface: &Surface,
         _: &mut P,
-    ) -> Option<(Window, u32)> {
+    ) -> Turn<u32> {
         let (place, direction) = self.place(h, surface);
-        let window = self.lists[place.index()].take(id)?;
+        let window = match self.lists.take(place.index(), id) {
+            Turn::Now(window, ()) => window,
+            Turn::Later(label) => return Turn::Later(label),
+            Turn::Void => return Turn::Void,
+        };
+        if self.keep == Keep::Wavefront {
+            if !self.lists.is_waited_for(place.index()) {
+                self.forgetting.note(place, surface);
+            }
+            self.forgetting
+                .step(&mut self.lists, || window.min_distance());
+        }
         let window = match direction {
             Direction::Forward => window,
             Direction::Reverse => window.reversed(surface.faces().length(h)),
         };
-        let level = if P::COUNTS { self.levels.take(id) } else { 0 };
-        Some((window, level))
+        let level = if P::COUNTS {
+            self.levels[id as usize]
+        } else {
+            0
+        };
+        Turn::Now(window, level)
     }
 
     /// Going round the triangle from the left, a window all of whose rays leave there is done.
@@ -158,14 +196,8 @@ impl Policy for Trimming {
     }
 
     #[inline]
-    fn announce(&self, h: HalfEdgeId, _: u32) {
-        // The edge-based variant may have its windows elsewhere, which then come unannounced.
-        prefetch(&self.lists, h.index());
-    }
-
-    #[inline]
-    fn prepare(&self, h: HalfEdgeId, _: u32, _: &Surface) {
-        self.lists[h.index()].announce();
+    fn announce(&self, _: HalfEdgeId, id: u32) {
+        self.lists.announce(id);
     }
 
     #[inline]

@@ -39,7 +39,13 @@ impl Window {
     /// the foot of the source. It is the key by which queues order windows.
     #[inline]
     pub fn min_distance(&self) -> f64 {
-        self.distance(less(greater(self.px, self.b0), self.b1))
+        self.distance(self.nearest_abscissa())
+    }
+
+    /// The abscissa of the point of the interval that is nearest to the source.
+    #[inline]
+    pub fn nearest_abscissa(&self) -> f64 {
+        less(greater(self.px, self.b0), self.b1)
     }
 
     /// The same paths seen in the frame of the twin half-edge of an edge of length `l`, in which

@@ -6,6 +6,7 @@ use geobench_fwp::{
 };
 use geobench_window::Counter;
 
+use super::mmp::{LISTS, keep};
 use super::threshold::{self, THRESHOLD};
 use super::{Algorithm, Parameter, Value, Values};
 
@@ -42,6 +43,8 @@ const BETA: Parameter = Parameter::real(
 
 const BUCKET_PARAMETERS: &[Parameter] = &[BUCKET, K, K_MAX, THRESHOLD];
 
+const BUCKET_AND_LIST_PARAMETERS: &[Parameter] = &[BUCKET, K, K_MAX, LISTS, THRESHOLD];
+
 /// The options of buckets that `values` ask for.
 fn buckets(values: &Values) -> BucketOptions {
     // The ranges above are within 32 bits.
@@ -72,13 +75,15 @@ pub(super) const FAMILY: &[Algorithm] = &[
         exact: true,
         summary: "mmp with its windows in narrow buckets, some thousands of the nearest taken in each round",
         complexity: "time O(n^2 log n), space O(n^2)",
-        keeps: "every window until the end, as mmp; of the queue the windows that wait and the buckets they span",
+        keeps: "as mmp; of the queue the windows that wait and the buckets they span",
         choose: "to compare the queue with that of mmp: most of the time goes elsewhere, and little is gained",
         memory_counter: Counter::StoredWindows,
         comfortable_faces: None,
-        parameters: BUCKET_PARAMETERS,
+        parameters: BUCKET_AND_LIST_PARAMETERS,
         build: |mesh, values| {
-            Box::new(fwp_mmp(mesh, buckets(values)).with_threshold(threshold::width(mesh, values)))
+            let solver = fwp_mmp(mesh, buckets(values));
+            let solver = solver.map_policy(|policy| policy.keeping(keep(values)));
+            Box::new(solver.with_threshold(threshold::width(mesh, values)))
         },
     },
     Algorithm {
@@ -104,16 +109,15 @@ pub(super) const FAMILY: &[Algorithm] = &[
         exact: true,
         summary: "mmp with its windows in a label correcting queue: small labels first, large last, a threshold",
         complexity: "time without a useful bound, space O(n^2)",
-        keeps: "every window until the end, as mmp",
+        keeps: "as mmp",
         choose: "to compare with fwp-mmp",
         memory_counter: Counter::StoredWindows,
         comfortable_faces: None,
-        parameters: &[BETA, THRESHOLD],
+        parameters: &[BETA, LISTS, THRESHOLD],
         build: |mesh, values| {
-            Box::new(
-                lc_mmp(mesh, label_correcting(values))
-                    .with_threshold(threshold::width(mesh, values)),
-            )
+            let solver = lc_mmp(mesh, label_correcting(values));
+            let solver = solver.map_policy(|policy| policy.keeping(keep(values)));
+            Box::new(solver.with_threshold(threshold::width(mesh, values)))
         },
     },
     Algorithm {
@@ -142,13 +146,14 @@ pub(super) const FAMILY: &[Algorithm] = &[
         exact: true,
         summary: "mmp in the order of vtp: windows wait until a face around the nearest vertex lets them in",
         complexity: "time O(n^2 log n), space O(n^2)",
-        keeps: "every window until the end, as mmp; of the queue the vertices of the wavefront",
-        choose: "instead of mmp: the fastest that knows distances everywhere on edges",
+        keeps: "as mmp; of the queue the vertices of the wavefront",
+        choose: "to tell what vtp owes to its order from what it owes to its rules",
         memory_counter: Counter::StoredWindows,
         comfortable_faces: None,
-        parameters: &[THRESHOLD],
+        parameters: &[LISTS, THRESHOLD],
         build: |mesh, values| {
-            Box::new(vtp_mmp(mesh).with_threshold(threshold::width(mesh, values)))
+            let solver = vtp_mmp(mesh).map_policy(|policy| policy.keeping(keep(values)));
+            Box::new(solver.with_threshold(threshold::width(mesh, values)))
         },
     },
     Algorithm {

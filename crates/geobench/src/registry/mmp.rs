@@ -1,10 +1,25 @@
 //! Algorithms that keep windows on edges and trim them against each other.
 
-use geobench_mmp::{mmp, mmp_edge};
+use geobench_mmp::{Keep, mmp, mmp_edge};
 use geobench_window::Counter;
 
-use super::Algorithm;
 use super::threshold::{self, THRESHOLD};
+use super::{Algorithm, Parameter, Values};
+
+/// What becomes of the windows of edges that the wave has passed.
+pub(super) const LISTS: Parameter = Parameter::word(
+    "lists",
+    &["forget", "keep"],
+    "`forget` gives up the windows of an edge once the wave is past it; `keep` stores all, as in the paper",
+);
+
+/// What `values` say of [`LISTS`].
+pub(super) fn keep(values: &Values) -> Keep {
+    match values.word(&LISTS) {
+        Some("keep") => Keep::All,
+        _ => Keep::Wavefront,
+    }
+}
 
 pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
@@ -14,12 +29,15 @@ pub(super) const FAMILY: &[Algorithm] = &[
         exact: true,
         summary: "windows kept on half-edges, overlaps trimmed at tie points, nearest first",
         complexity: "time O(n^2 log n), space O(n^2)",
-        keeps: "every window until the end, about n^1.5 of them on scanned models",
-        choose: "as the reference; when distances are wanted everywhere on edges, not only at vertices",
+        keeps: "the windows around the wavefront; with lists=keep every window until the end, about n^1.5 of them",
+        choose: "as the reference; with lists=keep it stores as much as the papers' programs do",
         memory_counter: Counter::StoredWindows,
         comfortable_faces: None,
-        parameters: &[THRESHOLD],
-        build: |mesh, values| Box::new(mmp(mesh).with_threshold(threshold::width(mesh, values))),
+        parameters: &[LISTS, THRESHOLD],
+        build: |mesh, values| {
+            let solver = mmp(mesh).map_policy(|policy| policy.keeping(keep(values)));
+            Box::new(solver.with_threshold(threshold::width(mesh, values)))
+        },
     },
     Algorithm {
         name: "mmp-edge",
@@ -28,13 +46,14 @@ pub(super) const FAMILY: &[Algorithm] = &[
         exact: true,
         summary: "MMP with the windows of both sides of an edge trimmed against each other",
         complexity: "time O(n^2 log n), space O(n^2)",
-        keeps: "every window until the end, a tenth to a half fewer than mmp",
-        choose: "instead of mmp where memory is short",
+        keeps: "as mmp; of all windows there are a tenth to a half fewer",
+        choose: "instead of mmp where few windows matter more than time",
         memory_counter: Counter::StoredWindows,
         comfortable_faces: None,
-        parameters: &[THRESHOLD],
+        parameters: &[LISTS, THRESHOLD],
         build: |mesh, values| {
-            Box::new(mmp_edge(mesh).with_threshold(threshold::width(mesh, values)))
+            let solver = mmp_edge(mesh).map_policy(|policy| policy.keeping(keep(values)));
+            Box::new(solver.with_threshold(threshold::width(mesh, values)))
         },
     },
 ];

@@ -12,7 +12,7 @@ mod propagation;
 mod surface;
 
 pub use edge::{Behind, Edge, Side};
-pub use policy::{Arrival, Policy};
+pub use policy::{Arrival, Policy, Turn};
 pub use propagation::Continuous;
 pub use surface::Surface;
 

@@ -22,6 +22,17 @@ pub struct Arrival<L> {
     pub edge: Edge,
 }
 
+/// What becomes of a window whose turn has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Turn<L> {
+    /// It is propagated, and hands this on.
+    Now(Window, L),
+    /// It does not exist any more, or has had its turn.
+    Void,
+    /// It should wait until the queue comes to this label, or be taken again if that is now.
+    Later(f64),
+}
+
 /// Decides what is kept of a window that arrives, where it waits, and what it may have for
 /// children.
 pub trait Policy: Send {
@@ -51,14 +62,14 @@ pub trait Policy: Send {
         probe: &mut P,
     ) -> bool;
 
-    /// The turn of window `id` on `h` has come: what there is to propagate, if anything still is.
+    /// The turn of window `id` on `h` has come: what there is to propagate, if anything is now.
     fn take<P: Probe>(
         &mut self,
         h: HalfEdgeId,
         id: u32,
         surface: &Surface,
         probe: &mut P,
-    ) -> Option<(Window, Self::Lineage)>;
+    ) -> Turn<Self::Lineage>;
 
     /// Window `id` on `h` is likely to be taken soon: asks for the memory where it lies, without
     /// reading any.

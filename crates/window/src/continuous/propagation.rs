@@ -3,7 +3,7 @@
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
 use super::edge::{Edge, Side};
-use super::policy::{Arrival, Policy};
+use super::policy::{Arrival, Policy, Turn};
 use super::surface::Surface;
 use crate::counters::Counter;
 use crate::frame::Entrance;
@@ -67,6 +67,15 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
     pub fn with_threshold(self, width: f64) -> Self {
         Self {
             threshold: width,
+            ..self
+        }
+    }
+
+    /// The same with another setting of its policy.
+    #[must_use]
+    pub fn map_policy(self, change: impl FnOnce(W) -> W) -> Self {
+        Self {
+            policy: change(self.policy),
             ..self
         }
     }
@@ -272,7 +281,15 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<'_, W, Q> {
                     }
                 }
                 EventKind::Window(h, id) => {
-                    if let Some((window, lineage)) = self.policy.take(h, id, &self.surface, probe) {
+                    let mut turn = self.policy.take(h, id, &self.surface, probe);
+                    if let Turn::Later(label) = turn {
+                        if !self.queue.is_due(label) {
+                            self.queue.push(label, event, probe);
+                            continue;
+                        }
+                        turn = self.policy.take(h, id, &self.surface, probe);
+                    }
+                    if let Turn::Now(window, lineage) = turn {
                         self.cross(h, &window, &lineage, probe);
                     }
                 }

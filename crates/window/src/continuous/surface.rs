@@ -75,7 +75,8 @@ impl Surface {
     }
 
     /// The edge of `h` for a window that starts there.
-    pub(super) fn edge(&self, h: HalfEdgeId) -> Edge {
+    #[inline]
+    pub fn edge(&self, h: HalfEdgeId) -> Edge {
         let [tail, head, _] = self.faces.corners(h).map(|v| self.distance(v));
         Edge {
             length: self.faces.length(h),

@@ -41,6 +41,13 @@ pub trait Discipline: Send {
     /// Takes the next event, with its label.
     fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)>;
 
+    /// Whether an event that has just come out may be dealt with although its label has grown to this.
+    #[inline]
+    fn is_due(&self, label: f64) -> bool {
+        let _ = label;
+        true
+    }
+
     /// The event that is likely to come after `skipped` others, if that is cheap to tell: what it
     /// needs is then read ahead of time.
     #[inline]

@@ -103,6 +103,14 @@ impl Discipline for Priority {
     }
 
     #[inline]
+    fn is_due(&self, label: f64) -> bool {
+        let next = self.sorted.get(self.next);
+        next.is_none_or(|&(next, _)| label <= next)
+            && self.late.peek().is_none_or(|(late, _)| label <= late)
+            && self.later.bucket(label) <= self.current
+    }
+
+    #[inline]
     fn upcoming(&self, skipped: usize) -> Option<Event> {
         let upcoming = self.sorted.get(self.next + skipped);
         upcoming.map(|&(_, event)| event)

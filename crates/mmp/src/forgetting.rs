@@ -1,0 +1,87 @@
+//! Lists that the wave has passed.
+
+use std::collections::VecDeque;
+
+use geobench_mesh::HalfEdgeId;
+use geobench_window::continuous::{Edge, Surface};
+
+use crate::lists::Lists;
+
+/// Which windows are stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Keep {
+    /// All, until the end of the run, as in the paper: the distance is then known along every edge.
+    All,
+    /// Those on edges that the wave has not passed yet. Distances of vertices, and the windows that are
+    /// propagated for them, are the same in the order of distance.
+    #[default]
+    Wavefront,
+}
+
+/// How much more, relatively, a window must offer than the vertices of its edge to be of no use: rounding
+/// must never make it so.
+const MARGIN: f64 = 1.0 + 1e-12;
+
+/// How often to look for lists that can be given up: every so many windows.
+const PERIOD: u32 = 16;
+
+/// Finds the lists that can be given up.
+///
+/// From the ends of an edge of length l at distances d0 and d1, each of its points is reached within
+/// (d0 + d1 + l)/2. A window that offers more everywhere loses every ray to a path along the edge. So once
+/// none of the windows of a list waits and the queue has come to that distance, it does not matter any more
+/// what is in the list; and a window that comes to such a list is dropped if it offers more, else the list begins anew,
+/// which costs at most the propagation of that window.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Forgetting {
+    /// Lists without a window that waits, when they were found so, in the order of that, with the distance by which
+    /// they can be given up.
+    done: VecDeque<(HalfEdgeId, f64)>,
+    takes: u32,
+}
+
+impl Forgetting {
+    pub(crate) fn clear(&mut self) {
+        self.done.clear();
+        self.takes = 0;
+    }
+
+    /// None of the windows of the list of `h` waits any more.
+    #[inline]
+    pub(crate) fn note(&mut self, h: HalfEdgeId, surface: &Surface) {
+        let within = reach(&surface.edge(h));
+        if within < f64::INFINITY {
+            self.done.push_back((h, within));
+        }
+    }
+
+    /// A window of least distance `label()` has been taken: gives up the lists that may be. Their windows do
+    /// not count as removed.
+    #[inline]
+    pub(crate) fn step(&mut self, lists: &mut Lists, label: impl Fn() -> f64) {
+        self.takes += 1;
+        if self.takes >= PERIOD {
+            self.takes = 0;
+            self.sweep(lists, label());
+        }
+    }
+
+    #[inline(never)]
+    fn sweep(&mut self, lists: &mut Lists, label: f64) {
+        while let Some(&(h, within)) = self.done.front()
+            && within < label
+        {
+            self.done.pop_front();
+            let i = h.index();
+            if !lists.is_waited_for(i) && !lists.is_closed(i) {
+                lists.forget(i);
+            }
+        }
+    }
+}
+
+/// The distance within which all points of an edge are known to be reached.
+#[inline]
+pub(crate) fn reach(edge: &Edge) -> f64 {
+    0.5 * (edge.tail + edge.head + edge.length) * MARGIN
+}

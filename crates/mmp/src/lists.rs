@@ -1,0 +1,336 @@
+//! Where the windows of all half-edges are kept.
+
+use geobench_window::continuous::Turn;
+use geobench_window::{Window, prefetch};
+
+/// Which way a window crosses the edge of its list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Direction {
+    /// From below the edge to above it, as in the frame of a window of its own half-edge.
+    Forward,
+    /// The other way, from a source above the edge.
+    Reverse,
+}
+
+/// The number of a window, by which lists and the queue know it: it stays the same while the window is
+/// stored, whatever becomes of its interval.
+pub(crate) type Slot = u32;
+
+/// What is known of the window in a slot.
+#[derive(Clone, Copy, Debug, Default)]
+struct State(u8);
+
+impl State {
+    /// It waits in the queue, in which it has exactly one entry.
+    const WAITS: u8 = 1;
+    /// Its least distance has grown since it was queued.
+    const OUTDATED: u8 = 2;
+    /// It was removed while it waited. The slot is kept until its entry comes out of the queue.
+    const GONE: u8 = 4;
+    /// It travels against the half-edge whose frame its list uses.
+    const REVERSED: u8 = 8;
+
+    #[inline]
+    fn has(self, flag: u8) -> bool {
+        self.0 & flag != 0
+    }
+}
+
+/// The list of one half-edge: a block in the array of all lists.
+#[derive(Clone, Copy, Debug, Default)]
+struct List {
+    start: u32,
+    len: u32,
+    /// How many of its windows wait in the queue.
+    waiting: u32,
+    /// Size class of its block; 0 without any.
+    class: u8,
+    /// Whether its windows have been given up.
+    closed: bool,
+}
+
+/// The windows of all half-edges, or of all edges in the frame of one of their half-edges. Those
+/// of one list are in ascending order and have disjoint intervals; gaps are normal.
+///
+/// A list is a block of slots, 4 bytes for each window, of a few sizes: 4, 6, 8, 12, 16 and so on. To insert
+/// a window moves slots only, and the queue finds a window without a look at its list. Slots and blocks that
+/// were given back are the first to be taken again, so that the memory in use is as small as the lists are.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lists {
+    heads: Vec<List>,
+    slots: Vec<Slot>,
+    /// For each size class the blocks that nobody uses.
+    free_blocks: Vec<Vec<u32>>,
+    windows: Vec<Window>,
+    states: Vec<State>,
+    free: Vec<Slot>,
+    waiting: usize,
+    stored: usize,
+}
+
+/// Number of slots in a block of this class.
+#[inline]
+fn room(class: u8) -> usize {
+    match class {
+        0 => 0,
+        _ => (3 - usize::from(class & 1)) << (class.div_ceil(2)),
+    }
+}
+
+impl Lists {
+    /// Bytes of one stored window.
+    pub(crate) const WINDOW_BYTES: usize = size_of::<Window>();
+
+    pub(crate) fn new(count: usize) -> Self {
+        Self {
+            heads: vec![List::default(); count],
+            ..Self::default()
+        }
+    }
+
+    /// Makes all lists empty.
+    pub(crate) fn clear(&mut self) {
+        self.heads.fill(List::default());
+        self.slots.clear();
+        self.free_blocks.clear();
+        self.windows.clear();
+        self.states.clear();
+        self.free.clear();
+        (self.waiting, self.stored) = (0, 0);
+    }
+
+    /// Number of windows that wait in the queue.
+    pub(crate) fn waiting(&self) -> usize {
+        self.waiting
+    }
+
+    /// Number of windows that are stored.
+    pub(crate) fn stored(&self) -> usize {
+        self.stored
+    }
+
+    /// Number of windows in list `i`.
+    #[inline]
+    pub(crate) fn len(&self, i: usize) -> usize {
+        self.heads[i].len as usize
+    }
+
+    /// The windows of list `i`, by their slots.
+    #[inline]
+    pub(crate) fn slots(&self, i: usize) -> &[Slot] {
+        let List { start, len, .. } = self.heads[i];
+        &self.slots[start as usize..][..len as usize]
+    }
+
+    /// All windows that are stored, by slot.
+    #[inline]
+    pub(crate) fn windows(&self) -> &[Window] {
+        &self.windows
+    }
+
+    /// Which way the window crosses its edge.
+    #[inline]
+    pub(crate) fn direction(&self, slot: Slot) -> Direction {
+        if self.states[slot as usize].has(State::REVERSED) {
+            Direction::Reverse
+        } else {
+            Direction::Forward
+        }
+    }
+
+    /// Whether the window waits in the queue.
+    #[inline]
+    pub(crate) fn waits(&self, slot: Slot) -> bool {
+        self.states[slot as usize].has(State::WAITS)
+    }
+
+    /// Whether any window of list `i` waits.
+    #[inline]
+    pub(crate) fn is_waited_for(&self, i: usize) -> bool {
+        self.heads[i].waiting > 0
+    }
+
+    /// The entry of a window of list `i` has come out of the queue. The window stays stored, and does not
+    /// wait any more, unless it must wait for longer.
+    #[inline]
+    pub(crate) fn take(&mut self, i: usize, slot: Slot) -> Turn<()> {
+        let state = &mut self.states[slot as usize];
+        if state.has(State::GONE) {
+            self.free.push(slot);
+            return Turn::Void;
+        }
+        let window = self.windows[slot as usize];
+        if state.has(State::OUTDATED) {
+            state.0 &= !State::OUTDATED;
+            return Turn::Later(window.min_distance());
+        }
+        state.0 &= !State::WAITS;
+        self.heads[i].waiting -= 1;
+        self.waiting -= 1;
+        Turn::Now(window, ())
+    }
+
+    /// Stores a window in a slot, which is still to be put into list `i`; it `waits` or does not.
+    #[inline]
+    pub(crate) fn store(
+        &mut self,
+        i: usize,
+        window: Window,
+        direction: Direction,
+        waits: bool,
+    ) -> Slot {
+        let mut state = State::default();
+        if direction == Direction::Reverse {
+            state.0 |= State::REVERSED;
+        }
+        if waits {
+            state.0 |= State::WAITS;
+            self.heads[i].waiting += 1;
+            self.waiting += 1;
+        }
+        self.stored += 1;
+        if let Some(slot) = self.free.pop() {
+            self.windows[slot as usize] = window;
+            self.states[slot as usize] = state;
+            slot
+        } else {
+            self.windows.push(window);
+            self.states.push(state);
+            (self.windows.len() - 1) as Slot
+        }
+    }
+
+    /// Cuts a window down to `b0..b1`. Returns whether its least distance has grown while it waits.
+    #[inline]
+    pub(crate) fn cut(&mut self, slot: Slot, b0: f64, b1: f64) -> bool {
+        let window = &mut self.windows[slot as usize];
+        let nearest = window.nearest_abscissa();
+        (window.b0, window.b1) = (b0, b1);
+        let state = &mut self.states[slot as usize];
+        let grows = window.nearest_abscissa() != nearest && state.has(State::WAITS);
+        if grows {
+            state.0 |= State::OUTDATED;
+        }
+        grows
+    }
+
+    /// Gives up a window of list `i`, whose slot must leave the list.
+    #[inline]
+    pub(crate) fn remove(&mut self, i: usize, slot: Slot) {
+        self.stored -= 1;
+        let state = &mut self.states[slot as usize];
+        if state.has(State::WAITS) {
+            state.0 = State::GONE;
+            self.heads[i].waiting -= 1;
+            self.waiting -= 1;
+        } else {
+            self.free.push(slot);
+        }
+    }
+
+    /// Puts `new` in the place of the slots `first..first + old` of list `i`.
+    #[inline]
+    pub(crate) fn replace(&mut self, i: usize, first: usize, old: usize, new: &[Slot]) {
+        if old != new.len() {
+            self.resize(i, first, old, new.len());
+        }
+        let start = self.heads[i].start as usize + first;
+        for (to, slot) in self.slots[start..start + new.len()].iter_mut().zip(new) {
+            *to = *slot;
+        }
+    }
+
+    /// Makes room for `new` slots in the place of `old` ones.
+    #[inline]
+    fn resize(&mut self, i: usize, first: usize, old: usize, new: usize) {
+        let List {
+            start, len, class, ..
+        } = self.heads[i];
+        let (start, len) = (start as usize, len as usize);
+        let longer = len - old + new;
+        let behind = start + first + old..start + len;
+        if longer > room(class) {
+            let to = self.relocate(i, longer);
+            self.slots.copy_within(start..start + first, to);
+            self.slots.copy_within(behind, to + first + new);
+        } else {
+            let to = start + first + new;
+            if new == old + 1 {
+                // By far the most frequent, and too short for a call.
+                let slots = &mut self.slots[behind.start..=behind.end];
+                for k in (1..slots.len()).rev() {
+                    slots[k] = slots[k - 1];
+                }
+            } else {
+                self.slots.copy_within(behind, to);
+            }
+        }
+        self.heads[i].len = longer as u32;
+    }
+
+    /// Gives list `i` a block for `len` slots and returns where it starts. The old one goes to whoever wants
+    /// it: it is not written to before the next call.
+    #[inline(never)]
+    fn relocate(&mut self, i: usize, len: usize) -> usize {
+        let List { start, class, .. } = self.heads[i];
+        let mut larger = class + 1;
+        while room(larger) < len {
+            larger += 1;
+        }
+        if self.free_blocks.len() <= usize::from(larger) {
+            self.free_blocks.resize(usize::from(larger) + 1, Vec::new());
+        }
+        let to = self.free_blocks[usize::from(larger)]
+            .pop()
+            .unwrap_or_else(|| {
+                let to = self.slots.len();
+                self.slots.resize(to + room(larger), 0);
+                to as u32
+            });
+        if class > 0 {
+            self.free_blocks[usize::from(class)].push(start);
+        }
+        let list = &mut self.heads[i];
+        (list.start, list.class) = (to, larger);
+        to as usize
+    }
+
+    /// Gives up the windows of list `i`, none of which may wait.
+    pub(crate) fn forget(&mut self, i: usize) {
+        let List {
+            start, len, class, ..
+        } = self.heads[i];
+        let slots = &self.slots[start as usize..][..len as usize];
+        self.stored -= slots.len();
+        self.free.extend_from_slice(slots);
+        if class > 0 {
+            self.free_blocks[usize::from(class)].push(start);
+        }
+        self.heads[i] = List {
+            closed: true,
+            ..List::default()
+        };
+    }
+
+    /// Whether the windows of list `i` have been [forgotten](Self::forget), and none has come since.
+    #[inline]
+    pub(crate) fn is_closed(&self, i: usize) -> bool {
+        self.heads[i].closed
+    }
+
+    /// List `i` is to hold windows again.
+    pub(crate) fn reopen(&mut self, i: usize) {
+        self.heads[i].closed = false;
+    }
+
+    /// Asks for what [`take`](Self::take) looks at.
+    #[inline]
+    pub(crate) fn announce(&self, slot: Slot) {
+        prefetch(&self.windows, slot as usize);
+        prefetch(&self.states, slot as usize);
+    }
+}
+
+#[cfg(test)]
+#[path = "lists_tests.rs"]
+mod tests;

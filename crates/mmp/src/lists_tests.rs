@@ -1,0 +1,117 @@
+use proptest::prelude::*;
+use proptest::sample::Index;
+
+use super::*;
+
+fn window(number: f64) -> Window {
+    Window {
+        b0: 0.0,
+        b1: 1.0,
+        px: number,
+        py: -1.0,
+        sigma: 0.0,
+    }
+}
+
+#[test]
+fn rooms_grow_by_a_third_or_a_half() {
+    let rooms: Vec<usize> = (0..9).map(room).collect();
+    assert_eq!(rooms, [0, 4, 6, 8, 12, 16, 24, 32, 48]);
+}
+
+#[derive(Clone, Debug)]
+enum Step {
+    /// In this list, from here on, this share of what is behind, by so many windows.
+    Replace(usize, Index, Index, usize, bool),
+    Take(Index),
+    Forget(usize),
+}
+
+fn steps() -> impl Strategy<Value = Vec<Step>> {
+    let step = prop_oneof![
+        6 => (0..4usize, any::<Index>(), any::<Index>(), 0..4usize, any::<bool>())
+            .prop_map(|(i, a, b, n, w)| Step::Replace(i, a, b, n, w)),
+        4 => any::<Index>().prop_map(Step::Take),
+        1 => (0..4usize).prop_map(Step::Forget),
+    ];
+    prop::collection::vec(step, 0..200)
+}
+
+proptest! {
+    /// Against a vector for each list, and a queue of all that were ever stored to wait.
+    #[test]
+    fn lists_in_one_array_do_not_disturb_each_other(steps in steps()) {
+        let (mut lists, mut model) = (Lists::new(4), vec![Vec::<(Slot, f64)>::new(); 4]);
+        let (mut queue, mut serial) = (Vec::<(usize, Slot, f64)>::new(), 0.0);
+        for step in steps {
+            match step {
+                Step::Replace(i, from, part, new, waits) => {
+                    let first = from.index(model[i].len() + 1);
+                    let old = part.index(model[i].len() - first + 1);
+                    for &(slot, _) in &model[i][first..first + old] {
+                        lists.remove(i, slot);
+                    }
+                    let pieces: Vec<(Slot, f64)> = (0..new)
+                        .map(|_| {
+                            serial += 1.0;
+                            let slot = lists.store(i, window(serial), Direction::Forward, waits);
+                            (slot, serial)
+                        })
+                        .collect();
+                    if waits {
+                        queue.extend(pieces.iter().map(|&(slot, number)| (i, slot, number)));
+                    }
+                    let slots: Vec<Slot> = pieces.iter().map(|p| p.0).collect();
+                    lists.replace(i, first, old, &slots);
+                    model[i].splice(first..first + old, pieces);
+                }
+                Step::Take(at) => {
+                    if queue.is_empty() { continue }
+                    let (i, slot, number) = queue.swap_remove(at.index(queue.len()));
+                    let there = model[i].contains(&(slot, number));
+                    match lists.take(i, slot) {
+                        Turn::Now(w, ()) => prop_assert!(there && w.px == number),
+                        Turn::Void => prop_assert!(!there),
+                        Turn::Later(_) => prop_assert!(false, "nothing was cut"),
+                    }
+                }
+                Step::Forget(i) => {
+                    if !lists.is_waited_for(i) {
+                        lists.forget(i);
+                        model[i].clear();
+                        prop_assert!(lists.is_closed(i));
+                        lists.reopen(i);
+                    }
+                }
+            }
+            let mut waiting = 0;
+            for (i, held) in model.iter().enumerate() {
+                let stored = lists.slots(i).iter().map(|&s| (s, lists.windows()[s as usize].px));
+                prop_assert_eq!(&stored.collect::<Vec<_>>(), held);
+                let waits = held.iter().filter(|h| queue.contains(&(i, h.0, h.1))).count();
+                prop_assert_eq!(lists.is_waited_for(i), waits > 0);
+                waiting += waits;
+            }
+            prop_assert_eq!(lists.waiting(), waiting);
+        }
+    }
+}
+
+#[test]
+fn a_window_that_was_cut_waits_for_its_new_turn() {
+    let mut lists = Lists::new(1);
+    let near_left = Window {
+        px: 0.2,
+        ..window(0.0)
+    };
+    let slot = lists.store(0, near_left, Direction::Forward, true);
+    lists.replace(0, 0, 0, &[slot]);
+    assert!(!lists.cut(slot, 0.0, 0.8), "the nearest point is kept");
+    assert!(lists.cut(slot, 0.5, 0.8));
+    let Turn::Later(label) = lists.take(0, slot) else {
+        panic!("its distance has grown");
+    };
+    assert_eq!(label, near_left.distance(0.5));
+    assert!(matches!(lists.take(0, slot), Turn::Now(w, ()) if (w.b0, w.b1) == (0.5, 0.8)));
+    assert!(!lists.cut(slot, 0.6, 0.8), "it does not wait any more");
+}

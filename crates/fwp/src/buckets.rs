@@ -189,12 +189,9 @@ impl Discipline for Buckets {
         upcoming.map(|&(_, event)| event)
     }
 
-    fn window_labels(&self) -> impl Iterator<Item = f64> {
+    fn events(&self) -> impl Iterator<Item = (f64, Event)> {
         let round = self.events[self.next..].iter();
-        let round = round.filter(|(_, event)| event.is_window());
-        self.calendar
-            .window_labels()
-            .chain(round.map(|&(label, _)| label))
+        self.calendar.events().chain(round.copied())
     }
 
     fn clear(&mut self) {

@@ -149,12 +149,8 @@ impl Discipline for LabelCorrecting {
         self.queue.get(skipped).map(|&(_, event)| event)
     }
 
-    fn window_labels(&self) -> impl Iterator<Item = f64> {
-        self.queue
-            .iter()
-            .chain(&self.apart)
-            .filter(|(_, event)| event.is_window())
-            .map(|&(label, _)| label)
+    fn events(&self) -> impl Iterator<Item = (f64, Event)> {
+        self.queue.iter().chain(&self.apart).copied()
     }
 
     fn clear(&mut self) {

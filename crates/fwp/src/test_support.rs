@@ -96,7 +96,7 @@ fn run<Q: Discipline>(queue: &mut Q, steps: &[Step]) -> Result<Vec<u32>, TestCas
                 None => prop_assert!(waiting.is_empty()),
             },
         }
-        let mut labels: Vec<f64> = queue.window_labels().collect();
+        let mut labels: Vec<f64> = queue.events().map(|(label, _)| label).collect();
         labels.sort_by(f64::total_cmp);
         let mut expected: Vec<f64> = waiting.values().copied().collect();
         expected.sort_by(f64::total_cmp);

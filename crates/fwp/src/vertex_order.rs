@@ -122,8 +122,10 @@ impl Discipline for VertexOrder<'_> {
         probe.add(counter, tries);
     }
 
-    fn window_labels(&self) -> impl Iterator<Item = f64> {
-        self.arena.window_labels()
+    fn events(&self) -> impl Iterator<Item = (f64, Event)> {
+        let vertices = self.vertices.iter();
+        let vertices = vertices.map(|&(label, v)| (label, Event::vertex(v)));
+        self.arena.events().chain(vertices)
     }
 
     fn clear(&mut self) {
@@ -162,7 +164,7 @@ mod tests {
         order.push(8.0, window(2, 1), &mut ());
         order.push(7.0, window(0, 2), &mut ());
         order.push(6.0, window(0, 3), &mut ());
-        assert_eq!(order.window_labels().count(), 4);
+        assert_eq!(order.events().count(), 6);
         assert_eq!(order.pop(&mut ()), Some((1.0, Event::vertex(v(1)))));
         order.push(5.0, window(1, 4), &mut ());
         order.push(4.0, window(5, 5), &mut ());

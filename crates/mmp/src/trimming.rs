@@ -189,6 +189,11 @@ impl Policy for Trimming {
         Turn::Now(window, level)
     }
 
+    fn least_distance(&self, _: HalfEdgeId, id: u32, _: f64) -> Option<f64> {
+        let window = || self.lists.windows()[id as usize].min_distance();
+        self.lists.waits(id).then(window)
+    }
+
     /// Going round the triangle from the left, a window all of whose rays leave there is done.
     #[inline]
     fn tries(passage: &Passage<'_>) -> [bool; 2] {

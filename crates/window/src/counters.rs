@@ -53,15 +53,17 @@ counters! {
     /// Windows, spawned ones included, that were dropped whole: by a vertex filter, by another
     /// window or as stale.
     Filtered = "filtered",
-    /// Most windows alive at one time: those stored on edges for MMP, those waiting to be
-    /// propagated for the others.
+    /// Most windows alive at one time: those stored on edges for MMP, less those given up behind the wave,
+    /// and those waiting to be propagated for the others.
     PeakWindows = "peak_windows",
     /// Most windows that wait to be propagated at one time, whatever they wait in. A window waits
     /// until its turn comes, or until it is trimmed away or replaced by what trimming leaves of it; an entry of
     /// a queue whose window does not exist any more does not count. What turns out to be stale at
     /// its turn has waited until then.
     PeakWavefront = "peak_wavefront",
-    /// Windows stored when the run ends (the "window limit" of MMP).
+    /// Windows stored on edges when the run ends (the "window limit" of MMP), those counted too that were given
+    /// up only because the wave had passed their edge: what is stored if all are kept, and then no more than
+    /// `peak_windows`.
     StoredWindows = "stored_windows",
     /// Bytes that one window takes in the structure in which it waits.
     WindowBytes = "window_bytes",

@@ -9,7 +9,8 @@ const CAPACITY: usize = 512;
 pub struct WavefrontSample {
     /// Windows propagated until then.
     pub parents: u64,
-    /// Windows that wait to be propagated, at least one.
+    /// Windows that wait to be propagated, at least one; never more than
+    /// [`PeakWavefront`](crate::Counter::PeakWavefront) of the run.
     pub windows: u64,
     /// Mean of their distances.
     pub distance: f64,

@@ -16,7 +16,7 @@ pub(crate) const ROUNDING: f64 = 1e-12;
 pub(crate) const AGREEMENT: f64 = 1e-9;
 
 /// The algorithms that claim to be exact, and other programs of those that have several.
-const EXACT: &str = "exact,vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pairs=1}";
+const EXACT: &str = "exact,mmp{lists=keep},mmp-edge{lists=keep},vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pairs=1}";
 
 /// These, ready to be built.
 pub(crate) fn exact_algorithms() -> Vec<Selection> {

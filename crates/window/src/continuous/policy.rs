@@ -71,6 +71,13 @@ pub trait Policy: Send {
         probe: &mut P,
     ) -> Turn<Self::Lineage>;
 
+    /// The least distance of window `id` on `h`, which is in the queue under `label`; `None` if it does not exist
+    /// any more, and nothing waits. It serves samples of the wavefront only.
+    fn least_distance(&self, h: HalfEdgeId, id: u32, label: f64) -> Option<f64> {
+        let _ = (h, id);
+        Some(label)
+    }
+
     /// Window `id` on `h` is likely to be taken soon: asks for the memory where it lies, without
     /// reading any.
     #[inline]

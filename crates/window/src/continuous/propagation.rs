@@ -80,6 +80,16 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         }
     }
 
+    /// The least distances of the windows that wait.
+    fn waiting(&self) -> impl Iterator<Item = f64> {
+        self.queue
+            .events()
+            .filter_map(|(label, event)| match event.kind() {
+                EventKind::Window(h, id) => self.policy.least_distance(h, id, label),
+                EventKind::Vertex(_) => None,
+            })
+    }
+
     /// A path of length `d` reaches `v`. Only vertices at which a path may turn have a turn, unless
     /// the discipline goes by vertices.
     #[inline(never)]
@@ -183,7 +193,7 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         probe.enter(Phase::Propagation);
         probe.add(Counter::Parents, 1);
         if probe.wants_sample(1) {
-            probe.sample(self.queue.window_labels());
+            probe.sample(self.waiting());
         }
         let Entrance {
             frame,

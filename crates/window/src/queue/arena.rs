@@ -184,13 +184,9 @@ impl Arena {
         *from = Chain::EMPTY;
     }
 
-    /// The labels of the windows in all chains, in no order.
-    pub fn window_labels(&self) -> impl Iterator<Item = f64> {
-        self.chunks
-            .iter()
-            .flat_map(Chunk::events)
-            .filter(|(_, event)| event.is_window())
-            .map(|&(label, _)| label)
+    /// The events of all chains with their labels, in no order.
+    pub fn events(&self) -> impl Iterator<Item = (f64, Event)> {
+        self.chunks.iter().flat_map(Chunk::events).copied()
     }
 
     /// Forgets all events, keeping the memory; every chain must be made empty too.
@@ -262,7 +258,7 @@ mod tests {
                 }
                 let mut waiting: Vec<f64> = queues.iter().flatten().map(|&id| f64::from(id)).collect();
                 waiting.sort_by(f64::total_cmp);
-                let mut labels: Vec<f64> = arena.window_labels().collect();
+                let mut labels: Vec<f64> = arena.events().map(|(label, _)| label).collect();
                 labels.sort_by(f64::total_cmp);
                 prop_assert_eq!(labels, waiting);
             }
@@ -277,11 +273,12 @@ mod tests {
     }
 
     #[test]
-    fn labels_are_those_of_windows_only() {
+    fn vertices_wait_among_windows() {
         let (mut arena, mut chain) = (Arena::default(), Chain::EMPTY);
         arena.append(&mut chain, 1.0, Event::vertex(VertexId::new(3)));
         arena.append(&mut chain, 2.0, event(0));
-        assert_eq!(arena.window_labels().collect::<Vec<_>>(), [2.0]);
+        let windows = arena.events().filter(|(_, event)| event.is_window());
+        assert_eq!(windows.collect::<Vec<_>>(), [(2.0, event(0))]);
         assert_eq!(arena.len(), 2);
     }
 

@@ -132,12 +132,9 @@ impl Calendar {
             .drain(&mut chain, |events| to.extend_from_slice(events));
     }
 
-    /// The labels of all windows that wait, in no order.
-    pub fn window_labels(&self) -> impl Iterator<Item = f64> {
-        let far = self.far.iter().filter(|(_, event)| event.is_window());
-        self.arena
-            .window_labels()
-            .chain(far.map(|&(label, _)| label))
+    /// All events that wait with their labels, in no order.
+    pub fn events(&self) -> impl Iterator<Item = (f64, Event)> {
+        self.arena.events().chain(self.far.iter().copied())
     }
 
     /// Forgets all events, keeping the memory; the first bucket is number 0 again.

@@ -33,11 +33,8 @@ impl Discipline for Fifo {
         self.events.get(skipped).map(|&(_, event)| event)
     }
 
-    fn window_labels(&self) -> impl Iterator<Item = f64> {
-        self.events
-            .iter()
-            .filter(|(_, event)| event.is_window())
-            .map(|&(label, _)| label)
+    fn events(&self) -> impl Iterator<Item = (f64, Event)> {
+        self.events.iter().copied()
     }
 
     fn clear(&mut self) {

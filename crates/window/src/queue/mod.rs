@@ -62,8 +62,8 @@ pub trait Discipline: Send {
         let _ = (h, tries, probe);
     }
 
-    /// The labels of all windows that wait, those of outdated entries included.
-    fn window_labels(&self) -> impl Iterator<Item = f64>;
+    /// All events that wait with their labels, outdated ones included, in no order.
+    fn events(&self) -> impl Iterator<Item = (f64, Event)>;
 
     /// Forgets everything, keeping the memory.
     fn clear(&mut self);

@@ -116,12 +116,9 @@ impl Discipline for Priority {
         upcoming.map(|&(_, event)| event)
     }
 
-    fn window_labels(&self) -> impl Iterator<Item = f64> {
+    fn events(&self) -> impl Iterator<Item = (f64, Event)> {
         let near = self.sorted[self.next..].iter().chain(self.late.iter());
-        let near = near.filter(|(_, event)| event.is_window());
-        self.later
-            .window_labels()
-            .chain(near.map(|&(label, _)| label))
+        self.later.events().chain(near.copied())
     }
 
     fn clear(&mut self) {
@@ -158,7 +155,7 @@ mod tests {
                 } else {
                     prop_assert_eq!(queue.pop(&mut ()).map(|(label, _)| label), waiting.pop());
                 }
-                let mut labels: Vec<f64> = queue.window_labels().collect();
+                let mut labels: Vec<f64> = queue.events().map(|(label, _)| label).collect();
                 labels.sort_by(|a, b| b.total_cmp(a));
                 prop_assert_eq!(&labels, &waiting);
             }

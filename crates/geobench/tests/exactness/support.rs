@@ -16,9 +16,12 @@ pub(crate) const ROUNDING: f64 = 1e-12;
 pub(crate) const AGREEMENT: f64 = 1e-9;
 
 /// The algorithms that claim to be exact, and other programs of those that have several.
-const EXACT: &str = "exact,mmp{lists=keep},mmp-edge{lists=keep},vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pairs=1}";
+const EXACT: &str = "exact,vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pairs=1}";
 
-/// These, ready to be built.
+/// What small meshes are solved with besides.
+const ON_SMALL: &str = "mmp{lists=keep},mmp-edge{lists=keep}";
+
+/// The exact algorithms, ready to be built.
 pub(crate) fn exact_algorithms() -> Vec<Selection> {
     select(EXACT).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -41,10 +44,11 @@ pub(crate) struct Run<'m> {
     solver: Box<dyn Solver + 'm>,
 }
 
-/// Every exact algorithm that can finish on `mesh`, set up for it.
+/// Every exact algorithm that can finish on `mesh`, a small one, set up for it.
 pub(crate) fn exact_runs<'m>(model: &'m str, mesh: &'m Mesh) -> Vec<Run<'m>> {
     let faces = mesh.face_count();
-    let algorithms = exact_algorithms().into_iter();
+    let others = select(ON_SMALL).unwrap_or_else(|error| panic!("{error}"));
+    let algorithms = exact_algorithms().into_iter().chain(others);
     let algorithms = algorithms.filter(|a| can_finish(a.algorithm(), faces, 1e5));
     algorithms.map(|a| Run::new(a, model, mesh)).collect()
 }

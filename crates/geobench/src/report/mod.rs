@@ -23,6 +23,7 @@ mod html;
 mod papers;
 mod picture;
 mod plots;
+mod scaling;
 mod svg;
 mod tables;
 #[cfg(test)]

@@ -1,15 +1,11 @@
 //! The plots of a group.
 
-use geobench_mesh::generate::Spec;
-
-use super::chart::{
-    Axis, Band, Bar, BarGroup, Bars, Chart, Dots, Lane, Lines, Point, Series, Value,
-};
+use super::chart::{Axis, Band, Bar, BarGroup, Bars, Chart, Dots, Lane, Point, Value};
 use super::course;
 use super::document::{Plot, slug};
 use super::group::{Group, known};
+use super::scaling;
 use crate::export::figures::{Figure, figures};
-use crate::export::number::grouped;
 use crate::record::{ModelRecord, Phases};
 
 /// What every plot needs to know beside its group.
@@ -38,7 +34,7 @@ pub(crate) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
     if let (Some(time), Some(base)) = (time, setting.base) {
         plots.extend(ratios(group, setting, time, base));
     }
-    plots.extend(scaling(group, setting));
+    plots.extend(scaling::plots(group, setting));
     plots.extend(phases(group, setting));
     plots.extend(course::plots(group, setting));
     for figure in figures(&group.record.rows) {
@@ -122,7 +118,7 @@ fn values(group: &Group<'_>, setting: Setting<'_>, figure: &'static Figure) -> O
 }
 
 /// In words whether an axis is one of equal ratios.
-fn scale(axis: &Axis) -> String {
+pub(super) fn scale(axis: &Axis) -> String {
     let scale = if axis.log { "Logarithmic" } else { "Linear" };
     format!("{scale} scale.")
 }
@@ -222,239 +218,4 @@ fn phases(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
             groups,
         }),
     })
-}
-
-/// What models differ in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Against {
-    Faces,
-    Anisotropy,
-}
-
-impl Against {
-    const ALL: [Self; 2] = [Self::Faces, Self::Anisotropy];
-
-    const fn label(self) -> &'static str {
-        match self {
-            Self::Faces => "Faces",
-            Self::Anisotropy => "Anisotropy g",
-        }
-    }
-
-    fn of(self, model: &ModelRecord) -> Option<f64> {
-        match self {
-            Self::Faces => model.faces.map(|faces| faces as f64),
-            Self::Anisotropy => model.anisotropy,
-        }
-    }
-
-    /// The parameters of generators that change it.
-    const fn keys(self) -> &'static [&'static str] {
-        match self {
-            Self::Faces => &[
-                "faces",
-                "n",
-                "nx",
-                "ny",
-                "nz",
-                "subdiv",
-                "parts",
-                "subdivide",
-                "slices",
-                "stacks",
-                "rings",
-            ],
-            Self::Anisotropy => &["g"],
-        }
-    }
-
-    /// What models have in common that differ in this alone: their spec or file name without what
-    /// says how much of it they have.
-    fn family(self, model: &ModelRecord) -> String {
-        if !Spec::is_spec(&model.path) {
-            let name = model.name.trim_end_matches(|c: char| {
-                c.is_ascii_digit() || matches!(c, '.' | '-' | '_' | ' ' | 'k' | 'K' | 'M')
-            });
-            return name.to_owned();
-        }
-        let is_size = |item: &&str| {
-            let key = item.split('=').next().unwrap_or_default().trim();
-            self.keys().contains(&key)
-        };
-        let spec = model.path.strip_prefix("gen:").unwrap_or(&model.path);
-        let rest: Vec<&str> = spec.split(',').filter(|item| !is_size(item)).collect();
-        rest.join(",")
-    }
-}
-
-/// Fewest models that make a line.
-const FEWEST: usize = 3;
-
-/// Time, and its ratio to the base, against what the models of the group differ in.
-fn scaling(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
-    let mut plots = Vec::new();
-    for against in Against::ALL {
-        let mut families: Vec<(String, Vec<(f64, &ModelRecord)>)> = Vec::new();
-        for model in &group.models {
-            let Some(at) = against.of(model) else {
-                continue;
-            };
-            let name = against.family(model);
-            match families.iter_mut().find(|(family, _)| *family == name) {
-                Some((_, models)) => models.push((at, model)),
-                None => families.push((name, vec![(at, model)])),
-            }
-        }
-        for (_, models) in &mut families {
-            models.sort_by(|a, b| a.0.total_cmp(&b.0));
-        }
-        // Lines only mean something between models that differ in nothing else.
-        let lines: Vec<_> = families
-            .iter()
-            .filter(|(_, models)| differ(models) >= FEWEST)
-            .collect();
-        for (i, (family, models)) in lines.iter().enumerate() {
-            let name = if family.is_empty() {
-                "all models"
-            } else {
-                family
-            };
-            plots.extend(against_plots(
-                group,
-                setting,
-                against,
-                (i, name),
-                models,
-                true,
-            ));
-        }
-        if lines.is_empty() && against == Against::Faces {
-            let mut all: Vec<_> = families.into_iter().flat_map(|(_, m)| m).collect();
-            all.sort_by(|a, b| a.0.total_cmp(&b.0));
-            if differ(&all) >= FEWEST {
-                plots.extend(against_plots(
-                    group,
-                    setting,
-                    against,
-                    (0, "all models"),
-                    &all,
-                    false,
-                ));
-            }
-        }
-    }
-    plots
-}
-
-/// How many of `models`, which are sorted, differ.
-fn differ(models: &[(f64, &ModelRecord)]) -> usize {
-    let mut places: Vec<f64> = models.iter().map(|(at, _)| *at).collect();
-    places.dedup();
-    places.len()
-}
-
-fn against_plots(
-    group: &Group<'_>,
-    setting: Setting<'_>,
-    against: Against,
-    (number, family): (usize, &str),
-    models: &[(f64, &ModelRecord)],
-    joined: bool,
-) -> Vec<Plot> {
-    let Some(time) = known("time") else {
-        return Vec::new();
-    };
-    let series = |value: &dyn Fn(&str, &str) -> Option<Value>| -> Vec<Series> {
-        let series = group.algorithms.iter().map(|name| Series {
-            style: setting.style(name),
-            name: (*name).to_owned(),
-            joined,
-            hollow: false,
-            points: models
-                .iter()
-                .filter_map(|(at, model)| Some((*at, value(&model.name, name)?)))
-                .collect(),
-        });
-        series.filter(|series| !series.points.is_empty()).collect()
-    };
-    let x = Axis::fitting(against.label(), models.iter().map(|(at, _)| *at));
-    let range = match (models.first(), models.last()) {
-        (Some((first, _)), Some((last, _))) if against == Against::Faces => {
-            format!(
-                ", {} to {} faces",
-                grouped(*first as u64),
-                grouped(*last as u64)
-            )
-        }
-        _ => String::new(),
-    };
-    let lines = if joined {
-        "Lines join models that differ in nothing else."
-    } else {
-        "Each point is a model."
-    };
-    let what = slug(against.label());
-    let plot = |part: &str, title: &str, label: String, reference, series: Vec<Series>| {
-        let y = Axis::fitting(
-            &label,
-            series.iter().flat_map(|s| &s.points).map(|(_, v)| v.value),
-        );
-        let caption = format!("{lines} {}", scale(&y));
-        (!series.is_empty()).then(|| Plot {
-            id: format!("{}-{part}-{what}-{number}", setting.prefix),
-            title: format!(
-                "{title} against {}: {family}{range}",
-                against.label().to_lowercase()
-            ),
-            caption,
-            chart: Chart::Lines(Lines {
-                x: x.clone(),
-                y,
-                reference,
-                series,
-            }),
-        })
-    };
-    let times = series(&|model, algorithm| group.value(time, model, algorithm));
-    let mut plots = Vec::new();
-    plots.extend(plot("time", "Time", "Time (s)".to_owned(), None, times));
-    if let Some(base) = setting.base {
-        let ratios = series(&|model, algorithm| group.ratio(time, model, algorithm, base));
-        if ratios.len() > 1 {
-            let label = format!("Time as a multiple of {base}");
-            plots.extend(plot("ratio", "Ratio", label, Some(1.0), ratios));
-        }
-    }
-    plots
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn model(name: &str, path: &str) -> ModelRecord {
-        ModelRecord {
-            name: name.into(),
-            path: path.into(),
-            ..ModelRecord::default()
-        }
-    }
-
-    #[test]
-    fn families_are_what_is_left_without_the_size() {
-        let of = |against: Against, path: &str| against.family(&model("m_20k", path));
-        assert_eq!(
-            of(Against::Faces, "gen:torus,faces=20000,bump=0.1,seed=7"),
-            of(Against::Faces, "gen:torus,faces=500,bump=0.1,seed=7")
-        );
-        assert_ne!(
-            of(Against::Faces, "gen:torus,faces=20000,bump=0.1,seed=7"),
-            of(Against::Faces, "gen:torus,faces=20000,bump=0.2,seed=7")
-        );
-        assert_eq!(
-            of(Against::Anisotropy, "gen:anisotropic,g=4,faces=100"),
-            "anisotropic,faces=100"
-        );
-        assert_eq!(of(Against::Faces, "models/m_20k.obj"), "m");
-    }
 }

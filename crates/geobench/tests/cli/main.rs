@@ -13,6 +13,7 @@ mod merge;
 mod outside;
 mod pool;
 mod report;
+mod reproduce;
 mod resume;
 mod run;
 mod shell;

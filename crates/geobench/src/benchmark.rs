@@ -200,6 +200,7 @@ impl Benchmark<'_> {
                 source,
                 status: Status::Refused,
                 message: Some(message.to_owned()),
+                threads: algorithm.threads(),
                 ..Cell::new(&plan.models[self.place].name, algorithm.label())
             })
             .collect()

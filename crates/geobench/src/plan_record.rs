@@ -117,6 +117,7 @@ fn algorithm(selection: &Selection) -> PlannedAlgorithm {
             ("command", program.command.clone().into()),
             ("protocol", program.keeping.name().into()),
             ("approximate", program.approximate.into()),
+            ("threads", selection.threads().into()),
         ]
     });
     PlannedAlgorithm {

@@ -30,7 +30,8 @@
 //!
 //! All of this stands on one `engine`: lists are structures of arrays, and what is done with a list is a pass
 //! over registers of up to eight windows ([`Instructions`]). [`VtpFast`] is VTP with every further
-//! improvement that keeps it exact; see [its page](algorithms::vtp_fast).
+//! improvement that keeps it exact; see [its page](algorithms::vtp_fast). [`Pvtp`] is the same on several threads;
+//! see [its page](algorithms::pvtp).
 //!
 //! # Every deletion is beyond doubt
 //!
@@ -47,6 +48,7 @@ mod front;
 mod merge;
 mod orient;
 mod pairs;
+mod parallel;
 mod propagation;
 mod pruning;
 mod schedule;
@@ -63,6 +65,7 @@ pub use engine::bench_support;
 pub use exits::{AcrossTheFace, AnyExit, EveryPath, Exits, OneAngleTwoSides};
 pub use fast::{Options as FastOptions, VtpFast};
 pub use merge::{Merge, OrderFree, OrderPreserving};
+pub use parallel::Pvtp;
 pub use propagation::ListPropagation;
 pub use pruning::{AllPairs, Neighbours, NoPairs, Pairs, TiePoints};
 pub use schedule::{NearestFace, NearestVertex, Schedule};

@@ -5,7 +5,7 @@ use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_mmp::mmp;
 use geobench_oracle::zoo;
 use geobench_vtp::{
-    EdgeBased, FastOptions, Ftp, Instructions, Opftp, Opvtp, Vtp, VtpExhaustive, VtpFast,
+    EdgeBased, FastOptions, Ftp, Instructions, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast,
     VtpNoRule1, VtpNoRules23, VtpTrimming,
 };
 use geobench_window::{Counter, Counters, Solver};
@@ -50,7 +50,7 @@ fn soup_of(spec: &str) -> TriangleSoup {
 /// Compares the whole family with MMP from `count` sources spread over the mesh.
 fn check(name: &str, mesh: &Mesh, count: usize) {
     let mut reference = mmp(mesh);
-    let mut family: Vec<_> = family(mesh).into_iter().chain(fast(mesh)).collect();
+    let mut family: Vec<_> = all(mesh).collect();
     for i in 0..count {
         let source = VertexId::new((i * mesh.vertex_count() / count) as u32);
         let expected = reference.solve(&[source]).unwrap().distances;
@@ -64,6 +64,12 @@ fn check(name: &str, mesh: &Mesh, count: usize) {
             }
         }
     }
+}
+
+/// Every variant.
+fn all(mesh: &Mesh) -> impl Iterator<Item = (&'static str, Box<dyn Solver + '_>)> {
+    let family = family(mesh).into_iter().chain(fast(mesh));
+    family.chain(parallel(mesh))
 }
 
 /// VTP for speed, with all sets of instructions and with each improvement switched off.
@@ -109,6 +115,16 @@ fn fast(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver + '_>)> {
         .collect()
 }
 
+/// The same on several threads.
+fn parallel(mesh: &Mesh) -> [(&'static str, Box<dyn Solver + '_>); 3] {
+    let solver = |threads| -> Box<dyn Solver + '_> { Box::new(Pvtp::new(mesh, threads)) };
+    [
+        ("one thread", solver(1)),
+        ("two threads", solver(2)),
+        ("four threads", solver(4)),
+    ]
+}
+
 #[test]
 fn all_agree_where_everything_ties() {
     for spec in [
@@ -146,7 +162,7 @@ fn all_agree_on_whole_numbers_pinches_borders_and_several_components() {
 fn a_solver_gives_the_same_answer_again_and_from_several_sources() {
     let mesh = scaled(soup_of("gen:terrain,n=16,seed=5"), 1.0);
     let [a, b] = [3, 200].map(VertexId::new);
-    for (algorithm, mut solver) in family(&mesh).into_iter().chain(fast(&mesh)) {
+    for (algorithm, mut solver) in all(&mesh) {
         let [from_a, from_b] = [a, b].map(|s| solver.solve(&[s]).unwrap().distances);
         let from_both = solver.solve(&[a, b]).unwrap().distances;
         assert_eq!(solver.solve(&[a]).unwrap().distances, from_a, "{algorithm}");
@@ -154,6 +170,85 @@ fn a_solver_gives_the_same_answer_again_and_from_several_sources() {
             let least = x.min(*y);
             assert!((least - both).abs() <= 1e-12 * least, "{algorithm}");
         }
+    }
+}
+
+/// Every variant of the parallel form; threads race for faces and vertices, which must not matter.
+#[test]
+fn any_number_of_threads_gives_the_same_bits_and_counts() {
+    let all = FastOptions::default();
+    let variants = [
+        all,
+        FastOptions {
+            instructions: Instructions::Scalar,
+            pairs: 1,
+            ..all
+        },
+        FastOptions { bucket: 2.0, ..all },
+        FastOptions {
+            shadow: false,
+            pairs: 0,
+            ..all
+        },
+        FastOptions {
+            renumber: false,
+            ..all
+        },
+    ];
+    let mut models: Vec<(String, Mesh)> = [
+        "gen:sphere,subdiv=4,noise=0.05,seed=2",
+        "gen:terrain,n=40,seed=3",
+        "gen:grid,n=20",
+        "gen:anisotropic,faces=3000,g=6",
+        "gen:torus,faces=5000,bump=0.1,seed=7",
+    ]
+    .map(|spec| (spec.to_owned(), scaled(soup_of(spec), 1.0)))
+    .into();
+    let apart = zoo::side_by_side(&zoo::whole_terrain(12, 2), &zoo::octahedron());
+    let positions = apart.positions().unwrap().to_vec();
+    let soup = TriangleSoup::new(positions, apart.triangles.clone());
+    models.push((apart.name, scaled(soup, 1.0)));
+    for (name, mesh) in &models {
+        let n = mesh.vertex_count() as u32;
+        let sources = [vec![n / 3], vec![n / 2, n - 1, n / 2]];
+        for (variant, options) in variants.into_iter().enumerate() {
+            let mut one = Pvtp::with_options(mesh, 1, options);
+            for sources in &sources[..if variant == 0 { 2 } else { 1 }] {
+                let sources: Vec<_> = sources.iter().copied().map(VertexId::new).collect();
+                let expected = one.count(&sources).unwrap();
+                for threads in [2, 3, 4] {
+                    let mut several = Pvtp::with_options(mesh, threads, options);
+                    assert_eq!(several.threads(), threads);
+                    // Once more, since where things lie depends on what was there before.
+                    for run in 0..2 {
+                        let found = several.count(&sources).unwrap();
+                        let here = format!(
+                            "{name} from {sources:?}, variant {variant}, {threads} threads, run {run}"
+                        );
+                        assert!(found.0 == expected.0, "{here}: other distances");
+                        for counter in Counter::ALL {
+                            let [a, b] = [&found, &expected].map(|(_, c)| c.get(*counter));
+                            assert_eq!(a, b, "{here}: {counter:?}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_parallel_form_finds_what_the_other_one_finds_with_as_many_windows() {
+    let mesh = scaled(soup_of("gen:torus,faces=5000,bump=0.1,seed=7"), 1.0);
+    let source = [VertexId::new(0)];
+    let (expected, fast) = VtpFast::new(&mesh).count(&source).unwrap();
+    let (found, parallel) = Pvtp::new(&mesh, 2).count(&source).unwrap();
+    for (d, e) in found.distances.iter().zip(&expected.distances) {
+        assert!((d - e).abs() <= 1e-12 * e);
+    }
+    for counter in [Counter::Children, Counter::Propagated, Counter::PeakWindows] {
+        let [a, b] = [&fast, &parallel].map(|c| c.get(counter).unwrap() as f64);
+        assert!((a - b).abs() < 0.05 * a, "{counter:?}: {a} and {b}");
     }
 }
 

@@ -3,14 +3,15 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::builder::RangedI64ValueParser;
+use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
 use super::isolation::IsolationOptions;
 use crate::compare::{RuleError, Rules};
 use crate::export::{self, ComparisonFormat, Format};
 use crate::instructions;
 use crate::isolate;
-use crate::registry::{self, Selection};
+use crate::registry::{self, MOST_THREADS, Selection};
 use crate::report::{Form, Tables, Wanted};
 use crate::shard::Shard;
 use crate::source::SourceSpec;
@@ -139,6 +140,12 @@ pub(super) struct RunOptions {
     /// What the order of the runs is drawn from, which changes from round to round [default: 1]
     #[arg(long, value_name = "N")]
     pub(super) seed: Option<u64>,
+
+    /// Threads of the parallel algorithms (pvtp), and of outside programs whose command has {threads}
+    /// [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = threads())]
+    pub(super) threads: Option<u32>,
+
     #[command(flatten)]
     pub(super) isolation: IsolationOptions,
 
@@ -239,6 +246,10 @@ pub(super) struct VerifyOptions {
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
     pub(super) tolerance: f64,
 
+    /// Threads of the parallel algorithms (pvtp), and of outside programs whose command has {threads}
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
+    pub(super) threads: u32,
+
     #[command(flatten)]
     pub(super) isolation: IsolationOptions,
 
@@ -262,6 +273,10 @@ pub(super) struct DistanceOptions {
     /// The algorithm
     #[arg(long, value_name = "A", default_value = "vtp-fast", value_parser = registry::select_one)]
     pub(super) algo: Selection,
+
+    /// Threads, if the algorithm is a parallel one (pvtp)
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
+    pub(super) threads: u32,
 
     /// File to write, by its ending: .csv, .json, .npy, .ply or .vtk
     #[arg(short, long, value_name = "FILE")]
@@ -469,6 +484,11 @@ fn tolerance(text: &str) -> Result<f64, String> {
 
 fn row(name: &str) -> Result<String, export::UnknownFigure> {
     export::figure(name).map(|figure| figure.key.to_owned())
+}
+
+/// A number of threads.
+fn threads() -> RangedI64ValueParser<u32> {
+    value_parser!(u32).range(1..=i64::from(MOST_THREADS))
 }
 
 #[cfg(test)]

@@ -31,7 +31,8 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         .source
         .resolve(loaded.mesh.vertex_count())
         .with_context(|| model.path.clone())?;
-    let distances = options.algo.build(&loaded.mesh).solve(&sources)?.distances;
+    let algorithm = options.algo.clone().with_threads(options.threads as usize);
+    let distances = algorithm.build(&loaded.mesh).solve(&sources)?.distances;
     let field = DistanceField {
         model: &model.name,
         algorithm: options.algo.label(),

@@ -1,6 +1,7 @@
 //! Where cells run and what they may use: options of several commands.
 
 use std::path::PathBuf;
+use std::thread;
 
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
@@ -11,6 +12,7 @@ use crate::isolate::{Isolated, Sharing};
 use crate::limits::{Limits, MemoryLimit, Timeout};
 use crate::outside::{self, Programs, WithPrograms};
 use crate::record::IsolationRecord;
+use crate::registry::Selection;
 use crate::runner::Workplace;
 
 #[derive(Args, Debug)]
@@ -88,6 +90,28 @@ impl IsolationOptions {
             timeout: self.timeout.unwrap_or(Timeout::USUAL),
             memory: self.memory_limit.unwrap_or_default(),
         }
+    }
+
+    /// Why the threads of one of `algorithms` cannot all run at the same time, if so.
+    pub(super) fn crowding<'a>(
+        &self,
+        algorithms: impl IntoIterator<Item = &'a Selection>,
+    ) -> Option<String> {
+        let threads = algorithms.into_iter().map(Selection::threads).max()?;
+        let pinned = self.cpu.as_ref().map(|cpus| cpus.numbers().len());
+        let (processors, whose) = match pinned {
+            Some(pinned) => (pinned, "--cpu allows"),
+            None => (
+                thread::available_parallelism().map_or(1, usize::from),
+                "this machine has",
+            ),
+        };
+        (threads > processors).then(|| {
+            format!(
+                "{threads} threads take turns, since {whose} {processors} processor{}",
+                if processors == 1 { "" } else { "s" }
+            )
+        })
     }
 
     /// What result files say of it.

@@ -30,19 +30,7 @@ use crate::suite::{self, Library, Plans, Scale, Settings, Suite, WantedModel};
 
 pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     options.isolation.check()?;
-    let Plans {
-        mut plans,
-        mut notes,
-    } = plans(options)?;
-    if plans.is_empty() {
-        bail!("there is nothing to run: {}", notes.join("; "));
-    }
-    if !options.isolation.keeps_limits() {
-        drop_limits(&mut plans, &mut notes);
-    }
-    if let Some(shard) = options.shard {
-        shard::restrict(&mut plans, shard);
-    }
+    let Plans { plans, notes } = possible_plans(options)?;
     let outputs = outputs::results(&options.output)?;
     if options.extras.instructions {
         instructions::check_valgrind()?;
@@ -199,6 +187,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         warmup: options.warmup,
         tolerance: options.tolerance,
         seed: options.seed,
+        threads: options.threads,
         timeout: options.isolation.timeout,
         memory_limit: options.isolation.memory_limit,
         reference: options
@@ -229,6 +218,26 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
 }
 
 /// Takes limits away that nobody would keep, and says so where somebody asked for them.
+/// What is wanted as far as it can be had, with notes on what cannot.
+fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
+    let Plans {
+        mut plans,
+        mut notes,
+    } = plans(options)?;
+    if plans.is_empty() {
+        bail!("there is nothing to run: {}", notes.join("; "));
+    }
+    let algorithms = plans.iter().flat_map(|plan| &plan.algorithms);
+    notes.extend(options.isolation.crowding(algorithms));
+    if !options.isolation.keeps_limits() {
+        drop_limits(&mut plans, &mut notes);
+    }
+    if let Some(shard) = options.shard {
+        shard::restrict(&mut plans, shard);
+    }
+    Ok(Plans { plans, notes })
+}
+
 fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
     for plan in plans {
         let Limits { timeout, memory } = plan.limits;

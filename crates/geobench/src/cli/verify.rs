@@ -38,8 +38,13 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     let programs = options.isolation.programs()?;
     for algorithm in &mut algorithms {
         algorithm.find_program(&programs)?;
+        *algorithm = algorithm.clone().with_threads(options.threads as usize);
     }
     options.isolation.check()?;
+    let crowding = options.isolation.crowding(&algorithms);
+    if let Some(crowding) = crowding.filter(|_| !options.quiet) {
+        terminal::warning(&crowding);
+    }
     let limits = options.isolation.limits();
     let mut workplace = options.isolation.workplace(limits, Sharing::All)?;
     interrupt::listen().context("cannot listen to signals")?;

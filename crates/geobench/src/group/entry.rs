@@ -73,6 +73,7 @@ impl<'p> Entry<'p> {
             group: run.group,
             source: Some(run.source),
             check: self.check(),
+            threads: self.algorithm.threads(),
             ..Cell::new(&run.model, &run.algorithm)
         };
         if let Some(failure) = self.failure {

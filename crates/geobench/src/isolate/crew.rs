@@ -171,7 +171,7 @@ impl Worker {
         step: &Step<'_>,
     ) -> Result<Observation, Failure> {
         let order = Order::Run {
-            algorithm: step.algorithm.label().to_owned(),
+            algorithm: step.algorithm.spelled(),
             source: step.source.raw(),
             purpose: step.purpose,
         };

@@ -22,7 +22,7 @@ pub(super) enum Order {
     },
     /// Carry out one run. Answered by `Ran`, `RanAgain` or `Failed`.
     Run {
-        /// Label of the algorithm.
+        /// The algorithm, with all that tells it from others.
         algorithm: String,
         /// Number of the source vertex.
         source: u32,

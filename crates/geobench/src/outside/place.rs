@@ -118,7 +118,7 @@ impl Executor for Bench<'_> {
         };
         let done = match last {
             Some(last) => last,
-            None => self.solve(program, step.source.raw())?,
+            None => self.solve(program, step.source.raw(), step.algorithm.threads())?,
         };
         Ok(match step.purpose {
             Purpose::WarmUp | Purpose::Time => done,
@@ -136,7 +136,12 @@ impl Executor for Bench<'_> {
 }
 
 impl Bench<'_> {
-    fn solve(&mut self, program: &Arc<Program>, source: u32) -> Result<Observation, Failure> {
+    fn solve(
+        &mut self,
+        program: &Arc<Program>,
+        source: u32,
+        threads: usize,
+    ) -> Result<Observation, Failure> {
         if self.handover.is_none() {
             self.handover = Some(Handover::new(self.model)?);
         }
@@ -148,6 +153,7 @@ impl Bench<'_> {
             model: &handover.model,
             vertices: self.vertices,
             source,
+            threads,
             limits: self.limits,
             cpus: self.cpus,
         };

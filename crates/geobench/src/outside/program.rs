@@ -63,6 +63,11 @@ pub(super) struct Call<'c> {
 }
 
 impl Program {
+    /// Whether its command says on how many threads it is to run.
+    pub(crate) fn takes_threads(&self) -> bool {
+        self.command.iter().any(|word| word.contains("{threads}"))
+    }
+
     /// The command with its placeholders filled in.
     pub(super) fn command(&self, call: Call<'_>) -> Command {
         let fill = |word: &String| {

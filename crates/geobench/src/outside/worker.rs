@@ -35,6 +35,8 @@ pub(super) struct Task<'t> {
     pub(super) vertices: usize,
     /// The source.
     pub(super) source: u32,
+    /// Threads that it may use.
+    pub(super) threads: usize,
     /// What the process may use.
     pub(super) limits: &'t Limits,
     /// The processors it may run on.
@@ -52,7 +54,7 @@ impl Worker {
         let command = program.command(Call {
             model: task.model,
             source: task.source,
-            threads: 1,
+            threads: task.threads,
             output: &output,
         });
         let name = command.get_program().display().to_string();

@@ -21,7 +21,7 @@ use std::sync::LazyLock;
 
 pub use algorithm::Algorithm;
 pub use hidden::VARIABLE as HIDDEN_ALGORITHMS;
-pub use parameter::{Allowed, Numbers, Parameter, Value, Values};
+pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, Value, Values};
 pub(crate) use select::nearest;
 pub use select::{SelectError, Selection, select, select_one};
 

@@ -3,6 +3,19 @@
 use std::fmt;
 use std::ops::RangeInclusive;
 
+/// The parameter of every parallel algorithm, and of no other.
+pub(crate) const THREADS: Parameter = Parameter::integer(
+    "threads",
+    1,
+    1..=MOST_THREADS as u64,
+    "how many threads it runs on, as --threads says by default",
+)
+.or_words(&["default"])
+.with_default(Value::Word("default"));
+
+/// Most threads that can be asked for.
+pub const MOST_THREADS: u32 = 1024;
+
 /// Something that can be set of an algorithm. A number, one of a few words, or either.
 ///
 /// ```
@@ -206,6 +219,29 @@ impl Values {
         Self {
             given: parameters.iter().filter_map(find).collect(),
         }
+    }
+
+    /// The same with another value of `parameter`, which is one of `parameters`.
+    pub(super) fn with(
+        &self,
+        parameters: &[Parameter],
+        parameter: &Parameter,
+        value: Value,
+    ) -> Self {
+        let values: Vec<_> = parameters
+            .iter()
+            .map(|p| {
+                (
+                    p,
+                    if p.name == parameter.name {
+                        value
+                    } else {
+                        self.get(p)
+                    },
+                )
+            })
+            .collect();
+        Self::new(parameters, &values)
     }
 
     /// The value of `parameter`.

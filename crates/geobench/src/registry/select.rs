@@ -6,6 +6,7 @@ use geobench_mesh::Mesh;
 use geobench_window::Solver;
 
 use super::outside::{OUTSIDE, PREFIX};
+use super::parameter::THREADS;
 use super::{Algorithm, Parameter, Value, Values, algorithms, hidden};
 use crate::outside::{Program, Programs, UnknownProgram};
 
@@ -15,6 +16,8 @@ pub struct Selection {
     algorithm: Algorithm,
     values: Values,
     label: String,
+    /// How many threads it may use, if it can use several and does not say so itself.
+    threads: usize,
     /// The outside program behind it, if it is one and has been found.
     program: Option<Arc<Program>>,
 }
@@ -26,6 +29,7 @@ impl Selection {
             algorithm: *algorithm,
             label: format!("{}{values}", algorithm.name),
             values,
+            threads: 1,
             program: None,
         }
     }
@@ -77,6 +81,44 @@ impl Selection {
     /// algorithm with the same values has the same label however it was asked for.
     pub fn label(&self) -> &str {
         &self.label
+    }
+
+    /// The same on `threads` threads, unless it is not parallel or asks for a number of them by itself. What it is
+    /// called stays the same.
+    #[must_use]
+    pub fn with_threads(mut self, threads: usize) -> Self {
+        self.threads = threads;
+        if let Value::Word(_) = self.values.get(&THREADS)
+            && self.is_parallel()
+        {
+            let value = Value::Integer(threads as u64);
+            self.values = self.values.with(self.algorithm.parameters, &THREADS, value);
+        }
+        self
+    }
+
+    /// Whether it is one of the suite's own parallel algorithms.
+    fn is_parallel(&self) -> bool {
+        let mut parameters = self.algorithm.parameters.iter();
+        parameters.any(|parameter| parameter.name == THREADS.name)
+    }
+
+    /// On how many threads it runs.
+    pub fn threads(&self) -> usize {
+        match &self.program {
+            Some(program) if program.takes_threads() => self.threads,
+            _ if self.is_parallel() => self.values.integer_or_word(&THREADS).unwrap_or(1) as usize,
+            _ => 1,
+        }
+    }
+
+    /// All that tells it from others, so that [`select_one`] gives it again: its [label](Self::label), and
+    /// the threads that it was [given](Self::with_threads).
+    pub fn spelled(&self) -> String {
+        if self.outside_name().is_some() {
+            return self.label.clone();
+        }
+        format!("{}{}", self.algorithm.name, self.values)
     }
 
     /// The value of one of its parameters.

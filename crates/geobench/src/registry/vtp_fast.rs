@@ -1,8 +1,9 @@
-//! VTP for speed, and its switches.
+//! VTP for speed, on one thread and on several, with their switches.
 
-use geobench_vtp::{FastOptions, Instructions, VtpFast};
+use geobench_vtp::{FastOptions, Instructions, Pvtp, VtpFast};
 use geobench_window::Counter;
 
+use super::parameter::THREADS;
 use super::{Algorithm, Parameter, Values};
 
 const SIMD: Parameter = Parameter::word(
@@ -18,12 +19,19 @@ const PAIRS: Parameter = Parameter::integer(
     "applies rules 2 and 3 to one in so many lists; to none if 0",
 );
 
-const BUCKET: Parameter = Parameter::real(
-    "bucket",
-    0.25,
-    0.001..=1e6,
-    "lets vertices have their turns together whose distances are within so many mean edge lengths",
-);
+const BUCKET: Parameter = bucket(0.25);
+
+/// Wider ones give threads more to do between two meetings.
+const BUCKET_OF_THREADS: Parameter = bucket(0.5);
+
+const fn bucket(default: f64) -> Parameter {
+    Parameter::real(
+        "bucket",
+        default,
+        0.001..=1e6,
+        "lets vertices have their turns together whose distances are within so many mean edge lengths",
+    )
+}
 
 const SHADOW: Parameter = Parameter::word(
     "shadow",
@@ -37,22 +45,59 @@ const RENUMBER: Parameter = Parameter::word(
     "puts vertices and faces into an order of its own, breadth first",
 );
 
-pub(super) const FAMILY: &[Algorithm] = &[Algorithm {
-    name: "vtp-fast",
-    family: "vtp-family",
-    paper: "Qin et al. 2016, with improvements of our own",
-    exact: true,
-    summary: "vtp with every improvement that keeps it exact: vector instructions, vertices in buckets, fewer checks",
-    complexity: "time O(n^2), space O(n)",
-    keeps: "the windows of the wavefront, in one list for each half-edge on it",
-    choose: "for distances at vertices, always: it is the fastest, with little memory",
-    memory_counter: Counter::PeakWindows,
-    comfortable_faces: None,
-    parameters: &[SIMD, PAIRS, BUCKET, SHADOW, RENUMBER],
-    build: |mesh, values| Box::new(VtpFast::with_options(mesh, options(values))),
-}];
+/// Ranges of numbers along the curve are what threads divide among themselves.
+const RENUMBER_CURVE: Parameter = Parameter::word(
+    "renumber",
+    &["on", "off"],
+    "puts vertices and faces into an order of its own, along a space-filling curve",
+);
 
-fn options(values: &Values) -> FastOptions {
+pub(super) const FAMILY: &[Algorithm] = &[
+    Algorithm {
+        name: "vtp-fast",
+        family: "vtp-family",
+        paper: "Qin et al. 2016, with improvements of our own",
+        exact: true,
+        summary: "vtp with every improvement that keeps it exact: vector instructions, vertices in buckets, fewer checks",
+        complexity: "time O(n^2), space O(n)",
+        keeps: "the windows of the wavefront, in one list for each half-edge on it",
+        choose: "for distances at vertices, always: it is the fastest, with little memory",
+        memory_counter: Counter::PeakWindows,
+        comfortable_faces: None,
+        parameters: &[SIMD, PAIRS, BUCKET, SHADOW, RENUMBER],
+        build: |mesh, values| Box::new(VtpFast::with_options(mesh, options(values, &BUCKET))),
+    },
+    Algorithm {
+        name: "pvtp",
+        family: "vtp-family",
+        paper: "Qin et al. 2016, made parallel by us",
+        exact: true,
+        summary: "vtp-fast on several threads: each takes a part of the wavefront; the same bits for any number of them",
+        complexity: "time O(n^2), space O(n)",
+        keeps: "the windows of the wavefront, in one list for each half-edge on it",
+        choose: "for large models on a machine with idle processors (--threads)",
+        memory_counter: Counter::PeakWindows,
+        comfortable_faces: None,
+        parameters: &[
+            THREADS,
+            SIMD,
+            PAIRS,
+            BUCKET_OF_THREADS,
+            SHADOW,
+            RENUMBER_CURVE,
+        ],
+        build: |mesh, values| {
+            let options = options(values, &BUCKET_OF_THREADS);
+            Box::new(Pvtp::with_options(mesh, threads(values), options))
+        },
+    },
+];
+
+fn threads(values: &Values) -> usize {
+    values.integer_or_word(&THREADS).unwrap_or(1) as usize
+}
+
+fn options(values: &Values, bucket: &Parameter) -> FastOptions {
     FastOptions {
         instructions: match values.word(&SIMD) {
             Some("avx512") => Instructions::Avx512,
@@ -61,7 +106,7 @@ fn options(values: &Values) -> FastOptions {
             _ => Instructions::detect(),
         },
         pairs: values.integer(&PAIRS) as u32,
-        bucket: values.real(&BUCKET),
+        bucket: values.real(bucket),
         shadow: values.word(&SHADOW) == Some("on"),
         renumber: values.word(&RENUMBER) == Some("on"),
     }

@@ -46,6 +46,8 @@ pub struct Settings {
     pub tolerance: Option<f64>,
     /// What the order of the runs is drawn from.
     pub seed: Option<u64>,
+    /// Threads of the parallel algorithms.
+    pub threads: Option<u32>,
     /// Time that each run may take.
     pub timeout: Option<Timeout>,
     /// Memory that the process of each cell may occupy.
@@ -101,6 +103,7 @@ impl Settings {
             warmup: a.warmup.or(b.warmup),
             tolerance: a.tolerance.or(b.tolerance),
             seed: a.seed.or(b.seed),
+            threads: a.threads.or(b.threads),
             timeout: a.timeout.or(b.timeout),
             memory_limit: a.memory_limit.or(b.memory_limit),
             reference: a.reference.or(b.reference),

@@ -165,8 +165,16 @@ fn plan(
     models: Vec<ModelRef>,
     group: GroupRecord,
 ) -> Result<Plan, OneFileForMore> {
-    let algorithms: Vec<Selection> = settings.algorithms.clone().unwrap_or_else(usual);
-    let reference = settings.reference.clone();
+    let threads = settings.threads.unwrap_or(1) as usize;
+    let algorithms = settings.algorithms.clone().unwrap_or_else(usual);
+    let algorithms: Vec<Selection> = algorithms
+        .into_iter()
+        .map(|algorithm| algorithm.with_threads(threads))
+        .collect();
+    let reference = match settings.reference.clone() {
+        Some(Reference::Algorithm(one)) => Some(Reference::Algorithm(one.with_threads(threads))),
+        other => other,
+    };
     let plan = Plan {
         group: GroupRecord {
             rows: settings.rows.clone().unwrap_or_default(),

@@ -11,11 +11,11 @@ use super::{MOST_RUNS, Settings, WantedModel, tolerance};
 use crate::export;
 use crate::limits::LimitError;
 use crate::plan::Reference;
-use crate::registry::{self, Selection};
+use crate::registry::{self, MOST_THREADS, Selection};
 use crate::source::SourceSpec;
 
 /// The keys of [`Settings`].
-pub(super) const SETTINGS: [&str; 13] = [
+pub(super) const SETTINGS: [&str; 14] = [
     "models",
     "algorithms",
     "source",
@@ -23,6 +23,7 @@ pub(super) const SETTINGS: [&str; 13] = [
     "warmup",
     "tolerance",
     "seed",
+    "threads",
     "timeout",
     "memory-limit",
     "check",
@@ -48,6 +49,7 @@ pub(super) fn setting(
         "repeat" => settings.repeat = Some(entry.whole(1..MOST_RUNS + 1)?),
         "warmup" => settings.warmup = Some(entry.whole(0..MOST_RUNS + 1)?),
         "seed" => settings.seed = Some(entry.whole(0..u32::MAX)?.into()),
+        "threads" => settings.threads = Some(entry.whole(1..MOST_THREADS + 1)?),
         "tolerance" => {
             settings.tolerance = Some(tolerance(entry.number()).map_err(|e| entry.error(&e))?);
         }

@@ -18,4 +18,5 @@ mod resume;
 mod run;
 mod shell;
 mod support;
+mod threads;
 mod verify;

@@ -125,6 +125,11 @@ fn check(model: &str, extent: Extent, failures: &mut Failures) {
     algorithms.retain(|selection| can_finish(selection.algorithm(), mesh.face_count(), 1e8));
     let large = mesh.face_count() > LARGE;
     let takes_part = |source: u32, selection: &Selection| {
+        if large && selection.threads() > 1 {
+            // Cells run two at a time: there are more threads than processors, which wait for each other.
+            // That several give the bits of one is shown in `geobench-vtp`.
+            return false;
+        }
         let known = expected.iter().any(|e| e.source == source);
         extent == Extent::Full || !large || known || CORE.contains(&selection.algorithm().name)
     };

@@ -16,7 +16,8 @@ pub(crate) const ROUNDING: f64 = 1e-12;
 pub(crate) const AGREEMENT: f64 = 1e-9;
 
 /// The algorithms that claim to be exact, and other programs of those that have several.
-const EXACT: &str = "exact,vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pairs=1}";
+const EXACT: &str = "exact,vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pairs=1},\
+    pvtp{threads=2}";
 
 /// What small meshes are solved with besides.
 const ON_SMALL: &str = "mmp{lists=keep},mmp-edge{lists=keep}";

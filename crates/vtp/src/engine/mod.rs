@@ -7,6 +7,7 @@
 #[doc(hidden)]
 pub mod bench_support;
 pub(crate) mod buckets;
+mod curve;
 pub(crate) mod dispatch;
 pub(crate) mod hand;
 mod instructions;

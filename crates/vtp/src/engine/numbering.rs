@@ -2,6 +2,7 @@
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
+use super::curve;
 use super::surface::half_edge;
 
 /// From the mesh's numbers to the solver's and back.
@@ -31,13 +32,7 @@ impl Numbering {
     /// Breadth first from the first vertex of each component: close to the order in which a wavefront
     /// meets them, wherever it starts. O(faces).
     pub(crate) fn breadth_first(mesh: &Mesh) -> Self {
-        let (vertices, faces) = (mesh.vertex_count(), mesh.face_count());
-        let mut numbering = Self {
-            old_vertices: Vec::with_capacity(vertices),
-            new_vertices: vec![NONE; vertices],
-            old_faces: Vec::with_capacity(faces),
-            new_faces: vec![NONE; faces],
-        };
+        let mut numbering = Self::none(mesh);
         for start in mesh.vertices() {
             let mut place = numbering.old_vertices.len();
             numbering.take_vertex(start);
@@ -51,6 +46,39 @@ impl Numbering {
             }
         }
         numbering
+    }
+
+    /// Along a space-filling curve through the positions of the vertices, so that a range of numbers is a part
+    /// of the surface in one piece or a few; breadth first for a mesh without positions. O(n log n) for n
+    /// vertices.
+    pub(crate) fn along_curve(mesh: &Mesh) -> Self {
+        let mut order: Vec<_> = curve::places(mesh.positions())
+            .into_iter()
+            .zip(mesh.vertices())
+            .collect();
+        if order.is_empty() {
+            return Self::breadth_first(mesh);
+        }
+        order.sort_unstable();
+        let mut numbering = Self::none(mesh);
+        for (_, v) in order {
+            numbering.take_vertex(v);
+            for &h in mesh.outgoing(v) {
+                numbering.take_face(h.face());
+            }
+        }
+        numbering
+    }
+
+    /// Nothing of `mesh` is numbered yet.
+    fn none(mesh: &Mesh) -> Self {
+        let (vertices, faces) = (mesh.vertex_count(), mesh.face_count());
+        Self {
+            old_vertices: Vec::with_capacity(vertices),
+            new_vertices: vec![NONE; vertices],
+            old_faces: Vec::with_capacity(faces),
+            new_faces: vec![NONE; faces],
+        }
     }
 
     fn take_vertex(&mut self, v: VertexId) {
@@ -118,14 +146,19 @@ mod tests {
         let triangles = vec![[0, 5, 7], [7, 5, 2], [1, 3, 4]];
         let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, triangles)).unwrap();
         let numbering = Numbering::breadth_first(&mesh);
+        let mut component = [0, 5, 7, 2].map(|v| numbering.new_vertex(VertexId::new(v)));
+        component.sort_unstable();
+        assert_eq!(component, [0, 1, 2, 3]);
+        check(&mesh, &numbering);
+        check(&mesh, &Numbering::along_curve(&mesh));
+        let values: Vec<f64> = (0..8).map(f64::from).collect();
+        assert_eq!(Numbering::same().restore(&values), values);
+    }
+
+    fn check(mesh: &Mesh, numbering: &Numbering) {
         for v in mesh.vertices() {
             assert_eq!(numbering.old_vertex(numbering.new_vertex(v)), v);
         }
-        let mut component: Vec<_> = [0, 5, 7, 2]
-            .map(|v| numbering.new_vertex(VertexId::new(v)))
-            .into();
-        component.sort_unstable();
-        assert_eq!(component, [0, 1, 2, 3]);
         for h in mesh.half_edges() {
             let (f, k) = super::super::surface::parts(numbering.new_half_edge(h));
             assert_eq!(numbering.old_face(f as u32).half_edge(k as u32), h);
@@ -135,6 +168,5 @@ mod tests {
             .collect();
         let restored = numbering.restore(&values);
         assert_eq!(restored, (0..8).map(f64::from).collect::<Vec<_>>());
-        assert_eq!(Numbering::same().restore(&values), values);
     }
 }

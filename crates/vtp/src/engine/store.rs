@@ -184,6 +184,37 @@ impl WindowStore {
         }
     }
 
+    /// Adds the windows of `list` to `columns`, a column behind the other.
+    pub(crate) fn copy_out(&self, list: u32, columns: &mut Vec<f64>) {
+        let List { start, len, class } = self.lists[list as usize];
+        let mut line = start as usize;
+        for _ in 0..COLUMNS {
+            let numbers = self.lines[line..].iter().flat_map(|line| line.0);
+            columns.extend(numbers.take(len as usize));
+            line += lines_of(class) as usize;
+        }
+    }
+
+    /// Adds windows that were [copied out](Self::copy_out) to `list`, which may be [`NO_LIST`], and returns the
+    /// list, as [`reserve`](Self::reserve) does.
+    pub(crate) fn append(&mut self, list: u32, columns: &[f64]) -> u32 {
+        let more = columns.len() / COLUMNS;
+        if more == 0 {
+            return list;
+        }
+        let list = self.reserve(list, more);
+        let len = self.len(list);
+        let List { start, class, .. } = self.lists[list as usize];
+        let mut first = start as usize;
+        for column in columns.chunks_exact(more) {
+            for (i, &number) in (len..).zip(column) {
+                self.lines[first + i / Line::LANES].0[i % Line::LANES] = number;
+            }
+            first += lines_of(class) as usize;
+        }
+        self.set_len(list, len + more)
+    }
+
     /// The block of `list`.
     #[inline]
     pub(crate) fn block(&mut self, list: u32) -> &mut [Line] {
@@ -296,6 +327,31 @@ mod tests {
             assert_eq!(store.lists.len(), 3);
         }
         assert_eq!(store.waiting(), 0);
+    }
+
+    #[test]
+    fn windows_that_are_copied_out_of_one_store_arrive_in_another() {
+        let (mut from, mut to) = (WindowStore::new(), WindowStore::new());
+        let window = |i: usize| std::array::from_fn(|c| (10 * i + c) as f64);
+        let mut there = NO_LIST;
+        let mut first = 0;
+        for n in [1, 0, 7, 9, 40] {
+            let list = from.reserve(NO_LIST, n.max(1));
+            for i in 0..n {
+                from.put(list, i, window(first + i));
+            }
+            from.set_len(list, n);
+            let mut columns = Vec::new();
+            from.copy_out(list, &mut columns);
+            there = to.append(there, &columns);
+            first += n;
+        }
+        let arrived: Vec<_> = to
+            .windows()
+            .map(|w| [w.b0, w.b1, w.px, w.py, w.sigma])
+            .collect();
+        assert_eq!(arrived, (0..57).map(window).collect::<Vec<_>>());
+        assert_eq!((to.len(there), to.waiting()), (57, 57));
     }
 
     #[test]

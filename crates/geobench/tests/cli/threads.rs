@@ -1,0 +1,171 @@
+//! `--threads`: the parallel algorithms, on as many threads as asked for.
+
+use std::thread::available_parallelism;
+
+use serde_json::{Value, json};
+
+use crate::support::Sandbox;
+
+const MODEL: &str = "gen:torus,faces=3000,bump=0.1,seed=7";
+
+/// Algorithm and threads of every cell.
+fn threads(result: &Value) -> Vec<(String, u64)> {
+    let cells = result["cells"].as_array().unwrap();
+    let threads = |cell: &Value| {
+        assert_eq!(cell["status"], "ok", "{cell}");
+        let algorithm = cell["algorithm"].as_str().unwrap().to_owned();
+        (algorithm, cell["threads"].as_u64().unwrap())
+    };
+    cells.iter().map(threads).collect()
+}
+
+#[test]
+fn cells_say_how_many_threads_they_used() {
+    let sandbox = Sandbox::new();
+    for place in ["process", "none"] {
+        sandbox.succeed(&format!(
+            "run {MODEL} --algo mmp,pvtp,pvtp{{threads=1}},pvtp{{threads=3}} --threads 2 --repeat 1 --warmup 0 \
+             --quiet --isolate {place} -o r.json"
+        ));
+        let expected = [
+            ("mmp", 1),
+            ("pvtp", 2),
+            ("pvtp{threads=1}", 1),
+            ("pvtp{threads=3}", 3),
+        ]
+        .map(|(name, n)| (name.to_owned(), n));
+        let result = sandbox.json("r.json");
+        assert_eq!(threads(&result), expected);
+        // Whatever the number of threads, the windows are the same.
+        let counters = |i: usize| &result["cells"][i]["counters"];
+        assert_eq!(counters(1), counters(2));
+        assert_eq!(counters(1), counters(3));
+        let plan = &result["plan"]["groups"][0]["algorithms"];
+        assert_eq!(plan[1]["parameters"]["threads"], 2);
+        assert_eq!(plan[3]["parameters"]["threads"], 3);
+    }
+}
+
+#[test]
+fn one_thread_is_the_default_and_suites_can_say_more() {
+    let sandbox = Sandbox::new();
+    sandbox.write(
+        "suite.toml",
+        &format!(
+            "algorithms = [\"pvtp\"]\nrepeat = 1\nwarmup = 0\n\
+             [[group]]\nname = \"one\"\nmodels = [\"{MODEL}\"]\n\
+             [[group]]\nname = \"two\"\nmodels = [\"{MODEL}\"]\nthreads = 2\n"
+        ),
+    );
+    sandbox.succeed("run --config suite.toml --quiet -o r.json");
+    let of = |n| ("pvtp".to_owned(), n);
+    assert_eq!(threads(&sandbox.json("r.json")), [of(1), of(2)]);
+    sandbox.succeed("run --config suite.toml --threads 3 --quiet -o r.json");
+    assert_eq!(threads(&sandbox.json("r.json")), [of(3), of(3)]);
+    sandbox.write("suite.toml", "threads = 0\n[[group]]\nname = \"a\"\n");
+    let message = sandbox.refuse("run --config suite.toml");
+    assert!(message.contains("line 1: `threads`"), "{message}");
+}
+
+#[test]
+fn no_thread_and_no_number_are_refused() {
+    let sandbox = Sandbox::with_square();
+    for command in [
+        "run square.off",
+        "verify square.off",
+        "distance square.off --source 0 -o d.csv",
+    ] {
+        for wrong in ["0", "-1", "two", "1.5", "1025", "99999999999999999999"] {
+            let outcome = sandbox.call(&format!("{command} --threads {wrong}"));
+            assert_eq!(outcome.code, 2, "{command} --threads {wrong}");
+            assert!(outcome.stderr.contains("--threads"), "{}", outcome.stderr);
+        }
+    }
+    for wrong in ["0", "1025", "many"] {
+        let message = sandbox.refuse(&format!("run square.off --algo pvtp{{threads={wrong}}}"));
+        assert!(
+            message.contains("a whole number from 1 to 1024 or `default`"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn more_threads_than_processors_run_and_are_warned_of() {
+    let sandbox = Sandbox::new();
+    let more = available_parallelism().unwrap().get() + 1;
+    let run =
+        format!("run {MODEL} --algo pvtp --check none --repeat 1 --warmup 0 -o r.json --threads");
+    let outcome = sandbox.call(&format!("{run} {more}"));
+    assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+    let warning = format!("warning: {more} threads take turns, since this machine has ");
+    assert!(outcome.stderr.contains(&warning), "{}", outcome.stderr);
+    assert_eq!(sandbox.json("r.json")["cells"][0]["threads"], more);
+    // A list of one processor, whichever of them this process may use.
+    let cpu = (0..1024)
+        .find(|cpu| {
+            let probe = format!("run gen:cube,n=1 --algo mmp --quiet --repeat 1 --cpu {cpu}");
+            sandbox.call(&probe).code == 0
+        })
+        .unwrap();
+    let outcome = sandbox.call(&format!("{run} 2 --cpu {cpu}"));
+    assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+    let warning = "warning: 2 threads take turns, since --cpu allows 1 processor\n";
+    assert!(outcome.stderr.contains(warning), "{}", outcome.stderr);
+    let outcome = sandbox.call(&format!("{run} 1 --cpu {cpu}"));
+    assert!(!outcome.stderr.contains("take turns"), "{}", outcome.stderr);
+}
+
+#[test]
+fn a_journal_of_other_threads_is_not_continued() {
+    let sandbox = Sandbox::new();
+    let run = format!(
+        "run {MODEL} --algo pvtp,mmp --repeat 1 --warmup 0 --quiet --resume j -o r.json --threads"
+    );
+    sandbox.succeed(&format!("{run} 2"));
+    let first = sandbox.read("r.json");
+    sandbox.succeed(&format!("{run} 2"));
+    let cells = |text: &str| serde_json::from_str::<Value>(text).unwrap()["cells"].clone();
+    assert_eq!(cells(&first), cells(&sandbox.read("r.json")));
+    let message = sandbox.refuse(&format!("{run} 1"));
+    assert!(
+        message.contains("parameters.threads` is 2 there and 1 now"),
+        "{message}"
+    );
+}
+
+#[test]
+fn parts_on_several_threads_are_merged() {
+    let sandbox = Sandbox::new();
+    for part in [1, 2] {
+        sandbox.succeed(&format!(
+            "run {MODEL} gen:cube,n=6 --algo pvtp --threads 2 --repeat 1 --warmup 0 --quiet --shard {part}/2 -o {part}.json"
+        ));
+    }
+    sandbox.succeed("merge 1.json 2.json -o all.json");
+    let of = ("pvtp".to_owned(), 2);
+    assert_eq!(threads(&sandbox.json("all.json")), [of.clone(), of]);
+}
+
+#[test]
+fn verify_checks_the_parallel_algorithms_on_threads() {
+    let sandbox = Sandbox::new();
+    let said = sandbox.succeed(&format!("verify {MODEL} --algo pvtp --threads 2"));
+    assert!(said.ends_with("2 of 2 answers agree\n"), "{said}");
+}
+
+#[test]
+fn distances_on_threads_are_the_same_bits() {
+    let sandbox = Sandbox::new();
+    for threads in [1, 2, 3] {
+        sandbox.succeed(&format!(
+            "distance {MODEL} --source 5,900 --algo pvtp --threads {threads} --quiet -o {threads}.npy"
+        ));
+    }
+    let bytes = |n| std::fs::read(sandbox.path(&format!("{n}.npy"))).unwrap();
+    assert!(bytes(1) == bytes(2) && bytes(1) == bytes(3));
+    sandbox.succeed(&format!(
+        "distance {MODEL} --source 5,900 --threads 4 --quiet -o d.json"
+    ));
+    assert_eq!(sandbox.json("d.json")["algorithm"], json!("vtp-fast"));
+}

@@ -1,0 +1,209 @@
+//! VTP on several threads.
+
+// The kernels must be inlined into the functions that have the features of the processor.
+#![allow(clippy::inline_always)]
+
+mod barrier;
+mod cross;
+mod field;
+mod mail;
+mod padded;
+mod settle;
+mod split;
+mod turn;
+mod worker;
+
+use std::panic::resume_unwind;
+use std::thread;
+
+use geobench_mesh::{Mesh, VertexId};
+use geobench_window::{Counter, Probe, Propagate, Solution};
+
+use self::barrier::{BreakOnPanic, Broken};
+use self::field::{Field, MOST_THREADS};
+use self::worker::Worker;
+use crate::engine::dispatch::{self, Program};
+use crate::engine::lanes::Lanes;
+use crate::engine::numbering::Numbering;
+use crate::engine::surface::Surface;
+use crate::fast::Options;
+
+/// VTP on several threads, on one mesh; see [the page](crate::algorithms::pvtp).
+#[derive(Debug)]
+pub struct Pvtp<'m> {
+    mesh: &'m Mesh,
+    options: Options,
+    numbering: Numbering,
+    field: Field,
+    workers: Vec<Worker>,
+}
+
+impl<'m> Pvtp<'m> {
+    /// Sets up for `mesh` and a number of threads, with the [usual options](Self::usual_options); O(faces).
+    pub fn new(mesh: &'m Mesh, threads: usize) -> Self {
+        Self::with_options(mesh, threads, Self::usual_options())
+    }
+
+    /// Every improvement, and buckets that are wider than on one thread: fewer rounds, in which there is more to
+    /// divide, for a few more windows.
+    pub fn usual_options() -> Options {
+        Options {
+            bucket: 0.5,
+            ..Options::default()
+        }
+    }
+
+    /// Sets up for `mesh` and a number of threads; O(faces).
+    pub fn with_options(mesh: &'m Mesh, threads: usize, options: Options) -> Self {
+        let threads = threads.clamp(1, MOST_THREADS);
+        let instructions = options.instructions.or_less();
+        let mut numbering = if options.renumber {
+            Numbering::along_curve(mesh)
+        } else {
+            Numbering::same()
+        };
+        let surface = Surface::new(mesh, &numbering);
+        numbering.forget_faces();
+        let (vertices, bucket) = (mesh.vertex_count(), options.bucket * surface.mean_length);
+        let compared = u32::MAX.checked_div(options.pairs).unwrap_or(0);
+        Self {
+            mesh,
+            options: Options {
+                instructions,
+                ..options
+            },
+            numbering,
+            field: Field::new(surface, options.shadow, compared, threads),
+            workers: (0..threads)
+                .map(|thread| Worker::new(thread, threads, vertices, bucket))
+                .collect(),
+        }
+    }
+
+    /// The options in force, with instructions that the processor has.
+    pub fn options(&self) -> Options {
+        self.options
+    }
+
+    /// The number of threads.
+    pub fn threads(&self) -> usize {
+        self.workers.len()
+    }
+}
+
+/// One thread's part of a run.
+struct Part<'a, P> {
+    worker: &'a mut Worker,
+    field: &'a Field,
+    numbering: &'a Numbering,
+    sources: &'a [u32],
+    /// Its share of the distances, in the mesh's order.
+    distances: &'a mut [f64],
+    probe: &'a mut P,
+}
+
+impl<P: Probe> Program for Part<'_, P> {
+    type Output = Result<(), Broken>;
+
+    #[allow(unsafe_code)]
+    #[inline(always)]
+    unsafe fn run<L: Lanes>(self) -> Result<(), Broken> {
+        let _guard = BreakOnPanic(self.field.post.barrier());
+        // SAFETY: promised by the caller.
+        unsafe {
+            self.worker
+                .run::<L, P>(self.field, self.sources, self.probe)
+        }?;
+        let first = self
+            .worker
+            .share(self.field, self.field.vertices.len())
+            .start;
+        for (i, distance) in self.distances.iter_mut().enumerate() {
+            let v = self.numbering.new_vertex(VertexId::new((first + i) as u32));
+            *distance = self.field.distance(v);
+        }
+        Ok(())
+    }
+}
+
+impl Propagate for Pvtp<'_> {
+    fn counters() -> Vec<Counter> {
+        vec![
+            Counter::Propagated,
+            Counter::Parents,
+            Counter::Children,
+            Counter::Spawned,
+            Counter::Filtered,
+            Counter::PeakWindows,
+            Counter::WindowBytes,
+            Counter::QueuePushes,
+            Counter::QueuePeak,
+            Counter::Iterations,
+            Counter::PseudoSources,
+        ]
+    }
+
+    fn mesh(&self) -> &Mesh {
+        self.mesh
+    }
+
+    fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+        self.field.start();
+        probe.add(Counter::WindowBytes, 40);
+        let sources: Vec<u32> = sources
+            .iter()
+            .map(|&s| self.numbering.new_vertex(s))
+            .collect();
+        let vertices = self.mesh.vertex_count();
+        let mut distances = vec![0.0; vertices];
+        let (field, numbering, instructions) =
+            (&self.field, &self.numbering, self.options.instructions);
+        thread::scope(|scope| {
+            let mut rest = distances.as_mut_slice();
+            let mut parts = self.workers.iter_mut().map(|worker| {
+                let share = worker.share(field, vertices).len();
+                let (own, others) = std::mem::take(&mut rest).split_at_mut(share);
+                rest = others;
+                (worker, own)
+            });
+            let first = parts.next();
+            let others: Vec<_> = parts
+                .map(|(worker, distances)| {
+                    let sources = sources.as_slice();
+                    scope.spawn(move || {
+                        let part = Part {
+                            worker,
+                            field,
+                            numbering,
+                            sources,
+                            distances,
+                            probe: &mut (),
+                        };
+                        dispatch::run(part, instructions)
+                    })
+                })
+                .collect();
+            if let Some((worker, distances)) = first {
+                let part = Part {
+                    worker,
+                    field,
+                    numbering,
+                    sources: &sources,
+                    distances,
+                    probe: &mut *probe,
+                };
+                // That another thread has panicked comes out when it is joined.
+                let _ = dispatch::run(part, instructions);
+            }
+            for other in others {
+                if let Err(panic) = other.join() {
+                    resume_unwind(panic);
+                }
+            }
+        });
+        for worker in &self.workers {
+            worker.tally.report(probe);
+        }
+        Solution::new(distances)
+    }
+}

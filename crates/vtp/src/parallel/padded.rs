@@ -1,0 +1,6 @@
+//! Values that threads do not slow each other down by.
+
+/// A value in cache lines of its own; two, since processors fetch lines in pairs.
+#[derive(Debug, Default)]
+#[repr(align(128))]
+pub(super) struct Padded<T>(pub(super) T);

@@ -266,7 +266,7 @@ pub(super) struct DistanceOptions {
     pub(super) model: String,
 
     /// The source: a vertex number, first, a list of numbers or random:N[,seed=S]; from several
-    /// sources the distance is that from the nearest
+    /// sources the distance is that from the nearest, but see --each
     #[arg(long, value_name = "SRC", allow_negative_numbers = true)]
     pub(super) source: SourceSpec,
 
@@ -274,7 +274,12 @@ pub(super) struct DistanceOptions {
     #[arg(long, value_name = "A", default_value = "vtp-fast", value_parser = registry::select_one)]
     pub(super) algo: Selection,
 
-    /// Threads, if the algorithm is a parallel one (pvtp)
+    /// One field for each source, in a file of its own, which is called FILE with the source before the ending, as in
+    /// d.s17.csv
+    #[arg(long)]
+    pub(super) each: bool,
+
+    /// Threads, if the algorithm is a parallel one (pvtp) or with --each: then so many sources at a time
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
     pub(super) threads: u32,
 

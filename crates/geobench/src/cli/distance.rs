@@ -1,6 +1,13 @@
 //! `geobench distance`.
 
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
 use anyhow::{Context, bail};
+use geobench_mesh::{Mesh, VertexId};
+use geobench_window::Solver;
 
 use super::Verdict;
 use super::args::DistanceOptions;
@@ -8,6 +15,7 @@ use super::terminal;
 use crate::field::{DistanceField, FieldFormat};
 use crate::model;
 use crate::output::OutputFile;
+use crate::registry::Selection;
 
 pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     if options.algo.outside_name().is_some() {
@@ -31,23 +39,131 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         .source
         .resolve(loaded.mesh.vertex_count())
         .with_context(|| model.path.clone())?;
-    let algorithm = options.algo.clone().with_threads(options.threads as usize);
-    let distances = algorithm.build(&loaded.mesh).solve(&sources)?.distances;
-    let field = DistanceField {
-        model: &model.name,
-        algorithm: options.algo.label(),
-        sources: &sources.iter().map(|v| v.raw()).collect::<Vec<_>>(),
-        mesh: &loaded.mesh,
-        distances: &distances,
+    let tasks = if options.each {
+        one_by_one(sources, &options.output)?
+    } else {
+        vec![Task {
+            sources,
+            path: options.output.clone(),
+            output,
+        }]
     };
-    output.write(&format.render(&field)?)?;
-    if !options.quiet {
-        terminal::print(&summary(&distances, options))?;
+    let request = Request {
+        options,
+        model: &model.name,
+        mesh: &loaded.mesh,
+        format,
+    };
+    for summary in request.carry_out(&tasks)? {
+        if !options.quiet {
+            terminal::print(&summary)?;
+        }
     }
     Ok(Verdict::Passed)
 }
 
-fn summary(distances: &[f64], options: &DistanceOptions) -> String {
+/// A field to be found and where it goes.
+struct Task {
+    sources: Vec<VertexId>,
+    path: PathBuf,
+    output: OutputFile,
+}
+
+/// A field for each of `sources`, which are different, in a file of its own that is called after `path`.
+fn one_by_one(sources: Vec<VertexId>, path: &Path) -> anyhow::Result<Vec<Task>> {
+    let task = |source: VertexId| {
+        let path = path_of_source(path, source);
+        Ok(Task {
+            output: OutputFile::prepare(&path)?,
+            path,
+            sources: vec![source],
+        })
+    };
+    sources.into_iter().map(task).collect()
+}
+
+/// `path` with the source before its ending: the name by which `verify` looks for stored distances.
+fn path_of_source(path: &Path, source: VertexId) -> PathBuf {
+    let mut name = path.file_stem().map_or_else(OsString::new, Into::into);
+    name.push(format!(".s{}", source.raw()));
+    if let Some(ending) = path.extension() {
+        name.push(".");
+        name.push(ending);
+    }
+    path.with_file_name(name)
+}
+
+/// What all tasks have in common.
+struct Request<'a> {
+    options: &'a DistanceOptions,
+    model: &'a str,
+    mesh: &'a Mesh,
+    format: FieldFormat,
+}
+
+impl Request<'_> {
+    /// Carries out all `tasks`, as many at a time as there are threads, and says for each what came of it.
+    ///
+    /// Each thread has a solver of its own. That is worth more than several threads for one source, so a parallel
+    /// algorithm gets those that are left over.
+    fn carry_out(&self, tasks: &[Task]) -> anyhow::Result<Vec<String>> {
+        let threads = self.options.threads as usize;
+        let workers = threads.min(tasks.len()).max(1);
+        let algorithm = self.options.algo.clone().with_threads(threads / workers);
+        let next = AtomicUsize::new(0);
+        let work = || -> anyhow::Result<Vec<(usize, String)>> {
+            let mut solver = algorithm.build(self.mesh);
+            let mut done = Vec::new();
+            loop {
+                let place = next.fetch_add(1, Ordering::Relaxed);
+                let Some(task) = tasks.get(place) else {
+                    return Ok(done);
+                };
+                match self.solve(&algorithm, &mut *solver, task) {
+                    Ok(summary) => done.push((place, summary)),
+                    Err(error) => {
+                        // The others finish what they have begun.
+                        next.store(tasks.len(), Ordering::Relaxed);
+                        return Err(error);
+                    }
+                }
+            }
+        };
+        let mut done = thread::scope(|scope| {
+            let others: Vec<_> = (1..workers).map(|_| scope.spawn(work)).collect();
+            let mut done = work()?;
+            for other in others {
+                match other.join() {
+                    Ok(of_other) => done.extend(of_other?),
+                    Err(panic) => std::panic::resume_unwind(panic),
+                }
+            }
+            anyhow::Ok(done)
+        })?;
+        done.sort_unstable();
+        Ok(done.into_iter().map(|(_, summary)| summary).collect())
+    }
+
+    fn solve(
+        &self,
+        algorithm: &Selection,
+        solver: &mut dyn Solver,
+        task: &Task,
+    ) -> anyhow::Result<String> {
+        let distances = solver.solve(&task.sources)?.distances;
+        let field = DistanceField {
+            model: self.model,
+            algorithm: algorithm.label(),
+            sources: &task.sources.iter().map(|v| v.raw()).collect::<Vec<_>>(),
+            mesh: self.mesh,
+            distances: &distances,
+        };
+        task.output.write(&self.format.render(&field)?)?;
+        Ok(summary(&distances, &task.path))
+    }
+}
+
+fn summary(distances: &[f64], path: &Path) -> String {
     let reached = || distances.iter().enumerate().filter(|(_, d)| d.is_finite());
     let farthest = reached()
         .max_by(|(_, a), (_, b)| a.total_cmp(b))
@@ -56,7 +172,7 @@ fn summary(distances: &[f64], options: &DistanceOptions) -> String {
         });
     format!(
         "{}: {} vertices, {} unreachable{farthest}\n",
-        options.output.display(),
+        path.display(),
         distances.len(),
         distances.len() - reached().count()
     )

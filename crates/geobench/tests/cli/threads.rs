@@ -169,3 +169,47 @@ fn distances_on_threads_are_the_same_bits() {
     ));
     assert_eq!(sandbox.json("d.json")["algorithm"], json!("vtp-fast"));
 }
+
+#[test]
+fn each_source_has_its_own_field_whatever_the_number_of_threads() {
+    let sandbox = Sandbox::new();
+    let fields = |options: &str, name: &str| {
+        let said = sandbox.succeed(&format!(
+            "distance {MODEL} --source 900,5,31 --each -o {name}.npy {options}"
+        ));
+        let lines: Vec<_> = said.lines().collect();
+        let mut place = 0;
+        assert_eq!(lines.len(), 3, "{said}");
+        [900, 5, 31].map(|source| {
+            let file = format!("{name}.s{source}.npy");
+            assert!(lines[place].starts_with(&file), "{said}");
+            place += 1;
+            std::fs::read(sandbox.path(&file)).unwrap()
+        })
+    };
+    for algorithm in ["vtp-fast", "pvtp", "mmp"] {
+        let expected = [900, 5, 31].map(|source| {
+            sandbox.succeed(&format!(
+                "distance {MODEL} --source {source} --algo {algorithm} --quiet -o alone.npy"
+            ));
+            std::fs::read(sandbox.path("alone.npy")).unwrap()
+        });
+        assert!(expected[0] != expected[1]);
+        for threads in [1, 2, 7] {
+            let found = fields(
+                &format!("--algo {algorithm} --threads {threads}"),
+                &format!("{algorithm}{threads}"),
+            );
+            assert!(found == expected, "{algorithm} on {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn a_field_that_cannot_be_written_is_named_before_the_work() {
+    let sandbox = Sandbox::with_square();
+    std::fs::create_dir(sandbox.path("d.s2.csv")).unwrap();
+    let message = sandbox.refuse("distance square.off --source 0,2 --each --threads 2 -o d.csv");
+    assert!(message.contains("d.s2.csv: cannot be written"), "{message}");
+    assert!(!sandbox.path("d.s0.csv").exists());
+}

@@ -24,6 +24,10 @@
 //! a list be taken by any thread: a window that another processor wrote takes longer to fetch than to
 //! cross. For the same reasons threads are started for each run, for 30 µs, and not kept.
 //!
+//! **Gain.** Two threads on two processors with AVX-512 and nothing else to do, against `vtp_fast`: 1.6 on models of 270 to
+//! 330 thousand faces, 1.4 on 70 and 100 thousand; one thread is 0.93 as fast. A fifth of the time of two threads goes
+//! by at barriers, mostly since a step is not divided evenly.
+//!
 //! **Cost.** As [`vtp_fast`](super::vtp_fast), and 16 bytes for each face and 32 for each vertex. On small models, below some
 //! 20 thousand faces, threads wait for each other more than they save; and more threads than idle processors are
 //! far slower than one, since all wait for those that have to wait. **Choose it** for large models on a machine

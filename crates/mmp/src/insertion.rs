@@ -5,7 +5,7 @@ use std::ops::Range;
 use geobench_window::{Window, tie_points};
 
 use crate::duel::{Duel, duel, is_new_shorter, is_sliver, matters};
-use crate::lists::{Direction, Lists, Slot};
+use crate::lists::{self, Direction, Lists, Slot};
 
 /// Who is shorter on a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,9 +94,8 @@ impl Inserter {
         self.to_queue.clear();
         (self.new_pieces, self.outdated) = (0, 0);
         (self.trimmed, self.removed) = (0, 0);
-        let (windows, slots) = (lists.windows(), lists.slots(i));
-        let first = slots.partition_point(|&slot| windows[slot as usize].b1 <= new.b0);
-        match place(windows, &slots[first..], new, l) {
+        let first = lists.ending_by(i, new.b0);
+        match place(lists.windows(), &lists.places(i)[first..], new, l) {
             Place::Nowhere => {}
             Place::Here(wedge) => self.drive_in(lists, i, first, &wedge, new, direction, l),
             Place::Open => self.divide(lists, i, first, new, direction, l),
@@ -128,16 +127,16 @@ impl Inserter {
         let mut pieces = 1;
         let mut left = None;
         if wedge.keeps_left {
-            let slot = lists.slots(i)[from];
+            let slot = lists.places(i)[from].slot;
             let old = lists.windows()[slot as usize];
             if !is_sliver(&old, old.b0, start, l) {
                 left = Some(old);
-                self.keep(lists, slot, old.b0, start);
+                self.keep(lists, i, from, old.b0, start);
                 from += 1;
             }
         }
         if wedge.keeps_right {
-            let slot = lists.slots(i)[to - 1];
+            let slot = lists.places(i)[to - 1].slot;
             if let Some(old) = left
                 && from == to
             {
@@ -148,13 +147,13 @@ impl Inserter {
             } else {
                 let old = lists.windows()[slot as usize];
                 if !is_sliver(&old, end, old.b1, l) {
-                    self.keep(lists, slot, end, old.b1);
+                    self.keep(lists, i, to - 1, end, old.b1);
                     to -= 1;
                 }
             }
         }
         for k in from..to {
-            let slot = lists.slots(i)[k];
+            let slot = lists.places(i)[k].slot;
             lists.remove(i, slot);
         }
         self.removed = to - from;
@@ -174,8 +173,8 @@ impl Inserter {
     ) {
         let mut met = std::mem::take(&mut self.met);
         met.clear();
-        let behind = lists.slots(i)[first..].iter();
-        let behind = behind.map(|&slot| lists.windows()[slot as usize]);
+        let behind = lists.places(i)[first..].iter();
+        let behind = behind.map(|place| lists.windows()[place.slot as usize]);
         met.extend(behind.take_while(|w| w.b0 < new.b1));
         self.share_out(&met, new, l);
         self.segments.retain(|s| {
@@ -218,7 +217,7 @@ impl Inserter {
                     slots.push(self.queue_piece(lists, i, window, direction, None));
                 }
                 Owner::Old(k) => {
-                    let slot = lists.slots(i)[first + k];
+                    let slot = lists.places(i)[first + k].slot;
                     let window = Window {
                         b0: start,
                         b1: end,
@@ -230,7 +229,7 @@ impl Inserter {
                         self.give_up(lists, i, first + next_old..first + k);
                         next_old = k + 1;
                         if start != met[k].b0 || end != met[k].b1 {
-                            self.keep(lists, slot, start, end);
+                            self.keep(lists, i, first + k, start, end);
                         }
                         slots.push(slot);
                     }
@@ -247,7 +246,7 @@ impl Inserter {
     fn give_up(&mut self, lists: &mut Lists, i: usize, range: Range<usize>) {
         self.removed += range.len();
         for k in range {
-            let slot = lists.slots(i)[k];
+            let slot = lists.places(i)[k].slot;
             lists.remove(i, slot);
         }
     }
@@ -322,9 +321,9 @@ impl Inserter {
     /// A window that was propagated already is only cut, since its children will be trimmed by
     /// those of the winner; one that still waits has to wait for longer if its least distance grew.
     #[inline]
-    fn keep(&mut self, lists: &mut Lists, slot: Slot, start: f64, end: f64) {
+    fn keep(&mut self, lists: &mut Lists, i: usize, k: usize, start: f64, end: f64) {
         self.trimmed += 1;
-        self.outdated += usize::from(lists.cut(slot, start, end));
+        self.outdated += usize::from(lists.cut(i, k, start, end));
     }
 
     /// Stores a further piece of the window in `slot`, which waits if that does.
@@ -339,9 +338,9 @@ impl Inserter {
     }
 }
 
-/// Where `new` is shorter than the windows in `slots`, of which the first is the first that it may meet.
+/// Where `new` is shorter than the windows at `places`, of which the first is the first that it may meet.
 #[inline]
-fn place(windows: &[Window], slots: &[Slot], new: &Window, l: f64) -> Place {
+fn place(windows: &[Window], places: &[lists::Place], new: &Window, l: f64) -> Place {
     let mut wedge = Wedge {
         start: new.b0,
         end: new.b1,
@@ -354,8 +353,8 @@ fn place(windows: &[Window], slots: &[Slot], new: &Window, l: f64) -> Place {
     let (mut gained, mut over) = (false, false);
     // Up to here everything has been decided.
     let mut decided = new.b0;
-    for &slot in slots {
-        let w = &windows[slot as usize];
+    for place in places {
+        let w = &windows[place.slot as usize];
         if w.b0 >= new.b1 {
             break;
         }
@@ -400,6 +399,10 @@ fn place(windows: &[Window], slots: &[Slot], new: &Window, l: f64) -> Place {
             }
             _ => return Place::Open,
         }
+        if w.b1 >= new.b1 {
+            // The next one begins behind it, and need not be looked at.
+            break;
+        }
     }
     if decided < new.b1 && !over && !gained {
         (gained, wedge.start) = (true, decided);
@@ -443,8 +446,10 @@ mod tests {
     }
 
     fn stored(list: &Lists) -> Vec<Window> {
-        let windows = list.slots(0).iter();
-        windows.map(|&slot| list.windows()[slot as usize]).collect()
+        let windows = list.places(0).iter();
+        windows
+            .map(|place| list.windows()[place.slot as usize])
+            .collect()
     }
 
     fn at(list: &Lists, x: f64) -> Option<f64> {

@@ -36,6 +36,21 @@ impl State {
     }
 }
 
+/// A window of a list, with what a search needs to know of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// Where the window is.
+    pub(crate) slot: Slot,
+    /// The [key](end_key) of its right end.
+    end: u32,
+}
+
+/// The upper half of the bits of an abscissa that is not negative, in the order of the abscissae up to a millionth.
+#[inline]
+fn end_key(x: f64) -> u32 {
+    (x.to_bits() >> 32) as u32
+}
+
 /// The list of one half-edge: a block in the array of all lists.
 #[derive(Clone, Copy, Debug, Default)]
 struct List {
@@ -52,13 +67,14 @@ struct List {
 /// The windows of all half-edges, or of all edges in the frame of one of their half-edges. Those
 /// of one list are in ascending order and have disjoint intervals; gaps are normal.
 ///
-/// A list is a block of slots, 4 bytes for each window, of a few sizes: 4, 6, 8, 12, 16 and so on. To insert
-/// a window moves slots only, and the queue finds a window without a look at its list. Slots and blocks that
-/// were given back are the first to be taken again, so that the memory in use is as small as the lists are.
+/// A list is a block of slots, 8 bytes for each window, of a few sizes: 4, 6, 8, 12, 16 and so on. To insert
+/// a window moves slots only, and the queue finds a window without a look at its list. To search a list reads
+/// its block only: where the windows are is known to a millionth, and of them those are read that the new one may
+/// meet. Slots and blocks that were given back are the first to be taken again, so that the memory in use is as small as the lists are.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lists {
     heads: Vec<List>,
-    slots: Vec<Slot>,
+    places: Vec<Place>,
     /// For each size class the blocks that nobody uses.
     free_blocks: Vec<Vec<u32>>,
     windows: Vec<Window>,
@@ -67,6 +83,9 @@ pub(crate) struct Lists {
     waiting: usize,
     stored: usize,
 }
+
+/// Fewer slots than this are moved one by one.
+const SHORT: usize = 8;
 
 /// Number of slots in a block of this class.
 #[inline]
@@ -91,7 +110,7 @@ impl Lists {
     /// Makes all lists empty.
     pub(crate) fn clear(&mut self) {
         self.heads.fill(List::default());
-        self.slots.clear();
+        self.places.clear();
         self.free_blocks.clear();
         self.windows.clear();
         self.states.clear();
@@ -117,9 +136,24 @@ impl Lists {
 
     /// The windows of list `i`, by their slots.
     #[inline]
-    pub(crate) fn slots(&self, i: usize) -> &[Slot] {
+    pub(crate) fn places(&self, i: usize) -> &[Place] {
         let List { start, len, .. } = self.heads[i];
-        &self.slots[start as usize..][..len as usize]
+        &self.places[start as usize..][..len as usize]
+    }
+
+    /// How many windows of list `i` end at `x` or before.
+    #[inline]
+    pub(crate) fn ending_by(&self, i: usize, x: f64) -> usize {
+        let places = self.places(i);
+        let key = end_key(x);
+        let mut count = places.partition_point(|place| place.end < key);
+        while let Some(place) = places.get(count)
+            && place.end == key
+            && self.windows[place.slot as usize].b1 <= x
+        {
+            count += 1;
+        }
+        count
     }
 
     /// All windows that are stored, by slot.
@@ -152,7 +186,8 @@ impl Lists {
 
     /// The entry of a window of list `i` has come out of the queue. The window stays stored, and does not
     /// wait any more, unless it must wait for longer.
-    #[inline]
+    #[inline(always)] // The window is not to pass through memory on its way to its crossing.
+    #[allow(clippy::inline_always)]
     pub(crate) fn take(&mut self, i: usize, slot: Slot) -> Turn<()> {
         let state = &mut self.states[slot as usize];
         if state.has(State::GONE) {
@@ -200,9 +235,12 @@ impl Lists {
         }
     }
 
-    /// Cuts a window down to `b0..b1`. Returns whether its least distance has grown while it waits.
+    /// Cuts window `k` of list `i` down to `b0..b1`. Returns whether its least distance has grown while it waits.
     #[inline]
-    pub(crate) fn cut(&mut self, slot: Slot, b0: f64, b1: f64) -> bool {
+    pub(crate) fn cut(&mut self, i: usize, k: usize, b0: f64, b1: f64) -> bool {
+        let place = &mut self.places[self.heads[i].start as usize + k];
+        place.end = end_key(b1);
+        let slot = place.slot;
         let window = &mut self.windows[slot as usize];
         let nearest = window.nearest_abscissa();
         (window.b0, window.b1) = (b0, b1);
@@ -235,8 +273,9 @@ impl Lists {
             self.resize(i, first, old, new.len());
         }
         let start = self.heads[i].start as usize + first;
-        for (to, slot) in self.slots[start..start + new.len()].iter_mut().zip(new) {
-            *to = *slot;
+        for (to, &slot) in self.places[start..start + new.len()].iter_mut().zip(new) {
+            let end = end_key(self.windows[slot as usize].b1);
+            *to = Place { slot, end };
         }
     }
 
@@ -251,18 +290,18 @@ impl Lists {
         let behind = start + first + old..start + len;
         if longer > room(class) {
             let to = self.relocate(i, longer);
-            self.slots.copy_within(start..start + first, to);
-            self.slots.copy_within(behind, to + first + new);
+            self.places.copy_within(start..start + first, to);
+            self.places.copy_within(behind, to + first + new);
         } else {
             let to = start + first + new;
-            if new == old + 1 {
-                // By far the most frequent, and too short for a call.
-                let slots = &mut self.slots[behind.start..=behind.end];
-                for k in (1..slots.len()).rev() {
-                    slots[k] = slots[k - 1];
+            if new == old + 1 && behind.len() < SHORT {
+                // The most frequent case, and too little for a call.
+                let places = &mut self.places[behind.start..=behind.end];
+                for k in (1..places.len()).rev() {
+                    places[k] = places[k - 1];
                 }
             } else {
-                self.slots.copy_within(behind, to);
+                self.places.copy_within(behind, to);
             }
         }
         self.heads[i].len = longer as u32;
@@ -283,8 +322,8 @@ impl Lists {
         let to = self.free_blocks[usize::from(larger)]
             .pop()
             .unwrap_or_else(|| {
-                let to = self.slots.len();
-                self.slots.resize(to + room(larger), 0);
+                let to = self.places.len();
+                self.places.resize(to + room(larger), Place::default());
                 to as u32
             });
         if class > 0 {
@@ -300,9 +339,9 @@ impl Lists {
         let List {
             start, len, class, ..
         } = self.heads[i];
-        let slots = &self.slots[start as usize..][..len as usize];
-        self.stored -= slots.len();
-        self.free.extend_from_slice(slots);
+        let places = &self.places[start as usize..][..len as usize];
+        self.stored -= places.len();
+        self.free.extend(places.iter().map(|place| place.slot));
         if class > 0 {
             self.free_blocks[usize::from(class)].push(start);
         }
@@ -325,9 +364,26 @@ impl Lists {
 
     /// Asks for what [`take`](Self::take) looks at.
     #[inline]
-    pub(crate) fn announce(&self, slot: Slot) {
+    pub(crate) fn announce(&self, i: usize, slot: Slot) {
         prefetch(&self.windows, slot as usize);
         prefetch(&self.states, slot as usize);
+        prefetch(&self.heads, i);
+    }
+
+    /// Asks for the head of list `i`, to which a window will come.
+    #[inline]
+    pub(crate) fn announce_head(&self, i: usize) {
+        prefetch(&self.heads, i);
+    }
+
+    /// Asks for the list itself, whose head is at hand: all of it up to 24 windows, and where a search
+    /// looks first.
+    #[inline]
+    pub(crate) fn announce_places(&self, i: usize) {
+        let List { start, len, .. } = self.heads[i];
+        for quarter in 1..=3 {
+            prefetch(&self.places, (start + len * quarter / 4) as usize);
+        }
     }
 }
 

@@ -86,7 +86,7 @@ proptest! {
             }
             let mut waiting = 0;
             for (i, held) in model.iter().enumerate() {
-                let stored = lists.slots(i).iter().map(|&s| (s, lists.windows()[s as usize].px));
+                let stored = lists.places(i).iter().map(|p| (p.slot, lists.windows()[p.slot as usize].px));
                 prop_assert_eq!(&stored.collect::<Vec<_>>(), held);
                 let waits = held.iter().filter(|h| queue.contains(&(i, h.0, h.1))).count();
                 prop_assert_eq!(lists.is_waited_for(i), waits > 0);
@@ -106,12 +106,36 @@ fn a_window_that_was_cut_waits_for_its_new_turn() {
     };
     let slot = lists.store(0, near_left, Direction::Forward, true);
     lists.replace(0, 0, 0, &[slot]);
-    assert!(!lists.cut(slot, 0.0, 0.8), "the nearest point is kept");
-    assert!(lists.cut(slot, 0.5, 0.8));
+    assert!(!lists.cut(0, 0, 0.0, 0.8), "the nearest point is kept");
+    assert!(lists.cut(0, 0, 0.5, 0.8));
     let Turn::Later(label) = lists.take(0, slot) else {
         panic!("its distance has grown");
     };
     assert_eq!(label, near_left.distance(0.5));
     assert!(matches!(lists.take(0, slot), Turn::Now(w, ()) if (w.b0, w.b1) == (0.5, 0.8)));
-    assert!(!lists.cut(slot, 0.6, 0.8), "it does not wait any more");
+    assert!(!lists.cut(0, 0, 0.6, 0.8), "it does not wait any more");
+}
+
+proptest! {
+    /// Keys of ends are rounded: ends that are equal, or nearly so, must be told apart at any scale.
+    #[test]
+    fn windows_that_end_before_a_point_are_counted_exactly(
+        ends in prop::collection::vec((1..20u32, 0..3u32), 1..20),
+        at in (1..20u32, 0..3u32),
+        scale in prop_oneof![Just(1.0), Just(1e-150), Just(1e150), 0.1..10.0f64],
+    ) {
+        let abscissa = |(whole, more): (u32, u32)| scale * (f64::from(whole) + 1e-9 * f64::from(more));
+        let mut ends: Vec<f64> = ends.into_iter().map(abscissa).collect();
+        ends.sort_by(f64::total_cmp);
+        let mut lists = Lists::new(1);
+        let slots: Vec<Slot> = ends
+            .iter()
+            .map(|&b1| lists.store(0, Window { b1, ..window(0.0) }, Direction::Forward, false))
+            .collect();
+        lists.replace(0, 0, 0, &slots);
+        for x in [0.0, abscissa(at)] {
+            let before = ends.iter().filter(|&&b1| b1 <= x).count();
+            prop_assert_eq!(lists.ending_by(0, x), before);
+        }
+    }
 }

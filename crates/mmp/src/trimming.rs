@@ -69,6 +69,21 @@ impl Trimming {
     }
 }
 
+impl Trimming {
+    /// The lists to which the children of a window on `h` come; at the border that of `h` itself stands for the missing
+    /// one. It reads nothing but the face of `h`.
+    #[inline]
+    fn exits(&self, h: HalfEdgeId, surface: &Surface) -> [usize; 2] {
+        let [left, right] = surface.faces().exits(h);
+        let list = |exit: Option<HalfEdgeId>, side: HalfEdgeId| match exit {
+            Some(exit) if self.carrier == Carrier::HalfEdge => exit.index(),
+            Some(exit) => exit.min(side).index(),
+            None => h.index(),
+        };
+        [list(left, h.prev()), list(right, h.next())]
+    }
+}
+
 impl Policy for Trimming {
     /// The level in the sequence tree, in counted runs; else 0.
     type Lineage = u32;
@@ -156,7 +171,8 @@ impl Policy for Trimming {
         kept
     }
 
-    #[inline]
+    #[inline(always)] // As `Lists::take`.
+    #[allow(clippy::inline_always)]
     fn take<P: Probe>(
         &mut self,
         h: HalfEdgeId,
@@ -201,8 +217,23 @@ impl Policy for Trimming {
     }
 
     #[inline]
-    fn announce(&self, _: HalfEdgeId, id: u32) {
-        self.lists.announce(id);
+    fn announce(&self, h: HalfEdgeId, id: u32) {
+        // Where both half-edges of an edge have one list this may ask for another one, which does no harm.
+        self.lists.announce(h.index(), id);
+    }
+
+    #[inline]
+    fn prepare(&self, h: HalfEdgeId, _: u32, surface: &Surface) {
+        for place in self.exits(h, surface) {
+            self.lists.announce_head(place);
+        }
+    }
+
+    #[inline]
+    fn make_ready(&self, h: HalfEdgeId, _: u32, surface: &Surface) {
+        for place in self.exits(h, surface) {
+            self.lists.announce_places(place);
+        }
     }
 
     #[inline]

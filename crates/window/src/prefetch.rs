@@ -9,8 +9,13 @@ const LINE: usize = 64;
 #[inline]
 pub fn prefetch<T>(values: &[T], i: usize) {
     let value = values.as_ptr().wrapping_add(i).cast::<u8>();
-    for line in 0..size_of::<T>().div_ceil(LINE) {
+    let size = size_of::<T>();
+    for line in 0..size.div_ceil(LINE) {
         ask(value.wrapping_add(LINE * line));
+    }
+    if align_of::<T>() < LINE && !LINE.is_multiple_of(size) {
+        // It may begin in the middle of a line, and end in one more.
+        ask(value.wrapping_add(size - 1));
     }
 }
 

@@ -85,10 +85,17 @@ pub trait Policy: Send {
         let _ = (h, id);
     }
 
-    /// Window `id` on `h`, which was announced a few turns ago, is likely to be taken in one or two:
+    /// Window `id` on `h`, which was announced a few turns ago, is likely to be taken in a few:
     /// reads it, and asks for what else [`take`](Self::take) will need.
     #[inline]
     fn prepare(&self, h: HalfEdgeId, id: u32, surface: &Surface) {
+        let _ = (h, id, surface);
+    }
+
+    /// Window `id` on `h`, which was [prepared](Self::prepare) a few turns ago, is likely to be taken in one or two:
+    /// reads what was asked for then, and asks for what only that leads to.
+    #[inline]
+    fn make_ready(&self, h: HalfEdgeId, id: u32, surface: &Surface) {
         let _ = (h, id, surface);
     }
 

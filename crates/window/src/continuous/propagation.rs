@@ -25,9 +25,11 @@ const COUNTERS: &[Counter] = &[
     Counter::PseudoSources,
 ];
 
-/// How many turns before its own a window is announced, and how many before it is prepared.
+/// How many turns before its own a window is announced, how many before it is prepared, and how many before it is
+/// made ready.
 const FAR: usize = 5;
-const NEAR: usize = 2;
+const NEAR: usize = 3;
+const NEXT: usize = 1;
 
 /// An algorithm that takes one window at a time: `policy` under `queue`, on one mesh.
 #[derive(Clone, Debug)]
@@ -281,6 +283,9 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<'_, W, Q> {
                 self.policy.prepare(h, id, &self.surface);
                 self.surface.prepare(h);
             }
+            if let Some(EventKind::Window(h, id)) = self.queue.upcoming(NEXT).map(Event::kind) {
+                self.policy.make_ready(h, id, &self.surface);
+            }
             match event.kind() {
                 EventKind::Vertex(v) => {
                     // A vertex is queued anew whenever it improves; older entries are void.
@@ -290,19 +295,15 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<'_, W, Q> {
                         self.spawn(v, probe);
                     }
                 }
-                EventKind::Window(h, id) => {
-                    let mut turn = self.policy.take(h, id, &self.surface, probe);
-                    if let Turn::Later(label) = turn {
-                        if !self.queue.is_due(label) {
-                            self.queue.push(label, event, probe);
-                            continue;
-                        }
-                        turn = self.policy.take(h, id, &self.surface, probe);
+                EventKind::Window(h, id) => loop {
+                    match self.policy.take(h, id, &self.surface, probe) {
+                        Turn::Now(window, lineage) => self.cross(h, &window, &lineage, probe),
+                        Turn::Void => {}
+                        Turn::Later(label) if self.queue.is_due(label) => continue,
+                        Turn::Later(label) => self.queue.push(label, event, probe),
                     }
-                    if let Turn::Now(window, lineage) = turn {
-                        self.cross(h, &window, &lineage, probe);
-                    }
-                }
+                    break;
+                },
             }
         }
         self.policy.finish(probe);

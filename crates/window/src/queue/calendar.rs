@@ -129,7 +129,7 @@ impl Calendar {
         slot.len = 0;
         self.ring.vacate(bucket);
         self.arena
-            .drain(&mut chain, |events| to.extend_from_slice(events));
+            .drain(&mut chain, |events| to.extend(events.iter().copied()));
     }
 
     /// All events that wait with their labels, in no order.

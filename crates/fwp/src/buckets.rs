@@ -189,6 +189,11 @@ impl Discipline for Buckets {
         upcoming.map(|&(_, event)| event)
     }
 
+    #[inline]
+    fn coming(&self) -> impl Iterator<Item = Event> {
+        self.events[self.next..].iter().map(|&(_, event)| event)
+    }
+
     fn events(&self) -> impl Iterator<Item = (f64, Event)> {
         let round = self.events[self.next..].iter();
         self.calendar.events().chain(round.copied())

@@ -2,8 +2,7 @@
 
 use geobench_mesh::HalfEdgeId;
 
-use geobench_window::continuous::Side;
-use geobench_window::prefetch;
+use geobench_window::{Side, prefetch};
 
 use crate::tree::Guard;
 
@@ -84,22 +83,13 @@ impl Angles {
     }
 
     /// Whether the angle of `guard` has a new occupant whose ray cuts the guarded subtree off.
+    ///
+    /// A new ray further left cuts off the left child, one further right the right child. As long as the occupant is
+    /// the same its ray is, too.
     #[inline]
     pub(crate) fn cuts_off(&self, guard: &Guard) -> bool {
-        let Some((place, entry, side)) = guard.split() else {
-            return false;
-        };
-        let angle = &self.angles[place.index()];
-        // As long as the occupant is the same its ray is, too.
-        if (entry - angle.entry).abs() <= TIE {
-            return false;
-        }
-        let kept = if entry < angle.entry {
-            Side::Left
-        } else {
-            Side::Right
-        };
-        side != kept
+        let angle = &self.angles[guard.angle_index()];
+        guard.beyond(angle.entry) > TIE
     }
 }
 

@@ -1,8 +1,8 @@
 //! The policy of the CH family: windows pass a filter, wait, split once at each angle, and are forgotten.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::continuous::{Arrival, Policy, Side, Surface, Turn};
-use geobench_window::{Counter, Passage, Phase, Probe};
+use geobench_window::continuous::{Arrival, Child, Policy, Surface, Turn};
+use geobench_window::{Counter, Passage, Phase, Probe, Side, Window};
 
 use crate::angle::{Angles, Split};
 use crate::tree::{Guard, Leaves, Lineage, Node};
@@ -40,9 +40,10 @@ impl Splitting {
     /// Whether a window cannot matter any more, since its root was reached by a shorter path or a
     /// better window took the angle above it.
     #[inline]
+    #[allow(clippy::needless_bitwise_bool)] // Neither is likely: one branch for both.
     fn is_stale(&self, node: &Node, surface: &Surface) -> bool {
-        surface.distance(node.lineage.root) < node.window.sigma
-            || self.angles.cuts_off(&node.lineage.guard)
+        (surface.distance(node.lineage.root) < node.window.sigma)
+            | self.angles.cuts_off(&node.lineage.guard)
     }
 }
 
@@ -71,7 +72,8 @@ impl Policy for Splitting {
         }
     }
 
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // The window is not to pass through memory.
     fn arrive<P: Probe>(
         &mut self,
         arrival: &Arrival<Lineage>,
@@ -84,25 +86,50 @@ impl Policy for Splitting {
             window,
             lineage,
             edge,
-        } = arrival;
-        if self.filter == VertexFilter::On && edge.beats(window) {
+        } = *arrival;
+        let child = Child {
+            h,
+            window,
+            lineage,
+            label: window.min_distance(),
+            is_beaten: self.filter == VertexFilter::On && edge.beats(&window),
+        };
+        self.admit(&child, queue, probe)
+    }
+
+    const FORESEES: bool = true;
+
+    #[inline]
+    fn foresee(&self, id: u32) -> Option<&Window> {
+        Some(self.leaves.window(id))
+    }
+
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // The window is not to pass through memory.
+    fn admit<P: Probe>(
+        &mut self,
+        child: &Child<Lineage>,
+        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
+        probe: &mut P,
+    ) -> bool {
+        if self.filter == VertexFilter::On && child.is_beaten {
             probe.add(Counter::Filtered, 1);
             return false;
         }
         probe.enter(Phase::Management);
-        let label = window.min_distance();
         let slot = self.leaves.insert(Node {
-            window: *window,
-            lineage: *lineage,
+            window: child.window,
+            lineage: child.lineage,
         });
-        queue(*h, label, slot, probe);
+        queue(child.h, child.label, slot, probe);
         probe.raise(Counter::PeakWindows, self.leaves.len() as u64);
         probe.raise(Counter::PeakWavefront, self.leaves.len() as u64);
-        probe.raise(Counter::Levels, u64::from(lineage.level));
+        probe.raise(Counter::Levels, u64::from(child.lineage.level));
         true
     }
 
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // The window is not to pass through memory.
     fn take<P: Probe>(
         &mut self,
         _: HalfEdgeId,

@@ -1,8 +1,7 @@
 //! The leaves of the sequence tree: windows that wait to be propagated.
 
 use geobench_mesh::{HalfEdgeId, VertexId};
-use geobench_window::continuous::Side;
-use geobench_window::{Window, prefetch};
+use geobench_window::{Side, Window, prefetch};
 
 /// The nearest split above a window: if another window has taken that angle since, the subtree on
 /// its wrong side is dead.
@@ -16,10 +15,10 @@ pub(crate) struct Guard {
 }
 
 impl Guard {
-    /// Of a window above which there is no split.
+    /// Of a window above which there is no split. It compares with no ray, of whatever angle.
     pub(crate) const NONE: Self = Self {
-        entry: 0.0,
-        place: u32::MAX,
+        entry: f64::NAN,
+        place: 0,
     };
 
     /// Of the child on this side of a window that was split at `angle`.
@@ -34,21 +33,19 @@ impl Guard {
         }
     }
 
-    /// The number of the angle; that of no angle if there is no split.
+    /// The number of the angle.
     #[inline]
     pub(crate) fn angle_index(self) -> usize {
         self.place as usize / 2
     }
 
-    /// The angle, the fraction at which the ray to its apex came in, and the side of the child.
+    /// How far the ray that enters at `entry` comes in on the child's side of the ray of the split: left of it for the
+    /// left child, right of it for the right one. NaN if there is no split.
     #[inline]
-    pub(crate) fn split(self) -> Option<(HalfEdgeId, f64, Side)> {
-        let side = if self.place.is_multiple_of(2) {
-            Side::Left
-        } else {
-            Side::Right
-        };
-        (self.place != u32::MAX).then(|| (HalfEdgeId::new(self.place / 2), self.entry, side))
+    pub(crate) fn beyond(self, entry: f64) -> f64 {
+        // The difference, negated for the right child, in a way that needs no branch.
+        let sign = u64::from(self.place) << 63;
+        f64::from_bits((self.entry - entry).to_bits() ^ sign)
     }
 }
 
@@ -70,18 +67,36 @@ pub(crate) struct Node {
     pub(crate) lineage: Lineage,
 }
 
+/// No node.
+const NONE: u32 = u32::MAX;
+
 /// Nodes in reused slots.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Leaves {
     nodes: Vec<Node>,
-    free: Vec<u32>,
+    /// The slot that was left last; its level is the number of the one that was left before it.
+    free: u32,
+    len: usize,
+}
+
+impl Default for Leaves {
+    fn default() -> Self {
+        Self {
+            nodes: Vec::new(),
+            free: NONE,
+            len: 0,
+        }
+    }
 }
 
 impl Leaves {
     #[inline]
     pub(crate) fn insert(&mut self, node: Node) -> u32 {
-        if let Some(slot) = self.free.pop() {
-            self.nodes[slot as usize] = node;
+        self.len += 1;
+        let slot = self.free;
+        if let Some(place) = self.nodes.get_mut(slot as usize) {
+            self.free = place.lineage.level;
+            *place = node;
             slot
         } else {
             self.nodes.push(node);
@@ -91,8 +106,18 @@ impl Leaves {
 
     #[inline]
     pub(crate) fn remove(&mut self, slot: u32) -> Node {
-        self.free.push(slot);
-        self.nodes[slot as usize]
+        let place = &mut self.nodes[slot as usize];
+        let node = *place;
+        place.lineage.level = self.free;
+        self.free = slot;
+        self.len -= 1;
+        node
+    }
+
+    /// The window in this slot.
+    #[inline]
+    pub(crate) fn window(&self, slot: u32) -> &Window {
+        &self.nodes[slot as usize].window
     }
 
     /// Asks for the node that is to be [removed](Self::remove) soon.
@@ -108,12 +133,13 @@ impl Leaves {
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.nodes.len() - self.free.len()
+        self.len
     }
 
     pub(crate) fn clear(&mut self) {
         self.nodes.clear();
-        self.free.clear();
+        self.free = NONE;
+        self.len = 0;
     }
 }
 
@@ -123,12 +149,14 @@ mod tests {
 
     #[test]
     fn packing_keeps_the_split() {
-        assert_eq!(Guard::NONE.split(), None);
-        for side in [Side::Left, Side::Right] {
-            for angle in [0, 7, (1 << 31) - 2].map(HalfEdgeId::new) {
-                let guard = Guard::new(angle, 0.25, side);
-                assert_eq!(guard.split(), Some((angle, 0.25, side)));
-            }
+        assert!(Guard::NONE.beyond(0.5).is_nan());
+        for angle in [0, 7, (1 << 31) - 2].map(HalfEdgeId::new) {
+            let [left, right] = [Side::Left, Side::Right].map(|side| Guard::new(angle, 0.25, side));
+            assert_eq!(
+                [left.angle_index(), right.angle_index()],
+                [angle.index(); 2]
+            );
+            assert_eq!([left.beyond(0.0), right.beyond(0.0)], [0.25, -0.25]);
         }
         assert_eq!(size_of::<Node>(), 64);
     }

@@ -4,7 +4,9 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use geobench_window::{Frame, Passage, Window, tie_points};
+use geobench_mesh::generate::generate;
+use geobench_mesh::{HalfEdgeId, Mesh};
+use geobench_window::{Crossings, Faces, LANES, Passage, Side, Window, tie_points};
 
 /// Windows of each bench: few enough for the first cache.
 const COUNT: usize = 256;
@@ -19,46 +21,68 @@ fn numbers(mut state: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Windows on an edge of length 1, seen from 1 to 21 edges away.
-fn windows() -> Vec<Window> {
+/// The icosahedron, whose edges are all of one length.
+fn icosahedron() -> Mesh {
+    let soup = "gen:sphere,subdiv=0".parse().map(|spec| generate(&spec));
+    let Ok(Ok(soup)) = soup else {
+        panic!("there is no icosahedron");
+    };
+    match Mesh::from_soup(soup) {
+        Ok((mesh, _)) => mesh,
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// Windows on an edge of length `l`, seen from 1 to 21 edges away.
+fn windows(l: f64) -> Vec<Window> {
     let mut next = numbers(1);
     let window = |_| {
         let b0 = 0.9 * next();
         Window {
-            b0,
-            b1: b0 + (1.0 - b0) * (0.01 + 0.99 * next()),
-            px: 6.0 * next() - 2.5,
-            py: -1.0 - 20.0 * next(),
-            sigma: 0.1 * next(),
+            b0: l * b0,
+            b1: l * (b0 + (1.0 - b0) * (0.01 + 0.99 * next())),
+            px: l * (6.0 * next() - 2.5),
+            py: l * (-1.0 - 20.0 * next()),
+            sigma: l * 0.1 * next(),
         }
     };
     (0..COUNT).map(window).collect()
 }
 
-/// The equilateral triangle on that edge.
-fn frame() -> Frame {
-    let cy = 0.75f64.sqrt();
-    Frame {
-        l: 1.0,
-        la: 1.0,
-        lb: 1.0,
-        cx: 0.5,
-        cy,
-        left: [0.5, cy],
-        right: [0.5, -cy],
-    }
-}
+/// The half-edge through which the windows come.
+const H: HalfEdgeId = HalfEdgeId::new(0);
 
 fn kernels(criterion: &mut Criterion) {
-    let (windows, frame) = (windows(), frame());
+    let faces = Faces::new(&icosahedron());
+    let frame = faces.frame(H);
+    let windows = windows(frame.l);
     let mut group = criterion.benchmark_group("window");
     group.throughput(Throughput::Elements(COUNT as u64));
     group.bench_function("propagate", |b| {
         b.iter(|| {
             for w in &windows {
                 let passage = Passage::new(black_box(&frame), w);
-                black_box(passage.apex_distance_below(black_box(10.0)));
-                black_box((passage.left_child(), passage.right_child()));
+                if passage.covers_apex() {
+                    let [left, right] = [Side::Left, Side::Right].map(|s| faces.exit(H, &frame, s));
+                    black_box(passage.straight_distance());
+                    black_box((passage.left_child(&left), passage.right_child(&right)));
+                } else {
+                    let exit = faces.exit(H, &frame, passage.side());
+                    black_box((passage.bent_distance(&exit), passage.only_child(&exit)));
+                }
+            }
+        });
+    });
+    group.bench_function("propagate-together", |b| {
+        let mut crossings = Crossings::default();
+        b.iter(|| {
+            for some in windows.chunks(LANES) {
+                crossings.clear();
+                for w in some {
+                    crossings.add(H, w);
+                }
+                crossings.cross(black_box(&faces));
+                black_box(&crossings);
             }
         });
     });

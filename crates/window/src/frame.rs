@@ -1,6 +1,6 @@
 //! The frame of a half-edge, and the compact table from which frames are read.
 
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 use crate::prefetch::prefetch;
 
@@ -40,21 +40,53 @@ pub struct Entrance {
     pub exits: [Option<HalfEdgeId>; 2],
 }
 
+/// On which side of the apex a window leaves a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Through AC.
+    Left,
+    /// Through CB.
+    Right,
+}
+
+/// The edge by which a window leaves a triangle on one side, AC or CB.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exit {
+    /// 1 for the side on which it is, the left or the right one, and 0 for the other.
+    pub(crate) is_left: f64,
+    pub(crate) is_right: f64,
+    /// The half-edge A → C, or C → B, of the neighbour there; `None` at the boundary.
+    pub half_edge: Option<HalfEdgeId>,
+    /// Length of the edge.
+    pub length: f64,
+    /// The unit vector along it, from A to C or from C to B, in the frame by which the window came.
+    pub direction: [f64; 2],
+    /// Position of the triangle's third vertex, B or A, in the frame by which the window leaves,
+    /// below the edge.
+    pub behind: [f64; 2],
+    /// Where the edge begins, where it ends, and that third vertex.
+    pub corners: [VertexId; 3],
+}
+
 /// The corner that follows, and the one that precedes.
-const NEXT: [usize; 3] = [1, 2, 0];
-const PREV: [usize; 3] = [2, 0, 1];
+pub(crate) const NEXT: [usize; 3] = [1, 2, 0];
+pub(crate) const PREV: [usize; 3] = [2, 0, 1];
+
+/// The corners at which the half-edges of the left and of the right exit start, C and B: those
+/// after the entrance in reverse.
+pub(crate) const EXITS: [[usize; 2]; 3] = [[2, 1], [0, 2], [1, 0]];
 
 /// What a solver needs of one face, for all its three half-edges, in two cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(128))]
-struct Face {
-    length: [f64; 3],
-    inverse_length: [f64; 3],
-    apex_x: [f64; 3],
-    twice_area: f64,
-    vertex: [VertexId; 3],
+pub(crate) struct Face {
+    pub(crate) length: [f64; 3],
+    pub(crate) inverse_length: [f64; 3],
+    pub(crate) apex_x: [f64; 3],
+    pub(crate) twice_area: f64,
+    pub(crate) vertex: [VertexId; 3],
     /// `u32::MAX` where there is no neighbour.
-    twin: [u32; 3],
+    pub(crate) twin: [u32; 3],
 }
 
 /// The faces of a mesh laid out for crossing: one record a face instead of one array a quantity,
@@ -114,6 +146,46 @@ impl Faces {
             corners: [face.vertex[k], face.vertex[next], face.vertex[prev]],
             exits: [exit(face.twin[prev]), exit(face.twin[next])],
         }
+    }
+
+    /// The edge on one side by which a window leaves that came in through the half-edge of `frame`, `h`.
+    ///
+    /// Windows pass an apex on either side as often as not, and no processor foresees on which: both sides go the
+    /// same way here and in all that depends on the exit, without a branch, and nothing is known of the side that would
+    /// tempt the compiler to make one.
+    #[inline]
+    pub fn exit(&self, h: HalfEdgeId, frame: &Frame, side: Side) -> Exit {
+        let face = &self.records[h.face().index()];
+        let side = std::hint::black_box(side as u32);
+        let e = EXITS[h.corner() as usize][side as usize];
+        let is_right = f64::from(side);
+        let is_left = 1.0 - is_right;
+        let (length, inverse) = (face.length[e], face.inverse_length[e]);
+        let twin = face.twin[e];
+        Exit {
+            is_left,
+            is_right,
+            half_edge: (twin != u32::MAX).then(|| HalfEdgeId::new(twin)),
+            length,
+            direction: [
+                ((is_left - is_right) * frame.cx + is_right * frame.l) * inverse,
+                (is_left - is_right) * frame.cy * inverse,
+            ],
+            behind: [length - face.apex_x[e], -face.twice_area * inverse],
+            corners: [face.vertex[NEXT[e]], face.vertex[e], face.vertex[PREV[e]]],
+        }
+    }
+
+    /// The face `f`.
+    #[inline]
+    pub(crate) fn record(&self, f: FaceId) -> &Face {
+        &self.records[f.index()]
+    }
+
+    /// The vertices of the face of `h`.
+    #[inline]
+    pub fn vertices(&self, h: HalfEdgeId) -> &[VertexId; 3] {
+        &self.records[h.face().index()].vertex
     }
 
     /// Asks for the memory in which the face of `h` lies.

@@ -22,6 +22,7 @@
 pub mod continuous;
 mod counters;
 mod cross;
+mod crossings;
 mod filter;
 mod frame;
 mod passage;
@@ -36,8 +37,9 @@ mod window;
 
 pub use counters::{Counter, Counters};
 pub use cross::{apex_distance, left_child, right_child, separating_abscissa};
+pub use crossings::{Crossings, LANES, Outlet};
 pub use filter::{is_beaten_across, is_beaten_from_ends};
-pub use frame::{Entrance, Faces, Frame};
+pub use frame::{Entrance, Exit, Faces, Frame, Side};
 pub use passage::Passage;
 pub use prefetch::prefetch;
 pub use probe::{Clock, Count, Phase, Phases, Probe};

@@ -7,12 +7,13 @@
 //! algorithms that differ in one choice differ in nothing else.
 
 mod edge;
+mod foresight;
 mod policy;
 mod propagation;
 mod surface;
 
-pub use edge::{Behind, Edge, Side};
-pub use policy::{Arrival, Policy, Turn};
+pub use edge::{Behind, Edge};
+pub use policy::{Arrival, Child, Policy, Turn};
 pub use propagation::Continuous;
 pub use surface::Surface;
 

@@ -22,6 +22,21 @@ pub struct Arrival<L> {
     pub edge: Edge,
 }
 
+/// A window that has reached a half-edge, of which all that a [policy](Policy::FORESEES) asks is known already.
+#[derive(Clone, Copy, Debug)]
+pub struct Child<L> {
+    /// The half-edge, in whose frame the window is.
+    pub h: HalfEdgeId,
+    /// The window.
+    pub window: Window,
+    /// What it inherited.
+    pub lineage: L,
+    /// Its [least distance](Window::min_distance).
+    pub label: f64,
+    /// Whether a path through one of the vertices around beats every ray of it.
+    pub is_beaten: bool,
+}
+
 /// What becomes of a window whose turn has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Turn<L> {
@@ -76,6 +91,29 @@ pub trait Policy: Send {
     fn least_distance(&self, h: HalfEdgeId, id: u32, label: f64) -> Option<f64> {
         let _ = (h, id);
         Some(label)
+    }
+
+    /// Whether windows stay as they are while they wait, all that is asked when one arrives is said in [`Child`], and
+    /// both children are [tried](Self::tries). Windows are then crossed before their turns, several at a time.
+    const FORESEES: bool = false;
+
+    /// Window `id`, which waits, if the policy [foresees](Self::FORESEES).
+    #[inline]
+    fn foresee(&self, id: u32) -> Option<&Window> {
+        let _ = id;
+        None
+    }
+
+    /// As [`arrive`](Self::arrive), if the policy [foresees](Self::FORESEES).
+    #[inline]
+    fn admit<P: Probe>(
+        &mut self,
+        child: &Child<Self::Lineage>,
+        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
+        probe: &mut P,
+    ) -> bool {
+        let _ = (child, queue, probe);
+        false
     }
 
     /// Window `id` on `h` is likely to be taken soon: asks for the memory where it lies, without

@@ -1,12 +1,16 @@
 //! The main loop.
 
+// A window is not to pass through memory between its crossing and where it waits.
+#![allow(clippy::inline_always)]
+
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
-use super::edge::{Edge, Side};
-use super::policy::{Arrival, Policy, Turn};
+use super::edge::Edge;
+use super::foresight::Foresight;
+use super::policy::{Arrival, Child, Policy, Turn};
 use super::surface::Surface;
 use crate::counters::Counter;
-use crate::frame::Entrance;
+use crate::frame::{Entrance, Exit, Side};
 use crate::passage::Passage;
 use crate::probe::{Phase, Probe};
 use crate::queue::{Discipline, Event, EventKind};
@@ -38,16 +42,9 @@ pub struct Continuous<'m, W, Q> {
     surface: Surface,
     policy: W,
     queue: Q,
+    foresight: Foresight,
     /// Children narrower than this are dropped.
     threshold: f64,
-}
-
-/// A window on its way through a face.
-struct Crossing<'a> {
-    passage: Passage<'a>,
-    exits: [Option<HalfEdgeId>; 2],
-    /// Of the face's A, B and C.
-    distances: [f64; 3],
 }
 
 impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
@@ -58,6 +55,7 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
             surface: Surface::new(mesh),
             policy,
             queue,
+            foresight: Foresight::default(),
             threshold: 0.0,
         }
     }
@@ -128,7 +126,7 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
     }
 
     /// Hands a window that has reached a half-edge to the policy; returns whether any of it is left.
-    #[inline]
+    #[inline(always)]
     fn arrive<P: Probe>(&mut self, arrival: &Arrival<W::Lineage>, probe: &mut P) -> bool {
         probe.enter(Phase::Pruning);
         let mut push = |h: HalfEdgeId, label: f64, id: u32, probe: &mut P| {
@@ -139,32 +137,16 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         kept
     }
 
-    /// Hands on the child of a crossing on one side, if it is not empty.
-    #[inline]
+    /// Hands on what a window leaves at an exit, if that is anything.
+    #[inline(always)]
     fn send<P: Probe>(
         &mut self,
-        side: Side,
-        Crossing {
-            exits,
-            passage,
-            distances,
-        }: &Crossing<'_>,
+        child: Option<Window>,
+        exit: &Exit,
         lineage: W::Lineage,
         probe: &mut P,
     ) {
-        let (exit, child, edge) = match side {
-            Side::Left => (
-                exits[0],
-                passage.left_child(),
-                Edge::left(passage.frame(), *distances),
-            ),
-            Side::Right => (
-                exits[1],
-                passage.right_child(),
-                Edge::right(passage.frame(), *distances),
-            ),
-        };
-        let (Some(h), Some(window)) = (exit, child) else {
+        let (Some(h), Some(window)) = (exit.half_edge, child) else {
             return;
         };
         probe.add(Counter::Children, 1);
@@ -172,60 +154,59 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
             probe.add(Counter::Filtered, 1);
             return;
         }
+        let distances = exit.corners.map(|v| self.surface.distance(v));
         let arrival = Arrival {
             h,
             window,
             lineage,
-            edge,
+            edge: Edge::behind(exit, distances),
         };
         let kept = self.arrive(&arrival, probe);
         probe.add(Counter::Kept, u64::from(kept));
         probe.enter(Phase::Propagation);
     }
 
-    /// Takes a window across the face of `h`.
-    #[inline]
-    fn cross<P: Probe>(
-        &mut self,
-        h: HalfEdgeId,
-        window: &Window,
-        lineage: &W::Lineage,
-        probe: &mut P,
-    ) {
+    /// Where window `id` on `h`, which has come out of the queue, is among those crossed before their turns.
+    #[inline(always)]
+    fn foresee(&mut self, h: HalfEdgeId, id: u32) -> Option<usize> {
+        if W::FORESEES {
+            (self.foresight).lane(h, id, &self.queue, &self.policy, &self.surface)
+        } else {
+            None
+        }
+    }
+
+    /// Asks for the memory that windows to come will need, of a policy that does not foresee them.
+    #[inline(always)]
+    fn read_ahead(&self) {
+        if let Some(EventKind::Window(h, id)) = self.queue.upcoming(FAR).map(Event::kind) {
+            self.policy.announce(h, id);
+            self.surface.announce(h);
+        }
+        if let Some(EventKind::Window(h, id)) = self.queue.upcoming(NEAR).map(Event::kind) {
+            self.policy.prepare(h, id, &self.surface);
+            self.surface.prepare(h);
+        }
+        if let Some(EventKind::Window(h, id)) = self.queue.upcoming(NEXT).map(Event::kind) {
+            self.policy.make_ready(h, id, &self.surface);
+        }
+    }
+
+    /// A window on the face of `h` has its turn.
+    #[inline(always)]
+    fn begin<P: Probe>(&self, probe: &mut P) {
         probe.enter(Phase::Propagation);
         probe.add(Counter::Parents, 1);
         if probe.wants_sample(1) {
             probe.sample(self.waiting());
         }
-        let Entrance {
-            frame,
-            corners,
-            exits,
-        } = self.surface.faces().entrance(h);
-        let passage = Passage::new(&frame, window);
-        let mut distances = corners.map(|v| self.surface.distance(v));
-        if let Some(d) = passage.apex_distance_below(distances[2]) {
-            distances[2] = d;
-            self.offer(corners[2], d, probe);
-        }
-        let crossing = Crossing {
-            passage,
-            exits,
-            distances,
-        };
-        if let Some(heir) = self.policy.descend(lineage) {
-            let tried = if crossing.passage.covers_apex() {
-                self.split(h, &crossing, heir, probe)
-            } else {
-                // Nearly all windows pass the apex on one side.
-                let side = if crossing.passage.goes_left() {
-                    Side::Left
-                } else {
-                    Side::Right
-                };
-                self.send(side, &crossing, heir, probe);
-                W::tries(&crossing.passage)
-            };
+    }
+
+    /// The window has left the face of `h`, where its children of these sides were tried.
+    #[inline(always)]
+    fn end<P: Probe>(&mut self, h: HalfEdgeId, tried: [bool; 2], probe: &mut P) {
+        if P::COUNTS {
+            let exits = self.surface.faces().exits(h);
             let tries = (0..2).filter(|&side| tried[side] && exits[side].is_some());
             let tries = tries.count() as u64;
             probe.add(Counter::Propagated, tries);
@@ -234,22 +215,127 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         probe.enter(Phase::Management);
     }
 
-    /// Sends on what the policy leaves of a window that covers the apex; returns which sides.
+    /// Goes on with a window that crossed the face of `h` before its turn: what [`cross`](Self::cross) does, with
+    /// results that are there already.
+    #[inline(always)]
+    fn cross_foreseen<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        lane: usize,
+        window: Window,
+        lineage: W::Lineage,
+        probe: &mut P,
+    ) {
+        self.begin(probe);
+        let crossings = self.foresight.crossings();
+        let tried = if crossings.covers_apex(lane) {
+            self.split(h, window, lineage, probe)
+        } else {
+            let outlet = *crossings.outlet(lane);
+            let d = crossings.bent_distance(lane);
+            if d < self.surface.distance(outlet.apex) {
+                self.offer(outlet.apex, d, probe);
+            }
+            if let Some(heir) = self.policy.descend(&lineage) {
+                let crossings = self.foresight.crossings();
+                if let (Some(target), Some(child)) = (outlet.half_edge(), crossings.child(lane)) {
+                    probe.add(Counter::Children, 1);
+                    if child.b1 - child.b0 < self.threshold {
+                        probe.add(Counter::Filtered, 1);
+                    } else {
+                        probe.enter(Phase::Pruning);
+                        let distances = outlet.corners.map(|v| self.surface.distance(v));
+                        let child = Child {
+                            h: target,
+                            window: child,
+                            lineage: heir,
+                            label: crossings.label(lane),
+                            is_beaten: crossings.is_beaten(lane, distances),
+                        };
+                        let mut push = |h: HalfEdgeId, label: f64, id: u32, probe: &mut P| {
+                            self.queue.push(label, Event::window(h, id), probe);
+                        };
+                        let kept = self.policy.admit(&child, &mut push, probe);
+                        probe.add(Counter::Kept, u64::from(kept));
+                    }
+                }
+                [true; 2]
+            } else {
+                [false; 2]
+            }
+        };
+        self.end(h, tried, probe);
+    }
+
+    /// Takes a window across the face of `h`.
+    #[inline(always)]
+    fn cross<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        window: Window,
+        lineage: W::Lineage,
+        probe: &mut P,
+    ) {
+        self.begin(probe);
+        let faces = self.surface.faces();
+        let Entrance {
+            frame,
+            corners: [.., apex],
+            ..
+        } = faces.entrance(h);
+        let passage = Passage::new(&frame, &window);
+        let tried = if passage.covers_apex() {
+            self.split(h, window, lineage, probe)
+        } else {
+            // Nearly all windows pass the apex on one side.
+            let exit = faces.exit(h, &frame, passage.side());
+            let d = passage.bent_distance(&exit);
+            if d < self.surface.distance(apex) {
+                self.offer(apex, d, probe);
+            }
+            if let Some(heir) = self.policy.descend(&lineage) {
+                self.send(passage.only_child(&exit), &exit, heir, probe);
+                W::tries(&passage)
+            } else {
+                [false; 2]
+            }
+        };
+        self.end(h, tried, probe);
+    }
+
+    /// Takes a window that covers the apex across the face of `h`, as far as the policy lets it; returns
+    /// which sides are tried.
     #[inline(never)]
     fn split<P: Probe>(
         &mut self,
         h: HalfEdgeId,
-        crossing: &Crossing<'_>,
-        heir: W::Lineage,
+        window: Window,
+        lineage: W::Lineage,
         probe: &mut P,
     ) -> [bool; 2] {
-        let heirs = (self.policy).split(h, &crossing.passage, heir, &self.surface);
-        for (side, heir) in [Side::Left, Side::Right].into_iter().zip(heirs) {
-            if let Some(heir) = heir {
-                self.send(side, crossing, heir, probe);
-            }
+        let Entrance {
+            frame,
+            corners: [.., apex],
+            ..
+        } = self.surface.faces().entrance(h);
+        let passage = Passage::new(&frame, &window);
+        let d = passage.straight_distance();
+        if d < self.surface.distance(apex) {
+            self.offer(apex, d, probe);
         }
-        heirs.map(|heir| heir.is_some())
+        let Some(heir) = self.policy.descend(&lineage) else {
+            return [false; 2];
+        };
+        let [left, right] = self.policy.split(h, &passage, heir, &self.surface);
+        if let Some(heir) = left {
+            let exit = self.surface.faces().exit(h, &frame, Side::Left);
+            self.send(passage.left_child(&exit), &exit, heir, probe);
+        }
+        if let Some(heir) = right {
+            let exit = self.surface.faces().exit(h, &frame, Side::Right);
+            self.send(passage.right_child(&exit), &exit, heir, probe);
+        }
+        [left.is_some(), right.is_some()]
     }
 }
 
@@ -266,6 +352,7 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<'_, W, Q> {
         self.surface.reset(self.mesh.vertex_count());
         self.policy.reset();
         self.queue.clear();
+        self.foresight.clear();
         probe.add(Counter::WindowBytes, W::WINDOW_BYTES as u64);
         for &s in sources {
             self.surface.offer(s, 0.0);
@@ -275,16 +362,8 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<'_, W, Q> {
             self.spawn(s, probe);
         }
         while let Some((label, event)) = self.queue.pop(probe) {
-            if let Some(EventKind::Window(h, id)) = self.queue.upcoming(FAR).map(Event::kind) {
-                self.policy.announce(h, id);
-                self.surface.announce(h);
-            }
-            if let Some(EventKind::Window(h, id)) = self.queue.upcoming(NEAR).map(Event::kind) {
-                self.policy.prepare(h, id, &self.surface);
-                self.surface.prepare(h);
-            }
-            if let Some(EventKind::Window(h, id)) = self.queue.upcoming(NEXT).map(Event::kind) {
-                self.policy.make_ready(h, id, &self.surface);
+            if !W::FORESEES {
+                self.read_ahead();
             }
             match event.kind() {
                 EventKind::Vertex(v) => {
@@ -295,15 +374,23 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<'_, W, Q> {
                         self.spawn(v, probe);
                     }
                 }
-                EventKind::Window(h, id) => loop {
-                    match self.policy.take(h, id, &self.surface, probe) {
-                        Turn::Now(window, lineage) => self.cross(h, &window, &lineage, probe),
-                        Turn::Void => {}
-                        Turn::Later(label) if self.queue.is_due(label) => continue,
-                        Turn::Later(label) => self.queue.push(label, event, probe),
+                EventKind::Window(h, id) => {
+                    let lane = self.foresee(h, id);
+                    loop {
+                        match (self.policy.take(h, id, &self.surface, probe), lane) {
+                            (Turn::Now(window, lineage), Some(lane)) => {
+                                self.cross_foreseen(h, lane, window, lineage, probe);
+                            }
+                            (Turn::Now(window, lineage), None) => {
+                                self.cross(h, window, lineage, probe);
+                            }
+                            (Turn::Void, _) => {}
+                            (Turn::Later(label), _) if self.queue.is_due(label) => continue,
+                            (Turn::Later(label), _) => self.queue.push(label, event, probe),
+                        }
+                        break;
                     }
-                    break;
-                },
+                }
             }
         }
         self.policy.finish(probe);

@@ -2,7 +2,7 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
-use super::edge::Edge;
+use super::edge::{Behind, Edge};
 use crate::frame::Faces;
 use crate::prefetch::prefetch;
 
@@ -63,7 +63,7 @@ impl Surface {
     /// It is likely to do so in one or two turns: asks for what is known of its vertices.
     #[inline]
     pub(super) fn prepare(&self, h: HalfEdgeId) {
-        for v in self.faces.corners(h) {
+        for &v in self.faces.vertices(h) {
             self.announce_vertex(v);
         }
     }
@@ -82,7 +82,12 @@ impl Surface {
             length: self.faces.length(h),
             tail,
             head,
-            behind: None,
+            behind: Behind {
+                position: [0.0; 2],
+                distance: f64::INFINITY,
+                is_left: 1.0,
+                is_right: 0.0,
+            },
         }
     }
 }

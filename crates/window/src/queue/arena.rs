@@ -80,7 +80,8 @@ impl Arena {
     }
 
     /// Appends an event to `chain`.
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // Its events are not to pass through memory on their way.
     pub fn append(&mut self, chain: &mut Chain, label: f64, event: Event) {
         self.len += 1;
         if !chain.is_empty() {

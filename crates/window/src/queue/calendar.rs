@@ -5,12 +5,16 @@ use geobench_mesh::Mesh;
 use super::arena::{Arena, Chain};
 use super::ring::Ring;
 use super::{Event, MinHeap};
+use crate::window::less;
 
 /// The most buckets that a ring can have, 3 MB of them. What is further away waits in a heap.
 const MOST_BUCKETS: u64 = 1 << 18;
 
 /// The number of the last bucket; no label of a mesh comes near it.
-const LAST_BUCKET: u64 = 1 << 62;
+const LAST_BUCKET: f64 = (1u64 << 51) as f64;
+
+/// Where the integers are the only numbers: what is added to it is rounded to one, which then stands in the last bits.
+const INTEGERS: f64 = (1u64 << 52) as f64;
 
 /// Buckets of equal width that hold events first in, first out, from a first bucket on that only
 /// moves upwards.
@@ -59,9 +63,10 @@ impl Calendar {
 
     /// The bucket that holds `label`. Labels in order have buckets in order.
     #[inline]
-    #[allow(clippy::cast_sign_loss)] // Labels are not negative, and the cast saturates anyway.
     pub fn bucket(&self, label: f64) -> u64 {
-        ((label * self.per_length) as u64).min(LAST_BUCKET)
+        let place = less(label * self.per_length, LAST_BUCKET);
+        let rounded = place + INTEGERS;
+        rounded.to_bits() - INTEGERS.to_bits() - u64::from(rounded - INTEGERS > place)
     }
 
     /// Number of events.
@@ -82,7 +87,8 @@ impl Calendar {
     }
 
     /// Puts an event into a bucket that is not below the first.
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // Its events are not to pass through memory on their way.
     pub fn put(&mut self, bucket: u64, label: f64, event: Event) {
         if bucket - self.ring.first() < MOST_BUCKETS {
             let slot = self.ring.occupy(bucket);

@@ -56,6 +56,12 @@ pub trait Discipline: Send {
         None
     }
 
+    /// The events that are likely to come next, in that order, as far as it is cheap to tell.
+    #[inline]
+    fn coming(&self) -> impl Iterator<Item = Event> {
+        (0..).map_while(|skipped| self.upcoming(skipped))
+    }
+
     /// A window has crossed the face of `h`, and `tries` children of it were tried.
     #[inline]
     fn crossed<P: Probe>(&mut self, h: HalfEdgeId, tries: u64, probe: &mut P) {

@@ -11,27 +11,32 @@ use crate::probe::Probe;
 const WIDTH: f64 = 1.0;
 
 /// How many events, at least, are known to come next, as far as so many wait.
-const KNOWN: usize = 8;
+const KNOWN: usize = 16;
+
+/// How many events a late one may pass on its way to its place among those that are in order.
+const REACH: usize = 16;
 
 /// A priority queue, which makes an algorithm a continuous Dijkstra.
 ///
 /// Only the events that are next to come are in order: the buckets of a [`Calendar`] are taken and sorted one
-/// after the other, a few events ahead. What comes later and belongs before the end of them, as few events
-/// do, goes to a heap. Events come in exactly the order of one heap for all of them, up to those of equal labels,
-/// which come in an order that depends on the insertions alone.
+/// after the other, a few events ahead. What comes later and belongs before the end of them, as every child does whose
+/// window touches the vertex where its parent is nearest, is put in its place if that is near the front, where nearly
+/// all belong, and else into a heap. Events come in exactly the order of one heap for all of them, up to those of
+/// equal labels, which come in an order that depends on the insertions alone.
 ///
 /// # Cost
 ///
 /// O(log k) for each event, for k in its bucket; O(log n) where labels do not spread.
 #[derive(Clone, Debug)]
 pub struct Priority {
-    /// Events of the buckets up to the current one, in order; those from `next` on are to come.
+    /// Events of the buckets up to the current one that are to come, the next one last.
     sorted: Vec<(f64, Event)>,
-    next: usize,
     /// Later events of the same buckets and of lower ones.
     late: MinHeap<Event>,
     current: u64,
     later: Calendar,
+    /// Room for a refill.
+    fresh: Vec<(f64, Event)>,
 }
 
 impl Priority {
@@ -43,32 +48,51 @@ impl Priority {
     fn with_width(width: f64) -> Self {
         Self {
             sorted: Vec::new(),
-            next: 0,
             late: MinHeap::default(),
             current: 0,
             later: Calendar::new(width),
+            fresh: Vec::new(),
         }
     }
 
     /// Number of events.
     fn len(&self) -> usize {
-        self.sorted.len() - self.next + self.late.len() + self.later.len()
+        self.sorted.len() + self.late.len() + self.later.len()
     }
 
     /// Sorts the next buckets, until enough events are known or there are no more.
     #[cold]
     fn refill(&mut self) {
-        self.sorted.drain(..self.next);
-        self.next = 0;
-        while self.sorted.len() < KNOWN
+        self.fresh.clear();
+        while self.fresh.len() + self.sorted.len() < KNOWN
             && let Some(bucket) = self.later.advance()
         {
             self.current = bucket;
-            let before = self.sorted.len();
-            self.later.drain(bucket, &mut self.sorted);
+            let before = self.fresh.len();
+            self.later.drain(bucket, &mut self.fresh);
             // Labels are not negative, and then in the order of their bits.
-            self.sorted[before..].sort_by_key(|&(label, _)| label.to_bits());
+            self.fresh[before..].sort_by_key(|&(label, _)| label.to_bits());
         }
+        self.fresh.reverse();
+        self.fresh.append(&mut self.sorted);
+        std::mem::swap(&mut self.fresh, &mut self.sorted);
+    }
+
+    /// Puts an event in its place among those that are in order, or into the heap if that is far from the front.
+    #[inline]
+    fn insert(&mut self, label: f64, event: Event) {
+        let behind = self.sorted.len().checked_sub(REACH + 1);
+        if behind.is_some_and(|i| self.sorted[i].0 <= label) {
+            self.late.push(label, event);
+            return;
+        }
+        self.sorted.push((label, event));
+        let mut place = self.sorted.len() - 1;
+        while place > 0 && self.sorted[place - 1].0 <= label {
+            self.sorted[place] = self.sorted[place - 1];
+            place -= 1;
+        }
+        self.sorted[place] = (label, event);
     }
 }
 
@@ -79,7 +103,7 @@ impl Discipline for Priority {
     fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
         let bucket = self.later.bucket(label);
         if bucket <= self.current {
-            self.late.push(label, event);
+            self.insert(label, event);
         } else {
             self.later.put(bucket, label, event);
         }
@@ -89,22 +113,20 @@ impl Discipline for Priority {
 
     #[inline]
     fn pop<P: Probe>(&mut self, _: &mut P) -> Option<(f64, Event)> {
-        if self.sorted.len() - self.next < KNOWN && !self.later.is_empty() {
+        if self.sorted.len() < KNOWN && !self.later.is_empty() {
             self.refill();
         }
-        let next = self.sorted.get(self.next);
         if let Some((late, _)) = self.late.peek()
-            && next.is_none_or(|&(label, _)| late < label)
+            && self.sorted.last().is_none_or(|&(label, _)| late < label)
         {
             return self.late.pop();
         }
-        self.next += usize::from(next.is_some());
-        next.copied()
+        self.sorted.pop()
     }
 
     #[inline]
     fn is_due(&self, label: f64) -> bool {
-        let next = self.sorted.get(self.next);
+        let next = self.sorted.last();
         next.is_none_or(|&(next, _)| label <= next)
             && self.late.peek().is_none_or(|(late, _)| label <= late)
             && self.later.bucket(label) <= self.current
@@ -112,18 +134,22 @@ impl Discipline for Priority {
 
     #[inline]
     fn upcoming(&self, skipped: usize) -> Option<Event> {
-        let upcoming = self.sorted.get(self.next + skipped);
-        upcoming.map(|&(_, event)| event)
+        let place = self.sorted.len().checked_sub(skipped + 1)?;
+        Some(self.sorted[place].1)
+    }
+
+    #[inline]
+    fn coming(&self) -> impl Iterator<Item = Event> {
+        self.sorted.iter().rev().map(|&(_, event)| event)
     }
 
     fn events(&self) -> impl Iterator<Item = (f64, Event)> {
-        let near = self.sorted[self.next..].iter().chain(self.late.iter());
+        let near = self.sorted.iter().chain(self.late.iter());
         self.later.events().chain(near.copied())
     }
 
     fn clear(&mut self) {
         self.sorted.clear();
-        self.next = 0;
         self.late.clear();
         self.current = 0;
         self.later.clear();

@@ -61,8 +61,11 @@ impl Ring {
             self.grow(bucket);
         }
         let i = self.index(bucket);
-        self.occupied.insert(i);
-        &mut self.slots[i]
+        let slot = &mut self.slots[i];
+        if slot.len == 0 {
+            self.occupied.insert(i);
+        }
+        slot
     }
 
     /// Marks `bucket` as empty.

@@ -1,0 +1,123 @@
+use geobench_mesh::generate::generate;
+use geobench_mesh::{HalfEdgeId, Mesh};
+use proptest::prelude::*;
+
+use super::dispatch::Program;
+use super::*;
+use crate::filter::{is_beaten_across, is_beaten_from_ends};
+use crate::passage::Passage;
+use crate::window::tests::windows;
+
+fn terrain() -> Mesh {
+    let spec = "gen:terrain,n=8,seed=3".parse().unwrap();
+    Mesh::from_soup(generate(&spec).unwrap()).unwrap().0
+}
+
+/// A window on the unit edge, on one of another length.
+fn stretched(w: &Window, length: f64) -> Window {
+    Window {
+        b0: w.b0 * length,
+        b1: w.b1 * length,
+        px: w.px * length,
+        py: w.py * length,
+        sigma: w.sigma * length,
+    }
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().max(b.abs()).max(1e-3)
+}
+
+proptest! {
+    #[test]
+    fn windows_cross_together_as_they_do_alone(
+        all in prop::collection::vec((windows(), 0..1000u32), 1..=LANES),
+    ) {
+        let mesh = terrain();
+        let faces = Faces::new(&mesh);
+        let mut together = Crossings::default();
+        let mut portable = Crossings { program: Program::Portable, ..Crossings::default() };
+        let mut entered = Vec::new();
+        for (w, h) in &all {
+            let h = HalfEdgeId::new(h % mesh.half_edge_count() as u32);
+            let window = stretched(w, faces.length(h));
+            together.add(h, &window);
+            portable.add(h, &window);
+            entered.push((h, window));
+        }
+        together.cross(&faces);
+        portable.cross(&faces);
+        prop_assert_eq!(&together.leaving, &portable.leaving, "every program computes the same");
+        for (lane, (h, window)) in entered.iter().enumerate() {
+            let frame = faces.frame(*h);
+            let passage = Passage::new(&frame, window);
+            prop_assert_eq!(together.covers_apex(lane), passage.covers_apex());
+            if passage.covers_apex() {
+                continue;
+            }
+            let exit = faces.exit(*h, &frame, passage.side());
+            let outlet = together.outlet(lane);
+            prop_assert_eq!(outlet.half_edge(), exit.half_edge);
+            prop_assert_eq!(outlet.corners, exit.corners);
+            prop_assert_eq!(outlet.apex, faces.corners(*h)[2]);
+            prop_assert!(close(together.bent_distance(lane), passage.bent_distance(&exit)));
+            let (child, alone) = (together.child(lane), passage.only_child(&exit));
+            prop_assert_eq!(child, alone);
+            let Some(child) = child else { continue };
+            prop_assert!(close(together.label(lane), child.min_distance()));
+            // Each of the distances on either side of where it begins to beat the window.
+            let end = exit.is_left * child.b0 + exit.is_right * child.b1;
+            for corner in 0..3 {
+                let limit = together.leaving.limits[corner][lane];
+                for by in [-1e-6, 1e-6] {
+                    let mut distances = [f64::INFINITY; 3];
+                    distances[corner] = limit + by;
+                    prop_assert_eq!(together.is_beaten(lane, distances), by < 0.0);
+                    if distances[corner] > 0.0 {
+                        let [tail, head, behind] = distances;
+                        let beaten = is_beaten_from_ends(&child, exit.length, tail, head)
+                            || is_beaten_across(&child, end, exit.behind, behind);
+                        prop_assert_eq!(beaten, by < 0.0, "corner {}", corner);
+                    }
+                }
+            }
+            prop_assert!(!together.is_beaten(lane, [f64::INFINITY; 3]));
+        }
+    }
+}
+
+/// The window that a source at the tail of an edge has there is exactly as long as the path along the edge.
+#[test]
+fn a_tie_beats_nothing() {
+    let mesh = terrain();
+    let faces = Faces::new(&mesh);
+    for h in mesh.half_edges() {
+        let frame = faces.frame(h);
+        for side in 0..2 {
+            let [b0, b1] = [[0.0, 0.25], [0.75, 1.0]][side].map(|x| x * frame.l);
+            let px = [0.0, frame.l][side];
+            let mut crossings = Crossings::default();
+            crossings.add(
+                h,
+                &Window {
+                    b0,
+                    b1,
+                    px,
+                    py: 0.0,
+                    sigma: 0.0,
+                },
+            );
+            crossings.cross(&faces);
+            if !crossings.covers_apex(0) {
+                let at_source = crossings.outlet(0).corners.map(|v| {
+                    if v == faces.corners(h)[side] {
+                        0.0
+                    } else {
+                        f64::INFINITY
+                    }
+                });
+                assert!(!crossings.is_beaten(0, at_source), "{h} {side}");
+            }
+        }
+    }
+}

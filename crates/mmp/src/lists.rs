@@ -187,7 +187,7 @@ impl Lists {
     /// The entry of a window of list `i` has come out of the queue. The window stays stored, and does not
     /// wait any more, unless it must wait for longer.
     #[inline(always)] // The window is not to pass through memory on its way to its crossing.
-    #[allow(clippy::inline_always)]
+    #[allow(clippy::inline_always)] // Called for every window, and small.
     pub(crate) fn take(&mut self, i: usize, slot: Slot) -> Turn<()> {
         let state = &mut self.states[slot as usize];
         if state.has(State::GONE) {

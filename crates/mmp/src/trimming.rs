@@ -172,7 +172,7 @@ impl Policy for Trimming {
     }
 
     #[inline(always)] // As `Lists::take`.
-    #[allow(clippy::inline_always)]
+    #[allow(clippy::inline_always)] // Called for every window, and small.
     fn take<P: Probe>(
         &mut self,
         h: HalfEdgeId,

@@ -24,6 +24,8 @@ pub(super) struct Reporter {
     pub(super) terminal: Terminal,
     /// Whether to count instructions.
     pub(super) instructions: bool,
+    /// Whether to say nothing but what went wrong.
+    pub(super) quiet: bool,
     pub(super) outputs: Vec<(Format, OutputFile)>,
     pub(super) result: ResultFile,
 }
@@ -144,7 +146,7 @@ impl Listener for Reporter {
         self.result.cells.extend_from_slice(cells);
         self.progress.clear_table();
         self.progress.suspend(|| {
-            report_failures(cells, self.format);
+            remark(cells, self.format, self.quiet);
             if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
                 let look = self.terminal.look();
                 let mut text = export::model_table(group, model, cells, look);
@@ -165,8 +167,8 @@ impl Listener for Reporter {
 }
 
 /// Says on standard error why a model was refused, and what a reader of anything but tables does
-/// not see at once.
-fn report_failures(cells: &[Cell], format: Format) {
+/// not see at once: what failed, and unless `quiet` what is to be known of cells that did not.
+fn remark(cells: &[Cell], format: Format, quiet: bool) {
     let mut last_refusal = None;
     for cell in cells {
         let Some(message) = &cell.message else {
@@ -178,16 +180,17 @@ fn report_failures(cells: &[Cell], format: Format) {
                 last_refusal = Some(message);
             }
             Status::Refused => {}
-            status if format != Format::Table => {
+            // Tables have it among their notes.
+            _ if format == Format::Table => {}
+            status => {
                 let source = cell.source.unwrap_or(0);
-                terminal::error(&format!(
-                    "{}: {}, source {source}: {}: {message}",
-                    cell.model,
-                    cell.algorithm,
-                    status.name()
-                ));
+                let place = format!("{}: {}, source {source}", cell.model, cell.algorithm);
+                match status {
+                    Status::Ok if quiet => {}
+                    Status::Ok => terminal::warning(&format!("{place}: {message}")),
+                    _ => terminal::error(&format!("{place}: {}: {message}", status.name())),
+                }
             }
-            _ => {}
         }
     }
 }

@@ -61,6 +61,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         format: options.format,
         terminal,
         instructions: options.extras.instructions,
+        quiet: options.quiet,
         outputs,
         result: ResultFile {
             schema: SCHEMA.to_owned(),

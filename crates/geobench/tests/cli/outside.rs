@@ -170,6 +170,25 @@ fn approximate_distances_are_compared_and_not_held_to_the_tolerance() {
 }
 
 #[test]
+fn a_remark_on_a_cell_that_went_well_is_a_warning_and_no_error() {
+    let sandbox = sandbox();
+    let run = "run square.off --ext peers.toml --algo vtp,ext:roughly --repeat 1 --warmup 0";
+    let remarks = |more: &str| {
+        let call = sandbox.call(&format!("{run} {more}"));
+        assert_eq!(call.code, 0, "{}", call.stderr);
+        let lines = call.stderr.lines().map(str::to_owned);
+        // Whether the times are worth anything is another matter.
+        let others = |line: &String| !line.contains("release build") && !line.contains("times may");
+        lines.filter(others).collect::<Vec<_>>()
+    };
+    let remark = "geobench: warning: square: ext:roughly, source 0: approximate: compared, but not held to the tolerance";
+    assert_eq!(remarks("--format csv"), [remark]);
+    assert_eq!(remarks("--format csv --quiet"), [""; 0]);
+    // A table says so itself.
+    assert_eq!(remarks("--format table"), [""; 0]);
+}
+
+#[test]
 fn a_suite_describes_its_own_programs() {
     let sandbox = sandbox();
     let suite = format!(

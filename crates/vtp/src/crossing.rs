@@ -1,5 +1,6 @@
 //! The passes over a list, compiled for every set of instructions.
 
+// They call kernels, for whose instructions `dispatch` vouches.
 #![allow(unsafe_code)]
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]

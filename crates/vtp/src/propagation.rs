@@ -232,7 +232,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
 
     /// Sends the list in hand on, each window through the exits that are open to it; at most as many as `bound` through
     /// each.
-    #[allow(clippy::too_many_arguments)]
+    #[allow(clippy::too_many_arguments)] // Private, and one step of `cross`.
     #[inline]
     fn send_children<B: Probe>(
         &mut self,

@@ -1,5 +1,6 @@
 //! Which windows of a list are compared with each other.
 
+// They call kernels, for whose instructions `dispatch` vouches.
 #![allow(unsafe_code)]
 // Kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]

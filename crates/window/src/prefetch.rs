@@ -1,5 +1,6 @@
 //! Memory asked for before it is needed.
 
+// The instruction has no safe form for all processors; it reads nothing.
 #![allow(unsafe_code)]
 
 /// Bytes of a cache line.

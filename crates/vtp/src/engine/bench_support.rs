@@ -1,5 +1,6 @@
 //! The kernels on lists that are made up, for the benches of this crate; no part of its interface.
 
+// It calls single kernels, as the solvers do.
 #![allow(unsafe_code)]
 
 use super::dispatch::{self, Program};

@@ -1,5 +1,6 @@
 //! One program for each set of instructions.
 
+// Here the processor is asked what it has, and here alone the promise to all kernels is given.
 #![allow(unsafe_code)]
 
 use super::instructions::Instructions;

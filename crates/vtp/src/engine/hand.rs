@@ -38,7 +38,7 @@ impl Hand {
     /// # Safety
     ///
     /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)]
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     pub(crate) unsafe fn take<L: Lanes>(&mut self, lists: [(&[Line], usize); 2], gate: &Gate) {
         self.make_room(lists[0].1 + lists[1].1);
@@ -52,7 +52,7 @@ impl Hand {
     /// # Safety
     ///
     /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)]
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     pub(crate) unsafe fn measure<L: Lanes>(&mut self, gate: &Gate) -> Measured {
         let own = self.lines.len() - 1;

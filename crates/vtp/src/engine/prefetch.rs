@@ -1,5 +1,6 @@
 //! Memory asked for before it is needed.
 
+// The instruction has no safe form for all processors; it reads nothing.
 #![allow(unsafe_code)]
 
 /// Asks for the cache line of `values[i]`, if there is one.

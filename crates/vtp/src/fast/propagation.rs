@@ -188,7 +188,7 @@ impl<'m> VtpFast<'m> {
     /// # Safety
     ///
     /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)]
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     unsafe fn run<L: Lanes, P: Probe>(&mut self, probe: &mut P) {
         let mut turn = Vec::new();
@@ -226,7 +226,7 @@ impl<'m> VtpFast<'m> {
     /// # Safety
     ///
     /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)]
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     unsafe fn cross<L: Lanes, P: Probe>(&mut self, h: u32, probe: &mut P) {
         let (f, corner) = parts(h);
@@ -287,7 +287,7 @@ impl<'m> VtpFast<'m> {
     /// # Safety
     ///
     /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)]
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     unsafe fn send<L: Lanes, P: Probe>(
         &mut self,
@@ -409,7 +409,7 @@ struct Turns<'s, 'm, P> {
 impl<P: Probe> Program for Turns<'_, '_, P> {
     type Output = ();
 
-    #[allow(unsafe_code)]
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     unsafe fn run<L: Lanes>(self) {
         // SAFETY: promised by the caller.

@@ -17,7 +17,7 @@ impl Worker {
     /// # Safety
     ///
     /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)]
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     pub(super) unsafe fn cross<L: Lanes, P: Probe>(&mut self, field: &Field, probe: &mut P) {
         self.tasks.clear();
@@ -48,7 +48,7 @@ impl Worker {
     /// # Safety
     ///
     /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)]
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     unsafe fn cross_list<L: Lanes, P: Probe>(
         &mut self,
@@ -105,7 +105,7 @@ impl Worker {
     /// # Safety
     ///
     /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)]
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[allow(clippy::too_many_arguments)] // All of what the caller has found out.
     #[inline(always)]
     unsafe fn carry<L: Lanes, P: Probe>(

@@ -105,7 +105,7 @@ struct Part<'a, P> {
 impl<P: Probe> Program for Part<'_, P> {
     type Output = Result<(), Broken>;
 
-    #[allow(unsafe_code)]
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     unsafe fn run<L: Lanes>(self) -> Result<(), Broken> {
         let _guard = BreakOnPanic(self.field.post.barrier());

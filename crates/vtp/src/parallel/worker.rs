@@ -117,7 +117,7 @@ impl Worker {
     /// # Safety
     ///
     /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)]
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     pub(super) unsafe fn run<L: Lanes, P: Probe>(
         &mut self,

@@ -1,5 +1,6 @@
 //! The program for the processor that is there.
 
+// A function with features of the processor can only be called so; each call follows the check that they are there.
 #![allow(unsafe_code)]
 
 use super::Crossings;

@@ -67,7 +67,7 @@ pub(crate) struct Carried {
 /// The processor must know the instructions of `L`; `keep` must come from
 /// [`measure`](super::measure()) for the same block, and the targets have room for its bounds.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)]
+#[allow(clippy::too_many_arguments)] // The parts of one crossing, which its callers hold apart.
 #[allow(clippy::too_many_lines)] // One straight line of arithmetic, which parts would not make clearer.
 pub(crate) unsafe fn carry<L: Lanes, R: Rule>(
     block: &[Line],

@@ -5,6 +5,7 @@
 //! the three programs give the same bits. The type of a lane stands for the proof that the processor
 //! knows its instructions: values come only out of the unsafe functions here.
 
+// Vector instructions run only on processors that have them.
 #![allow(unsafe_code)]
 
 #[cfg(target_arch = "x86_64")]

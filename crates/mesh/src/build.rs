@@ -96,7 +96,7 @@ fn link_fans(mesh: &mut Mesh) {
                 outgoing[cursor[v] as usize] = g;
                 cursor[v] += 1;
                 let [x, y] = mesh.apex(g);
-                fan_angle += y.atan2(x);
+                fan_angle += libm::atan2(y, x);
                 next = mesh.twin(g.prev());
             }
             let limit = if open { PI } else { 2.0 * PI };

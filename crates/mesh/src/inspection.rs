@@ -203,7 +203,7 @@ impl<'a> Inspection<'a> {
                 } else {
                     // Too large or small to be squared; but the report shall name its size.
                     let [dx, dy, dz] = [0, 1, 2].map(|i| ends[1][i] - ends[0][i]);
-                    dx.hypot(dy).hypot(dz)
+                    libm::hypot(libm::hypot(dx, dy), dz)
                 }
             }
             Metric::Lengths(lengths) => {

@@ -111,7 +111,7 @@ impl Mesh {
         let from_tail = self.length(h.prev());
         // An apex known by lengths alone is uncertain by their errors times the slenderness.
         let tolerance = 1e-11 * from_tail * (from_tail / length).max(1.0);
-        let fits = (x.hypot(y) - from_tail).abs() <= tolerance;
+        let fits = (libm::hypot(x, y) - from_tail).abs() <= tolerance;
         if !(y > 0.0 && y.is_finite() && fits) {
             return Err(BrokenInvariant::Apex(h, [x, y]));
         }
@@ -140,7 +140,7 @@ impl Mesh {
             }
             let corner = |h: &HalfEdgeId| {
                 let [x, y] = self.apex(*h);
-                y.atan2(x)
+                libm::atan2(y, x)
             };
             let angle: f64 = fan.iter().map(corner).sum();
             let straight = if start.is_none() { PI } else { 2.0 * PI };

@@ -1,6 +1,5 @@
 //! The arguments of every command, as clap reads them.
 
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use clap::builder::RangedI64ValueParser;
@@ -10,7 +9,6 @@ use super::isolation::IsolationOptions;
 use crate::compare::{RuleError, Rules};
 use crate::export::{self, ComparisonFormat, Format};
 use crate::instructions;
-use crate::isolate;
 use crate::registry::{self, MOST_THREADS, Selection};
 use crate::report::{Form, Tables, Wanted};
 use crate::shard::Shard;
@@ -78,9 +76,6 @@ pub(super) enum Command {
     Info(InfoOptions),
     /// List the algorithms with their papers, costs, uses and parameters
     Algos(AlgosOptions),
-    /// Work on a model as another process of this program wants
-    #[command(name = isolate::COMMAND, hide = true)]
-    Cell(CellOptions),
     /// Join the parts of a benchmark that was run with --shard
     Merge(MergeOptions),
     /// Join the rounds of a benchmark that was started once for each round, as when two versions of
@@ -452,12 +447,6 @@ pub(super) struct AlgosOptions {
     /// How to list them
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
     pub(super) format: AlgosFormat,
-}
-
-#[derive(Args, Debug)]
-pub(super) struct CellOptions {
-    /// The model, as in a command for people
-    pub(super) model: OsString,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

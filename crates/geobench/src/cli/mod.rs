@@ -19,6 +19,7 @@ mod shell;
 mod terminal;
 mod verify;
 
+use std::ffi::OsStr;
 use std::io;
 use std::process::ExitCode;
 
@@ -49,6 +50,25 @@ enum Verdict {
 /// Runs the command that the arguments of the process ask for.
 pub fn main() -> ExitCode {
     report_panics_in_one_line();
+    match isolate::wanted(std::env::args_os()) {
+        Some(model) => cell(&model),
+        None => command(),
+    }
+}
+
+/// Works on `model` as another process of this program wants.
+fn cell(model: &OsStr) -> ExitCode {
+    match isolate::cell(model) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            terminal::error(&error.to_string());
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Runs a command for people.
+fn command() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return usage(&error),
@@ -63,9 +83,6 @@ pub fn main() -> ExitCode {
         Command::Gen(options) => generate::generate(&options),
         Command::Info(options) => info::info(&options),
         Command::Algos(options) => algos::algos(&options, terminal),
-        Command::Cell(options) => isolate::cell(&options.model)
-            .map(|()| Verdict::Passed)
-            .map_err(anyhow::Error::from),
         Command::Merge(options) => merge::merge(&options),
         Command::Pool(options) => pool::pool(&options),
         Command::Completions(options) => shell::completions(&options),

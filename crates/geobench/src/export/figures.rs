@@ -208,7 +208,7 @@ fn all() -> &'static [Figure] {
             Figure {
                 of: Of::OnModel(|c, vertices| {
                     let levels = count(c, Counter::Levels)?;
-                    (levels > 0.0).then(|| vertices.powf(levels.recip()))
+                    (levels > 0.0).then(|| libm::pow(vertices, levels.recip()))
                 }),
                 ..Figure::computed("b", "Estimate of b", Decimals(4), |_| None)
             }

@@ -236,7 +236,7 @@ fn growth(series: &[Series]) -> String {
 /// The e for which y = c x^e fits `points` best, in least squares on logarithms; none of fewer
 /// than [`FEWEST`] points, of points in one place or of numbers that are not positive.
 fn exponent(points: impl Iterator<Item = [f64; 2]>) -> Option<f64> {
-    let points: Vec<[f64; 2]> = points.map(|point| point.map(f64::ln)).collect();
+    let points: Vec<[f64; 2]> = points.map(|point| point.map(libm::log)).collect();
     let count = points.len();
     let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / count as f64;
     let [mx, my] = [mean(0), mean(1)];

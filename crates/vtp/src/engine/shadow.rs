@@ -48,7 +48,7 @@ impl Shadow {
         let across = y * origin.entry;
         let along = y * y - x * (origin.entry - x);
         let size = across.abs() + along.abs();
-        let turned = ((across / size) as f32).atan2((along / size) as f32);
+        let turned = libm::atan2f((across / size) as f32, (along / size) as f32);
         let (from, to) = (
             PI - PENUMBRA,
             surface.vertices[v as usize].total_angle - PI + PENUMBRA,

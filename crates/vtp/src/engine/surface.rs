@@ -142,7 +142,7 @@ impl Surface {
         let mut angles = Vec::with_capacity(mesh.half_edge_count());
         let angle = |h: HalfEdgeId| {
             let [x, y] = mesh.apex(h);
-            y.atan2(x) as f32
+            libm::atan2(y, x) as f32
         };
         let vertex_of = |v: u32| {
             let v = numbering.old_vertex(v);

@@ -90,7 +90,7 @@ impl Scale {
     pub(crate) fn place(&self, value: f64) -> Option<f64> {
         let [low, high] = self.values;
         let share = if self.log {
-            (value / low).ln() / (high / low).ln()
+            libm::log(value / low) / libm::log(high / low)
         } else {
             (value - low) / (high - low)
         };
@@ -124,7 +124,10 @@ impl Scale {
             let ticks = (0..=count).map(|i| (first + i as f64) * self.step);
             return (ticks.collect(), Vec::new());
         }
-        let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
+        let (first, last) = (
+            libm::log10(low).floor() as i32,
+            libm::log10(high).ceil() as i32,
+        );
         let within = |v: &f64| *v >= low && *v <= high;
         let times = |factors: &[f64]| -> Vec<f64> {
             (first..=last)
@@ -133,7 +136,7 @@ impl Scale {
                 .collect()
         };
         let minor = times(&[2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
-        let decades = (high / low).log10();
+        let decades = libm::log10(high / low);
         let mut major = times(&[1.0]);
         if decades > 7.0 {
             let every = (decades / 6.0).ceil() as usize;
@@ -150,7 +153,7 @@ impl Scale {
 
 /// The smallest of 1, 2, 2.5 and 5 times a power of ten that is not below `step`.
 fn nice(step: f64) -> f64 {
-    let power = 10_f64.powf(step.log10().floor());
+    let power = libm::exp10(libm::log10(step).floor());
     [1.0, 2.0, 2.5, 5.0, 10.0]
         .into_iter()
         .map(|factor| factor * power)

@@ -330,7 +330,7 @@ fn step_for(farthest: f64, parts: f64) -> f64 {
         return 1.0;
     }
     let raw = farthest / parts;
-    let power = 10_f64.powf(raw.log10().floor());
+    let power = libm::exp10(libm::log10(raw).floor());
     let factors = [1.0, 2.0, 2.5, 5.0, 10.0];
     let nearest = factors.into_iter().find(|f| f * power >= raw);
     nearest.unwrap_or(10.0) * power

@@ -56,7 +56,7 @@ fn a_parent_of_a_gigabyte_does_not_change_the_figures_of_a_child() {
 
 #[test]
 fn solvers_of_the_timed_runs_are_no_part_of_the_peak() {
-    let model = "gen:sphere,subdiv=5";
+    let model = "gen:torus,faces=20000,bump=0.1,seed=7";
     let fresh = runs(isolated(), model, &[("mmp", Purpose::Count)])[0];
     let used = runs(
         isolated(),

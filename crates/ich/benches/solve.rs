@@ -1,36 +1,13 @@
 //! Whole solves of `ich1` and `ich` on three generated models.
 
-use std::hint::black_box;
-
 use criterion::{Criterion, criterion_group, criterion_main};
+use geobench_benches::{named, whole_solves};
 use geobench_ich::{ich, ich1};
-use geobench_mesh::generate::generate;
-use geobench_mesh::{Mesh, VertexId};
-use geobench_window::Solver;
-
-/// A smooth closed surface, one with many saddles, and one with a border and rough ground.
-const MODELS: [&str; 3] = [
-    "gen:sphere,subdiv=5",
-    "gen:torus,faces=50000,bump=0.1,seed=7",
-    "gen:terrain,n=150,seed=1",
-];
 
 fn solve(criterion: &mut Criterion) {
-    for spec in MODELS {
-        let soup = spec.parse().map(|spec| generate(&spec));
-        let Ok(Ok(soup)) = soup else {
-            panic!("`{spec}` is not a generator");
-        };
-        let (mesh, _) = Mesh::from_soup(soup).unwrap_or_else(|error| panic!("{spec}: {error}"));
-        let source = [VertexId::new(0)];
-        let mut group = criterion.benchmark_group(spec);
-        group.sample_size(10);
-        let mut solver = ich1(&mesh);
-        group.bench_function("ich1", |b| b.iter(|| black_box(solver.solve(&source))));
-        let mut solver = ich(&mesh);
-        group.bench_function("ich", |b| b.iter(|| black_box(solver.solve(&source))));
-        group.finish();
-    }
+    whole_solves(criterion, |mesh| {
+        vec![named("ich1", ich1(mesh)), named("ich", ich(mesh))]
+    });
 }
 
 criterion_group!(benches, solve);

@@ -1,41 +1,19 @@
 //! Whole solves of `mmp`, storing the windows around the wavefront or all of them, and of `mmp-edge`, on three
 //! generated models.
 
-use std::hint::black_box;
-
 use criterion::{Criterion, criterion_group, criterion_main};
-use geobench_mesh::generate::generate;
-use geobench_mesh::{Mesh, VertexId};
+use geobench_benches::{named, whole_solves};
 use geobench_mmp::{Keep, mmp, mmp_edge};
-use geobench_window::Solver;
-
-/// A smooth closed surface, one with many saddles, and one with a border and rough ground.
-const MODELS: [&str; 3] = [
-    "gen:sphere,subdiv=5",
-    "gen:torus,faces=50000,bump=0.1,seed=7",
-    "gen:terrain,n=150,seed=1",
-];
 
 fn solve(criterion: &mut Criterion) {
-    for spec in MODELS {
-        let soup = spec.parse().map(|spec| generate(&spec));
-        let Ok(Ok(soup)) = soup else {
-            panic!("`{spec}` is not a generator");
-        };
-        let (mesh, _) = Mesh::from_soup(soup).unwrap_or_else(|error| panic!("{spec}: {error}"));
-        let source = [VertexId::new(0)];
-        let mut group = criterion.benchmark_group(spec);
-        group.sample_size(10);
+    whole_solves(criterion, |mesh| {
         let keeping = |policy: geobench_mmp::Trimming| policy.keeping(Keep::All);
-        for (name, mut solver) in [
-            ("mmp", mmp(&mesh)),
-            ("mmp-keep", mmp(&mesh).map_policy(keeping)),
-            ("mmp-edge", mmp_edge(&mesh)),
-        ] {
-            group.bench_function(name, |b| b.iter(|| black_box(solver.solve(&source))));
-        }
-        group.finish();
-    }
+        vec![
+            named("mmp", mmp(mesh)),
+            named("mmp-keep", mmp(mesh).map_policy(keeping)),
+            named("mmp-edge", mmp_edge(mesh)),
+        ]
+    });
 }
 
 criterion_group!(benches, solve);

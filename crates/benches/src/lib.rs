@@ -1,0 +1,71 @@
+//! What the benches of the solver crates share: the models, and how whole solves on them are timed.
+
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion};
+use geobench_mesh::generate::generate;
+use geobench_mesh::{Mesh, VertexId};
+use geobench_window::Solver;
+
+/// A smooth closed surface, one with many saddles, and one with a border and rough ground.
+const MODELS: [&str; 3] = [
+    "gen:sphere,subdiv=5",
+    "gen:torus,faces=50000,bump=0.1,seed=7",
+    "gen:terrain,n=150,seed=1",
+];
+
+/// Times of one solver: too few for fine differences, but some models take seconds.
+const SAMPLES: usize = 10;
+
+/// A solver that is set up, and what its times are called.
+pub type Named<'m> = (String, Box<dyn Solver + 'm>);
+
+/// Calls `solver` by a name.
+pub fn named<'m>(name: impl Into<String>, solver: impl Solver + 'm) -> Named<'m> {
+    (name.into(), Box::new(solver))
+}
+
+/// Times whole solves from vertex 0 of three generated models, without set-up, by each of the solvers that `set_up` makes
+/// for a mesh.
+///
+/// # Panics
+///
+/// If there is no such model any more.
+pub fn whole_solves(criterion: &mut Criterion, set_up: impl Fn(&Mesh) -> Vec<Named<'_>>) {
+    for spec in MODELS {
+        let mesh = mesh(spec);
+        let mut group = criterion.benchmark_group(spec);
+        group.sample_size(SAMPLES);
+        let source = [VertexId::new(0)];
+        for (name, mut solver) in set_up(&mesh) {
+            group.bench_function(BenchmarkId::from_parameter(name), |b| {
+                b.iter(|| black_box(solver.solve(&source)));
+            });
+        }
+        group.finish();
+    }
+}
+
+/// The mesh that a generator makes.
+fn mesh(spec: &str) -> Mesh {
+    let soup = spec.parse().map(|spec| generate(&spec));
+    let Ok(Ok(soup)) = soup else {
+        panic!("`{spec}` is not a generator");
+    };
+    match Mesh::from_soup(soup) {
+        Ok((mesh, _)) => mesh,
+        Err(error) => panic!("{spec}: {error}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_are_such_models() {
+        for spec in MODELS {
+            assert!(mesh(spec).face_count() > 10_000, "{spec}");
+        }
+    }
+}

@@ -94,7 +94,7 @@ impl Inserter {
         self.to_queue.clear();
         (self.new_pieces, self.outdated) = (0, 0);
         (self.trimmed, self.removed) = (0, 0);
-        let first = lists.ending_by(i, new.b0);
+        let first = lists.ending_before(i, new.b0);
         match place(lists.windows(), &lists.places(i)[first..], new, l) {
             Place::Nowhere => {}
             Place::Here(wedge) => self.drive_in(lists, i, first, &wedge, new, direction, l),
@@ -173,8 +173,10 @@ impl Inserter {
     ) {
         let mut met = std::mem::take(&mut self.met);
         met.clear();
-        let behind = lists.places(i)[first..].iter();
-        let behind = behind.map(|place| lists.windows()[place.slot as usize]);
+        let stored = |place: &lists::Place| lists.windows()[place.slot as usize];
+        let behind = lists.places(i)[first..].iter().map(stored);
+        let first = first + behind.take_while(|w| w.b1 <= new.b0).count();
+        let behind = lists.places(i)[first..].iter().map(stored);
         met.extend(behind.take_while(|w| w.b0 < new.b1));
         self.share_out(&met, new, l);
         self.segments.retain(|s| {
@@ -367,7 +369,7 @@ fn place(windows: &[Window], places: &[lists::Place], new: &Window, l: f64) -> P
                 (gained, wedge.start) = (true, decided);
             }
         }
-        decided = hi;
+        decided = decided.max(hi);
         let outcome = if matters(w, new, lo, hi, l) {
             duel(w, new, lo, hi, l)
         } else {
@@ -379,7 +381,7 @@ fn place(windows: &[Window], places: &[lists::Place], new: &Window, l: f64) -> P
                 if !gained {
                     wedge.first += 1;
                     wedge.behind += 1;
-                    wedge.start = hi;
+                    wedge.start = decided;
                 }
             }
             Duel::New | Duel::NewOld(_) if !over => {

@@ -37,12 +37,20 @@ impl State {
 }
 
 /// A window of a list, with what a search needs to know of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Place {
     /// Where the window is.
     pub(crate) slot: Slot,
     /// The [key](end_key) of its right end.
     end: u32,
+}
+
+impl Place {
+    /// A place without a window, behind all others.
+    const NONE: Self = Self {
+        slot: 0,
+        end: u32::MAX,
+    };
 }
 
 /// The upper half of the bits of an abscissa that is not negative, in the order of the abscissae up to a millionth.
@@ -67,7 +75,7 @@ struct List {
 /// The windows of all half-edges, or of all edges in the frame of one of their half-edges. Those
 /// of one list are in ascending order and have disjoint intervals; gaps are normal.
 ///
-/// A list is a block of slots, 8 bytes for each window, of a few sizes: 4, 6, 8, 12, 16 and so on. To insert
+/// A list is a block of slots, 8 bytes for each window, of a few sizes: 4, 8, 12, 16, 24, 32, 48 and so on. To insert
 /// a window moves slots only, and the queue finds a window without a look at its list. To search a list reads
 /// its block only: where the windows are is known to a millionth, and of them those are read that the new one may
 /// meet. Slots and blocks that were given back are the first to be taken again, so that the memory in use is as small as the lists are.
@@ -84,6 +92,9 @@ pub(crate) struct Lists {
     stored: usize,
 }
 
+/// As many places are compared at once.
+const GROUP: usize = 4;
+
 /// Fewer slots than this are moved one by one.
 const SHORT: usize = 8;
 
@@ -92,7 +103,8 @@ const SHORT: usize = 8;
 fn room(class: u8) -> usize {
     match class {
         0 => 0,
-        _ => (3 - usize::from(class & 1)) << (class.div_ceil(2)),
+        1 => GROUP,
+        _ => (2 + usize::from(class & 1)) << (class / 2 + 1),
     }
 }
 
@@ -141,17 +153,31 @@ impl Lists {
         &self.places[start as usize..][..len as usize]
     }
 
-    /// How many windows of list `i` end at `x` or before.
+    /// How many windows of list `i` end before `x`, for certain: up to rounding, which may leave some more that do.
     #[inline]
-    pub(crate) fn ending_by(&self, i: usize, x: f64) -> usize {
-        let places = self.places(i);
+    pub(crate) fn ending_before(&self, i: usize, x: f64) -> usize {
+        let List {
+            start, len, class, ..
+        } = self.heads[i];
+        let block = &self.places[start as usize..][..room(class)];
         let key = end_key(x);
-        let mut count = places.partition_point(|place| place.end < key);
-        while let Some(place) = places.get(count)
-            && place.end == key
-            && self.windows[place.slot as usize].b1 <= x
-        {
-            count += 1;
+        let mut count = 0;
+        // Groups that end before it are passed over, half of what is left at a time.
+        let mut groups = len as usize / GROUP;
+        while groups > 1 {
+            let half = groups / 2;
+            let last = count + half * GROUP - 1;
+            count += usize::from(block[last].end < key) * half * GROUP;
+            groups -= half;
+        }
+        // Of the others all are compared, so that no branch depends on where it is.
+        for group in block[count..].chunks_exact(GROUP) {
+            let before = group.iter().map(|place| u32::from(place.end < key));
+            let before = before.sum::<u32>() as usize;
+            count += before;
+            if before < GROUP {
+                break;
+            }
         }
         count
     }
@@ -290,8 +316,13 @@ impl Lists {
         let behind = start + first + old..start + len;
         if longer > room(class) {
             let to = self.relocate(i, longer);
-            self.places.copy_within(start..start + first, to);
-            self.places.copy_within(behind, to + first + new);
+            // Often there was nothing, and then there is nothing to call for.
+            if first > 0 {
+                self.places.copy_within(start..start + first, to);
+            }
+            if !behind.is_empty() {
+                self.places.copy_within(behind, to + first + new);
+            }
         } else {
             let to = start + first + new;
             if new == old + 1 && behind.len() < SHORT {
@@ -302,6 +333,9 @@ impl Lists {
                 }
             } else {
                 self.places.copy_within(behind, to);
+                if longer < len {
+                    self.places[start + longer..start + len].fill(Place::NONE);
+                }
             }
         }
         self.heads[i].len = longer as u32;
@@ -323,9 +357,10 @@ impl Lists {
             .pop()
             .unwrap_or_else(|| {
                 let to = self.places.len();
-                self.places.resize(to + room(larger), Place::default());
+                self.places.resize(to + room(larger), Place::NONE);
                 to as u32
             });
+        self.places[to as usize + len..][..room(larger) - len].fill(Place::NONE);
         if class > 0 {
             self.free_blocks[usize::from(class)].push(start);
         }
@@ -368,22 +403,6 @@ impl Lists {
         prefetch(&self.windows, slot as usize);
         prefetch(&self.states, slot as usize);
         prefetch(&self.heads, i);
-    }
-
-    /// Asks for the head of list `i`, to which a window will come.
-    #[inline]
-    pub(crate) fn announce_head(&self, i: usize) {
-        prefetch(&self.heads, i);
-    }
-
-    /// Asks for the list itself, whose head is at hand: all of it up to 24 windows, and where a search
-    /// looks first.
-    #[inline]
-    pub(crate) fn announce_places(&self, i: usize) {
-        let List { start, len, .. } = self.heads[i];
-        for quarter in 1..=3 {
-            prefetch(&self.places, (start + len * quarter / 4) as usize);
-        }
     }
 }
 

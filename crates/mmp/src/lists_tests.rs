@@ -14,9 +14,9 @@ fn window(number: f64) -> Window {
 }
 
 #[test]
-fn rooms_grow_by_a_third_or_a_half() {
+fn rooms_are_of_whole_groups_and_grow_by_a_third_or_more() {
     let rooms: Vec<usize> = (0..9).map(room).collect();
-    assert_eq!(rooms, [0, 4, 6, 8, 12, 16, 24, 32, 48]);
+    assert_eq!(rooms, [0, 4, 8, 12, 16, 24, 32, 48, 64]);
 }
 
 #[derive(Clone, Debug)]
@@ -117,11 +117,11 @@ fn a_window_that_was_cut_waits_for_its_new_turn() {
 }
 
 proptest! {
-    /// Keys of ends are rounded: ends that are equal, or nearly so, must be told apart at any scale.
+    /// Keys of ends are rounded: of ends that nearly equal the point any number may be left, at any scale.
     #[test]
-    fn windows_that_end_before_a_point_are_counted_exactly(
-        ends in prop::collection::vec((1..20u32, 0..3u32), 1..20),
-        at in (1..20u32, 0..3u32),
+    fn none_is_counted_that_does_not_end_before_a_point(
+        ends in prop::collection::vec((1..60u32, 0..3u32), 1..60),
+        at in (1..60u32, 0..3u32),
         scale in prop_oneof![Just(1.0), Just(1e-150), Just(1e150), 0.1..10.0f64],
     ) {
         let abscissa = |(whole, more): (u32, u32)| scale * (f64::from(whole) + 1e-9 * f64::from(more));
@@ -134,8 +134,10 @@ proptest! {
             .collect();
         lists.replace(0, 0, 0, &slots);
         for x in [0.0, abscissa(at)] {
-            let before = ends.iter().filter(|&&b1| b1 <= x).count();
-            prop_assert_eq!(lists.ending_by(0, x), before);
+            let certain = ends.iter().filter(|&&b1| b1 < x * (1.0 - 2e-6)).count();
+            let before = ends.iter().filter(|&&b1| b1 < x).count();
+            let counted = lists.ending_before(0, x);
+            prop_assert!(certain <= counted && counted <= before, "{certain} {counted} {before}");
         }
     }
 }

@@ -69,21 +69,6 @@ impl Trimming {
     }
 }
 
-impl Trimming {
-    /// The lists to which the children of a window on `h` come; at the border that of `h` itself stands for the missing
-    /// one. It reads nothing but the face of `h`.
-    #[inline]
-    fn exits(&self, h: HalfEdgeId, surface: &Surface) -> [usize; 2] {
-        let [left, right] = surface.faces().exits(h);
-        let list = |exit: Option<HalfEdgeId>, side: HalfEdgeId| match exit {
-            Some(exit) if self.carrier == Carrier::HalfEdge => exit.index(),
-            Some(exit) => exit.min(side).index(),
-            None => h.index(),
-        };
-        [list(left, h.prev()), list(right, h.next())]
-    }
-}
-
 impl Policy for Trimming {
     /// The level in the sequence tree, in counted runs; else 0.
     type Lineage = u32;
@@ -111,7 +96,8 @@ impl Policy for Trimming {
         0
     }
 
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // The window is not to pass through memory.
     fn arrive<P: Probe>(
         &mut self,
         arrival: &Arrival<u32>,
@@ -220,20 +206,6 @@ impl Policy for Trimming {
     fn announce(&self, h: HalfEdgeId, id: u32) {
         // Where both half-edges of an edge have one list this may ask for another one, which does no harm.
         self.lists.announce(h.index(), id);
-    }
-
-    #[inline]
-    fn prepare(&self, h: HalfEdgeId, _: u32, surface: &Surface) {
-        for place in self.exits(h, surface) {
-            self.lists.announce_head(place);
-        }
-    }
-
-    #[inline]
-    fn make_ready(&self, h: HalfEdgeId, _: u32, surface: &Surface) {
-        for place in self.exits(h, surface) {
-            self.lists.announce_places(place);
-        }
     }
 
     #[inline]

@@ -130,13 +130,6 @@ pub trait Policy: Send {
         let _ = (h, id, surface);
     }
 
-    /// Window `id` on `h`, which was [prepared](Self::prepare) a few turns ago, is likely to be taken in one or two:
-    /// reads what was asked for then, and asks for what only that leads to.
-    #[inline]
-    fn make_ready(&self, h: HalfEdgeId, id: u32, surface: &Surface) {
-        let _ = (h, id, surface);
-    }
-
     /// Which children of a window on one side of the apex are tried, the left and the right one:
     /// those that must be computed to find out that they are empty. It serves counters only.
     #[inline]

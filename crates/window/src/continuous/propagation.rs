@@ -29,11 +29,9 @@ const COUNTERS: &[Counter] = &[
     Counter::PseudoSources,
 ];
 
-/// How many turns before its own a window is announced, how many before it is prepared, and how many before it is
-/// made ready.
-const FAR: usize = 5;
-const NEAR: usize = 3;
-const NEXT: usize = 1;
+/// How many turns before its own the memory of a window is asked for. To ask for that of the windows that it will
+/// meet as well costs more than it saves.
+const AHEAD: usize = 5;
 
 /// An algorithm that takes one window at a time: `policy` under `queue`, on one mesh.
 #[derive(Clone, Debug)]
@@ -179,16 +177,9 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
     /// Asks for the memory that windows to come will need, of a policy that does not foresee them.
     #[inline(always)]
     fn read_ahead(&self) {
-        if let Some(EventKind::Window(h, id)) = self.queue.upcoming(FAR).map(Event::kind) {
+        if let Some(EventKind::Window(h, id)) = self.queue.upcoming(AHEAD).map(Event::kind) {
             self.policy.announce(h, id);
             self.surface.announce(h);
-        }
-        if let Some(EventKind::Window(h, id)) = self.queue.upcoming(NEAR).map(Event::kind) {
-            self.policy.prepare(h, id, &self.surface);
-            self.surface.prepare(h);
-        }
-        if let Some(EventKind::Window(h, id)) = self.queue.upcoming(NEXT).map(Event::kind) {
-            self.policy.make_ready(h, id, &self.surface);
         }
     }
 

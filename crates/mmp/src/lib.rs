@@ -21,11 +21,13 @@
 //! edge, and cannot tell which of the two must go on. The CH and VTP families, which do not compare
 //! along the edge, are not affected; nor are single faces of no area.
 
+mod division;
 mod duel;
 mod forgetting;
 mod insertion;
 mod lists;
 mod trimming;
+mod wedge;
 
 use geobench_mesh::Mesh;
 use geobench_window::continuous::Continuous;

@@ -69,6 +69,12 @@ impl Calendar {
         rounded.to_bits() - INTEGERS.to_bits() - u64::from(rounded - INTEGERS > place)
     }
 
+    /// How far `label` lies within its bucket: from 0 to 1, up to rounding.
+    #[inline]
+    pub(super) fn place_in(&self, bucket: u64, label: f64) -> f64 {
+        label * self.per_length - bucket as f64
+    }
+
     /// Number of events.
     #[inline]
     pub fn len(&self) -> usize {

@@ -7,6 +7,7 @@ mod fifo;
 mod heap;
 mod priority;
 mod ring;
+mod spread;
 
 pub use arena::{Arena, Chain};
 pub use calendar::Calendar;

@@ -2,6 +2,7 @@
 
 use geobench_mesh::Mesh;
 
+use super::spread::append_in_order;
 use super::{Calendar, Discipline, Event, MinHeap};
 use crate::counters::Counter;
 use crate::probe::Probe;
@@ -26,7 +27,7 @@ const REACH: usize = 16;
 ///
 /// # Cost
 ///
-/// O(log k) for each event, for k in its bucket; O(log n) where labels do not spread.
+/// O(1) for each event where labels spread, O(log n) where they do not.
 #[derive(Clone, Debug)]
 pub struct Priority {
     /// Events of the buckets up to the current one that are to come, the next one last.
@@ -37,6 +38,7 @@ pub struct Priority {
     later: Calendar,
     /// Room for a refill.
     fresh: Vec<(f64, Event)>,
+    drained: Vec<(f64, Event)>,
 }
 
 impl Priority {
@@ -52,6 +54,7 @@ impl Priority {
             current: 0,
             later: Calendar::new(width),
             fresh: Vec::new(),
+            drained: Vec::new(),
         }
     }
 
@@ -68,10 +71,10 @@ impl Priority {
             && let Some(bucket) = self.later.advance()
         {
             self.current = bucket;
-            let before = self.fresh.len();
-            self.later.drain(bucket, &mut self.fresh);
-            // Labels are not negative, and then in the order of their bits.
-            self.fresh[before..].sort_by_key(|&(label, _)| label.to_bits());
+            self.drained.clear();
+            self.later.drain(bucket, &mut self.drained);
+            let place = |label| self.later.place_in(bucket, label);
+            append_in_order(&mut self.fresh, &mut self.drained, place);
         }
         self.fresh.reverse();
         self.fresh.append(&mut self.sorted);

@@ -1,0 +1,87 @@
+//! How a range is divided between a new window and those that it meets, in the general case.
+
+use geobench_window::{Window, tie_points};
+
+use crate::duel::{is_new_shorter, is_sliver, matters};
+
+/// Who is shorter on a range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Owner {
+    New,
+    /// The stored window at this place among those that the new one meets.
+    Old(usize),
+}
+
+/// A range of the half-edge and its owner.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Segment {
+    pub(crate) start: f64,
+    pub(crate) end: f64,
+    pub(crate) owner: Owner,
+}
+
+/// Ranges in ascending order, each with its owner.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Division {
+    segments: Vec<Segment>,
+}
+
+impl Division {
+    /// The ranges.
+    pub(crate) fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// Divides the ranges of `met` and `new`, on an edge of length `l`, between them; slivers fall to nobody.
+    pub(crate) fn share_out(&mut self, met: &[Window], new: &Window, l: f64) {
+        self.segments.clear();
+        let mut covered = new.b0;
+        for (i, w) in met.iter().enumerate() {
+            let old = Owner::Old(i);
+            let (lo, hi) = (w.b0.max(new.b0), w.b1.min(new.b1));
+            self.grant(covered, w.b0, Owner::New);
+            self.grant(w.b0, lo, old);
+            // Ranges that matter to neither are not worth a trim.
+            let matters = |start, end| matters(w, new, start, end, l);
+            let winner = |start, end| {
+                if is_new_shorter(w, new, start, end) {
+                    Owner::New
+                } else {
+                    old
+                }
+            };
+            let mut start = lo;
+            if matters(lo, hi) {
+                for &tie in tie_points(w, new).as_slice() {
+                    if matters(start, tie) && matters(tie, hi) {
+                        self.grant(start, tie, winner(start, tie));
+                        start = tie;
+                    }
+                }
+                self.grant(start, hi, winner(start, hi));
+            } else {
+                self.grant(start, hi, old);
+            }
+            self.grant(hi, w.b1, old);
+            covered = hi;
+        }
+        self.grant(covered, new.b1, Owner::New);
+        self.segments.retain(|s| {
+            let owner = match s.owner {
+                Owner::New => new,
+                Owner::Old(k) => &met[k],
+            };
+            !is_sliver(owner, s.start, s.end, l)
+        });
+    }
+
+    /// Gives `start..end` to `owner`.
+    fn grant(&mut self, start: f64, end: f64, owner: Owner) {
+        if start < end {
+            match self.segments.last_mut() {
+                Some(last) if last.owner == owner => last.end = end,
+                _ => self.segments.push(Segment { start, end, owner }),
+            }
+        }
+    }
+}

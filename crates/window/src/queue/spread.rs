@@ -1,0 +1,94 @@
+//! Sorting of a few events whose labels lie about evenly in a range.
+
+use super::Event;
+
+/// As many events are spread over bins before they are sorted.
+const MOST: usize = 255;
+
+/// Where the integers are the only numbers: what is added to it is rounded to one, which then stands in the last bits.
+const INTEGERS: f64 = (1u64 << 52) as f64;
+
+/// Appends `events` to `sorted` in the order of their labels, those of equal labels in the order in which they are.
+///
+/// `place` says how far a label lies within the range, from 0 to 1, up to rounding, and must not decrease. So many bins
+/// as there are events bring them nearly in order; what is left is done by insertion, hardly any of whose branches
+/// is foreseen wrongly. A sort that compares pairs gets half of its branches wrong.
+///
+/// # Cost
+///
+/// O(k) for k events that spread; O(k log k) if there are many; O(k²) for up to 255 that do not spread.
+pub(super) fn append_in_order(
+    sorted: &mut Vec<(f64, Event)>,
+    events: &mut [(f64, Event)],
+    place: impl Fn(f64) -> f64,
+) {
+    if events.len() > MOST {
+        // Labels are not negative, and then in the order of their bits.
+        events.sort_by_key(|&(label, _)| label.to_bits());
+        sorted.extend_from_slice(events);
+        return;
+    }
+    let (scale, last) = (events.len() as f64, events.len() as u8);
+    let (mut bins, mut ends) = ([0; MOST], [0; MOST + 1]);
+    for (bin, &(label, _)) in bins.iter_mut().zip(&*events) {
+        // Any bin will do for a label that lies outside the range.
+        *bin = ((place(label) * scale + INTEGERS).to_bits() as u8).min(last);
+        ends[usize::from(*bin)] += 1u8;
+    }
+    let mut end = 0;
+    for count in &mut ends[..=usize::from(last)] {
+        (*count, end) = (end, end + *count);
+    }
+    let before = sorted.len();
+    sorted.extend_from_slice(events);
+    let spread = &mut sorted[before..];
+    for (&bin, &event) in bins.iter().zip(&*events) {
+        let next = &mut ends[usize::from(bin)];
+        spread[usize::from(*next)] = event;
+        *next += 1;
+    }
+    insert_one_by_one(spread);
+}
+
+/// Sorts events that are nearly in order.
+fn insert_one_by_one(events: &mut [(f64, Event)]) {
+    for i in 1..events.len() {
+        let event = events[i];
+        let mut place = i;
+        while place > 0 && events[place - 1].0 > event.0 {
+            events[place] = events[place - 1];
+            place -= 1;
+        }
+        events[place] = event;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use geobench_mesh::HalfEdgeId;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn events(labels: &[f64]) -> Vec<(f64, Event)> {
+        let numbered = labels.iter().zip(0..);
+        let event = |(&label, id)| (label, Event::window(HalfEdgeId::new(0), id));
+        numbered.map(event).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn it_is_a_stable_sort(
+            labels in prop::collection::vec(prop_oneof![0.0..1.0f64, Just(0.5), 0.0..1e-9f64], 0..300),
+            first in 0.0..0.5f64, scale in prop_oneof![Just(1.0), Just(0.0), Just(1e-9), Just(1e30), Just(f64::NAN)],
+        ) {
+            let mut given = events(&labels);
+            let mut expected = given.clone();
+            expected.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut sorted = events(&[7.0]);
+            append_in_order(&mut sorted, &mut given, |label| (label - first) * scale);
+            prop_assert_eq!(&sorted[1..], &expected[..]);
+            prop_assert_eq!(sorted[0].0, 7.0, "what was there stays");
+        }
+    }
+}

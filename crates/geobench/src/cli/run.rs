@@ -235,6 +235,11 @@ fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     }
     if let Some(shard) = options.shard {
         shard::restrict(&mut plans, shard);
+        if plans.iter().all(|plan| plan.runs() == 0) {
+            notes.push(format!(
+                "part {shard} has nothing to do: there are fewer pairs of model and source than parts"
+            ));
+        }
     }
     Ok(Plans { plans, notes })
 }

@@ -194,3 +194,16 @@ fn a_part_has_a_journal_of_its_own() {
             .contains("give I/N such as 2/3")
     );
 }
+
+#[test]
+fn a_part_with_nothing_to_do_says_so() {
+    let sandbox = Sandbox::with_square();
+    let run = "run square.off --algo vtp --repeat 1 --warmup 0 --shard";
+    let warned = |part: &str| {
+        let call = sandbox.call(&format!("{run} {part}"));
+        assert_eq!(call.code, 0, "{}", call.stderr);
+        call.stderr.contains("part 2/3 has nothing to do")
+    };
+    assert!(!warned("1/3"));
+    assert!(warned("2/3"));
+}

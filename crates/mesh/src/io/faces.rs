@@ -65,7 +65,7 @@ impl FaceList {
                 "there is neither a vertex nor a face in it; is it a file of this format?",
             )),
             (vertices, 0) => Err(Flaw::file(format!(
-                "there is no face in it, only {vertices} vertices; a surface is needed"
+                "there is no face in it, only vertices ({vertices}); a surface is needed"
             ))),
             _ => Ok(soup),
         }

@@ -114,7 +114,7 @@ fn broken_obj() {
     }
     fails(
         b"v 0 0 0\nv 1 1 1\nl 1 2\n",
-        "there is no face in it, only 2 vertices; a surface is needed",
+        "there is no face in it, only vertices (2); a surface is needed",
     );
 }
 
@@ -173,7 +173,7 @@ fn broken_off() {
     );
     fails(
         b"OFF 1 0 0\n0 0 0\n",
-        "there is no face in it, only 1 vertices; a surface is needed",
+        "there is no face in it, only vertices (1); a surface is needed",
     );
 }
 

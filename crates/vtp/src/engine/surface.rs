@@ -22,16 +22,16 @@ pub(crate) const fn parts(h: u32) -> (usize, usize) {
     ((h >> 2) as usize, (h & 3) as usize)
 }
 
-/// The corner after this one.
+/// The corner after this one: two bits of a constant for each, since no processor predicts corners.
 #[inline]
 pub(crate) const fn next(corner: usize) -> usize {
-    if corner == 2 { 0 } else { corner + 1 }
+    0b00_10_01 >> (2 * corner) & 3
 }
 
 /// The corner before this one.
 #[inline]
 pub(crate) const fn prev(corner: usize) -> usize {
-    if corner == 0 { 2 } else { corner - 1 }
+    0b01_00_10 >> (2 * corner) & 3
 }
 
 /// All that is needed of a face, in two cache lines: the first has what is looked at and changed

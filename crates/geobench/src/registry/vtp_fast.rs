@@ -16,7 +16,7 @@ const PAIRS: Parameter = Parameter::integer(
     "pairs",
     8,
     0..=1_000_000,
-    "applies rules 2 and 3 to one in so many lists; to none if 0",
+    "applies rules 2 and 3 to one in so many of the longer lists; to all lists if 1, to none if 0",
 );
 
 const BUCKET: Parameter = bucket(0.25);

@@ -8,8 +8,8 @@
 //!   kernels work on four (AVX2) or eight (AVX-512) windows at once; chosen when the program runs. The kernels are
 //!   written once, over registers with any number of lanes, one included.
 //! * **Fewer checks** (`pairs`). Rules 2 and 3 cost more than most of what they save: they are applied to a
-//!   pseudo-random one in eight lists, which leaves a fifth more windows and takes a fifth less time. Neighbours are all compared
-//!   at once, and only where they overlap.
+//!   pseudo-random one in eight of the lists of 17 windows or more, which leaves a fifth more windows and takes a fifth less
+//!   time. Neighbours are all compared at once, and only where they overlap.
 //! * **Vertices in buckets** (`bucket`). All vertices within a quarter of a mean edge length have their turns together,
 //!   which takes no heap and lets many lists cross in a row.
 //! * **Windows into the shadow** (`shadow`). A shortest path that bends at a vertex leaves it opposite to where it

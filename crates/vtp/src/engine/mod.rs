@@ -16,6 +16,7 @@ pub(crate) mod lanes;
 pub(crate) mod levels;
 pub(crate) mod numbering;
 pub(crate) mod prefetch;
+pub(crate) mod sample;
 pub(crate) mod shadow;
 pub(crate) mod store;
 pub(crate) mod surface;

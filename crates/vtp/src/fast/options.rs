@@ -7,7 +7,7 @@ pub use crate::engine::Instructions;
 pub struct Options {
     /// The instructions to use; fewer if the processor lacks them.
     pub instructions: Instructions,
-    /// Rules 2 and 3 are applied to one of so many lists; to none if 0.
+    /// Rules 2 and 3 are applied to one of so many of the longer lists; to all lists if 1, to none if 0.
     pub pairs: u32,
     /// Width of a bucket of vertices that have their turns together, in mean edge lengths; more than 0.
     pub bucket: f64,

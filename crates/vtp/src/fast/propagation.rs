@@ -11,6 +11,7 @@ use crate::engine::lanes::Lanes;
 use crate::engine::levels::Levels;
 use crate::engine::numbering::Numbering;
 use crate::engine::prefetch::{line, prefetch};
+use crate::engine::sample::Sample;
 use crate::engine::shadow::Origin;
 use crate::engine::store::{NO_LIST, WindowStore};
 use crate::engine::surface::{NOBODY, Surface, next, parts, prev};
@@ -34,8 +35,8 @@ struct Improvement {
 pub struct VtpFast<'m> {
     mesh: &'m Mesh,
     pub(super) options: Options,
-    /// Lists whose hash is less have their pairs compared.
-    compared: u32,
+    /// Lists whose pairs are compared.
+    compared: Sample,
     numbering: Numbering,
     pub(super) surface: Surface,
     pub(super) store: WindowStore,
@@ -82,7 +83,7 @@ impl<'m> VtpFast<'m> {
                 ..options
             },
             buckets: Buckets::new(vertices, options.bucket * surface.mean_length),
-            compared: u32::MAX.checked_div(options.pairs).unwrap_or(0),
+            compared: Sample::new(options.pairs),
             numbering,
             surface,
             store: WindowStore::new(),
@@ -238,7 +239,7 @@ impl<'m> VtpFast<'m> {
         let arrived = self.store.len(list);
         let mut len = arrived;
         probe.enter(Phase::Pruning);
-        if len > 1 && self.are_pairs_compared(h) {
+        if self.compared.takes(h, len) {
             let block = self.store.block_and_line_behind(list);
             // SAFETY: promised by the caller.
             len = unsafe { kernels::compare::<L>(block, len, &mut self.cuts) };
@@ -391,12 +392,6 @@ impl<'m> VtpFast<'m> {
         for &h in self.surface.ring(v) {
             prefetch(&self.surface.faces, parts(h).0);
         }
-    }
-
-    /// Whether rules 2 and 3 are applied to the list on `h`: a hash spreads such lists evenly.
-    #[inline(always)]
-    fn are_pairs_compared(&self, h: u32) -> bool {
-        h.wrapping_mul(2_654_435_761) < self.compared
     }
 }
 

@@ -63,7 +63,7 @@ impl Worker {
         let arrived = self.store.len(list);
         let mut len = arrived;
         probe.enter(Phase::Pruning);
-        if len > 1 && field.are_pairs_compared(h) {
+        if field.compared.takes(h, len) {
             let block = self.store.block_and_line_behind(list);
             // SAFETY: promised by the caller.
             len = unsafe { kernels::compare::<L>(block, len, &mut self.cuts) };

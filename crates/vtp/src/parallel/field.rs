@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64};
 
 use super::mail::Post;
 use super::padded::Padded;
+use crate::engine::sample::Sample;
 use crate::engine::shadow::Origin;
 use crate::engine::store::NO_LIST;
 use crate::engine::surface::Surface;
@@ -187,8 +188,8 @@ pub(super) struct Status {
 pub(super) struct Field {
     pub(super) surface: Surface,
     pub(super) shadow: bool,
-    /// Lists whose hash is less have their pairs compared.
-    pub(super) compared: u32,
+    /// Lists whose pairs are compared.
+    pub(super) compared: Sample,
     pub(super) threads: usize,
     /// The number of this run.
     pub(super) run: u32,
@@ -200,7 +201,7 @@ pub(super) struct Field {
 }
 
 impl Field {
-    pub(super) fn new(surface: Surface, shadow: bool, compared: u32, threads: usize) -> Self {
+    pub(super) fn new(surface: Surface, shadow: bool, compared: Sample, threads: usize) -> Self {
         let (faces, vertices) = (surface.faces.len(), surface.vertices.len());
         Self {
             surface,
@@ -246,12 +247,6 @@ impl Field {
     #[inline]
     pub(super) fn owner(&self, face: usize) -> Option<usize> {
         self.faces[face].owner(self.run)
-    }
-
-    /// Whether rules 2 and 3 are applied to the list on `h`: a hash spreads such lists evenly.
-    #[inline]
-    pub(super) fn are_pairs_compared(&self, h: u32) -> bool {
-        h.wrapping_mul(2_654_435_761) < self.compared
     }
 
     /// The sum of what all threads say.

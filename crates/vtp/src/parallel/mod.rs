@@ -25,6 +25,7 @@ use self::worker::Worker;
 use crate::engine::dispatch::{self, Program};
 use crate::engine::lanes::Lanes;
 use crate::engine::numbering::Numbering;
+use crate::engine::sample::Sample;
 use crate::engine::surface::Surface;
 use crate::fast::Options;
 
@@ -65,7 +66,7 @@ impl<'m> Pvtp<'m> {
         let surface = Surface::new(mesh, &numbering);
         numbering.forget_faces();
         let (vertices, bucket) = (mesh.vertex_count(), options.bucket * surface.mean_length);
-        let compared = u32::MAX.checked_div(options.pairs).unwrap_or(0);
+        let compared = Sample::new(options.pairs);
         Self {
             mesh,
             options: Options {

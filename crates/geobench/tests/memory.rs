@@ -43,6 +43,19 @@ fn counted(place: Isolated) -> Peaks {
 }
 
 #[test]
+fn the_heap_of_a_counted_run_is_the_same_each_time() {
+    let model = "gen:anisotropic,faces=2000,g=4";
+    let heap = |algorithm| runs(isolated(), model, &[(algorithm, Purpose::Count)])[0].heap;
+    for algorithm in ["vtp", "vtp-fast"] {
+        let first = heap(algorithm);
+        assert!(first.is_some());
+        for _ in 0..3 {
+            assert_eq!(heap(algorithm), first, "{algorithm}");
+        }
+    }
+}
+
+#[test]
 fn a_parent_of_a_gigabyte_does_not_change_the_figures_of_a_child() {
     let alone = counted(isolated());
     let gigabyte = black_box(vec![1_u8; 1024 * MEGABYTE as usize]);

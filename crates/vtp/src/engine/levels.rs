@@ -1,6 +1,7 @@
 //! The levels in the sequence tree of the windows that wait.
 
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, DefaultHasher};
 
 use geobench_window::Window;
 
@@ -9,8 +10,11 @@ use super::kernels::Triangle;
 /// A source image with the distance of its pseudo-source, to the bit.
 type Image = [u64; 3];
 
+/// A map without a seed of its own: one with a random seed takes another amount of memory each time.
+type Map<K, V> = HashMap<K, V, BuildHasherDefault<DefaultHasher>>;
+
 /// The level of the windows of each source image in a list.
-type OfList = HashMap<Image, u32>;
+type OfList = Map<Image, u32>;
 
 /// How many triangles the ancestors of each waiting window have crossed.
 ///
@@ -20,7 +24,7 @@ type OfList = HashMap<Image, u32>;
 /// came by both sides of a vertex; the deeper level then stands for both.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Levels {
-    lists: HashMap<u32, OfList>,
+    lists: Map<u32, OfList>,
 }
 
 impl Levels {
@@ -42,10 +46,10 @@ impl Levels {
 
     /// The list on `h` is about to cross `triangle`.
     pub(crate) fn leave(&self, h: u32, triangle: &Triangle) -> Departure {
-        let none = OfList::new();
+        let none = OfList::default();
         let parents = self.lists.get(&h).unwrap_or(&none);
         let beyond = |side| {
-            let mut children = OfList::new();
+            let mut children = OfList::default();
             for (&[px, py, sigma], &level) in parents {
                 let source = triangle.source_beyond(side, [px, py].map(f64::from_bits));
                 let child = image(source, f64::from_bits(sigma));

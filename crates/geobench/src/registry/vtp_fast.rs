@@ -19,19 +19,12 @@ const PAIRS: Parameter = Parameter::integer(
     "applies rules 2 and 3 to one in so many of the longer lists; to all lists if 1, to none if 0",
 );
 
-const BUCKET: Parameter = bucket(0.25);
-
-/// Wider ones give threads more to do between two meetings.
-const BUCKET_OF_THREADS: Parameter = bucket(0.5);
-
-const fn bucket(default: f64) -> Parameter {
-    Parameter::real(
-        "bucket",
-        default,
-        0.001..=1e6,
-        "lets vertices have their turns together whose distances are within so many mean edge lengths",
-    )
-}
+const BUCKET: Parameter = Parameter::real(
+    "bucket",
+    0.25,
+    0.001..=1e6,
+    "lets vertices have their turns together whose distances are within so many mean edge lengths",
+);
 
 const SHADOW: Parameter = Parameter::word(
     "shadow",
@@ -65,7 +58,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         memory_counter: Counter::PeakWindows,
         comfortable_faces: None,
         parameters: &[SIMD, PAIRS, BUCKET, SHADOW, RENUMBER],
-        build: |mesh, values| Box::new(VtpFast::with_options(mesh, options(values, &BUCKET))),
+        build: |mesh, values| Box::new(VtpFast::with_options(mesh, options(values))),
     },
     Algorithm {
         name: "pvtp",
@@ -78,16 +71,9 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "for large models on a machine with idle processors (--threads)",
         memory_counter: Counter::PeakWindows,
         comfortable_faces: None,
-        parameters: &[
-            THREADS,
-            SIMD,
-            PAIRS,
-            BUCKET_OF_THREADS,
-            SHADOW,
-            RENUMBER_CURVE,
-        ],
+        parameters: &[THREADS, SIMD, PAIRS, BUCKET, SHADOW, RENUMBER_CURVE],
         build: |mesh, values| {
-            let options = options(values, &BUCKET_OF_THREADS);
+            let options = options(values);
             Box::new(Pvtp::with_options(mesh, threads(values), options))
         },
     },
@@ -97,7 +83,7 @@ fn threads(values: &Values) -> usize {
     values.integer_or_word(&THREADS).unwrap_or(1) as usize
 }
 
-fn options(values: &Values, bucket: &Parameter) -> FastOptions {
+fn options(values: &Values) -> FastOptions {
     FastOptions {
         instructions: match values.word(&SIMD) {
             Some("avx512") => Instructions::Avx512,
@@ -106,7 +92,7 @@ fn options(values: &Values, bucket: &Parameter) -> FastOptions {
             _ => Instructions::detect(),
         },
         pairs: values.integer(&PAIRS) as u32,
-        bucket: values.real(bucket),
+        bucket: values.real(&BUCKET),
         shadow: values.word(&SHADOW) == Some("on"),
         renumber: values.word(&RENUMBER) == Some("on"),
     }

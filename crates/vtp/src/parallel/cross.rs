@@ -1,9 +1,12 @@
 //! The first half of a step: lists cross faces, and windows start from vertices. Distances do not change.
 
+use std::sync::atomic::Ordering::Relaxed;
+
 use geobench_window::{Phase, Probe};
 
 use super::field::Field;
 use super::mail::{Offer, Spawn};
+use super::split::LIST;
 use super::worker::{Task, Worker};
 use crate::engine::kernels::{self, BestPath, Gate, MARGIN, Measured, Target};
 use crate::engine::lanes::Lanes;
@@ -20,6 +23,7 @@ impl Worker {
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     pub(super) unsafe fn cross<L: Lanes, P: Probe>(&mut self, field: &Field, probe: &mut P) {
+        (self.load, self.again, self.sent) = (0, 0, 0);
         self.tasks.clear();
         for &face in &self.ready {
             let lists = field.faces[face as usize].take();
@@ -41,6 +45,11 @@ impl Worker {
             self.spawn_across(field, self.spawns[i]);
         }
         self.spawns.clear();
+        let status = &field.statuses[self.thread].0;
+        status.load.store(self.load, Relaxed);
+        status.again.store(self.again, Relaxed);
+        let waiting = self.store.waiting() as u64 + self.sent;
+        status.waiting.store(waiting, Relaxed);
     }
 
     /// Takes a list across its face.
@@ -62,6 +71,7 @@ impl Worker {
         let h = half_edge(f, corner);
         let arrived = self.store.len(list);
         let mut len = arrived;
+        self.load += arrived as u64 + LIST;
         probe.enter(Phase::Pruning);
         if field.compared.takes(h, len) {
             let block = self.store.block_and_line_behind(list);
@@ -120,14 +130,13 @@ impl Worker {
     ) {
         let exits = [face.twin[prev(corner)], face.twin[next(corner)]];
         let mut lists = [NO_LIST; 2];
-        let mut owners = [None; 2];
+        let mut owners = [self.thread; 2];
         for side in 0..2 {
             if exits[side] != NOBODY && found.bound[side] > 0 {
                 let (f, k) = parts(exits[side]);
-                let state = &field.faces[f];
-                owners[side] = state.owner(field.run);
-                let known = if owners[side].is_none_or(|owner| owner == self.thread) {
-                    state.list(k)
+                owners[side] = self.owner_of_face(field, f);
+                let known = if owners[side] == self.thread {
+                    field.faces[f].list(k)
                 } else {
                     NO_LIST
                 };
@@ -164,7 +173,8 @@ impl Worker {
         for side in 0..2 {
             if lists[side] != NO_LIST {
                 let list = self.store.set_len(lists[side], after[side]);
-                self.deliver(field, exits[side], list, owners[side]);
+                let more = after[side] - before[side];
+                self.deliver(field, exits[side], list, more, owners[side]);
             }
         }
         let children = after[0] + after[1] - before[0] - before[1];
@@ -172,30 +182,29 @@ impl Worker {
         self.tally.children += children as u64;
     }
 
-    /// Puts `list`, which has grown, on the half-edge `h` of a face of `owner`.
+    /// Puts `list`, which has grown by `more` windows, on the half-edge `h` of a face of `owner`.
     #[inline(always)]
-    fn deliver(&mut self, field: &Field, h: u32, list: u32, owner: Option<usize>) {
+    fn deliver(&mut self, field: &Field, h: u32, list: u32, more: usize, owner: usize) {
         let (f, k) = parts(h);
         let state = &field.faces[f];
-        match owner {
-            Some(owner) if owner != self.thread => {
-                if list != NO_LIST {
-                    self.send_windows(list, h, owner);
-                }
+        let has_joined = state.has_joined(field.run);
+        self.split.note(f, more);
+        self.again += if has_joined { more as u64 } else { 0 };
+        if owner == self.thread {
+            state.set_list(k, list);
+            if list != NO_LIST && has_joined && state.enqueue() {
+                self.ready.push(f as u32);
             }
-            _ => {
-                state.set_list(k, list);
-                if list != NO_LIST && owner.is_some() && state.enqueue() {
-                    self.ready.push(f as u32);
-                }
-            }
+        } else if list != NO_LIST {
+            self.sent += more as u64;
+            self.send_windows(list, h, owner);
         }
     }
 
     /// Tells the owner of a vertex about a path to it.
     #[inline]
     fn offer(&mut self, field: &Field, offer: Offer) {
-        let owner = field.vertices[offer.vertex as usize].owner_or(self.thread);
+        let owner = self.owner_of_vertex(field, offer.vertex);
         if owner == self.thread {
             self.offers.push(offer);
         } else {
@@ -254,10 +263,9 @@ impl Worker {
         }
         let [x, y] = face.apex(after);
         let (target, k) = parts(twin);
-        let state = &field.faces[target];
-        let owner = state.owner(field.run);
-        let known = if owner.is_none_or(|owner| owner == self.thread) {
-            state.list(k)
+        let owner = self.owner_of_face(field, target);
+        let known = if owner == self.thread {
+            field.faces[target].list(k)
         } else {
             NO_LIST
         };
@@ -265,7 +273,7 @@ impl Worker {
         let len = self.store.len(list);
         self.store.put(list, len, [0.0, l, l - x, -y, d]);
         let list = self.store.set_len(list, len + 1);
-        self.deliver(field, twin, list, owner);
+        self.deliver(field, twin, list, 1, owner);
     }
 
     /// Asks for the face of a task.

@@ -1,7 +1,7 @@
 //! What all threads see of a run.
 
 use std::sync::atomic::Ordering::Relaxed;
-use std::sync::atomic::{AtomicU32, AtomicU64};
+use std::sync::atomic::{AtomicU16, AtomicU32, AtomicU64};
 
 use super::mail::Post;
 use super::padded::Padded;
@@ -16,22 +16,27 @@ const NO_THREAD: u32 = 0x7fff_ffff;
 /// Marks vertices whose turn has come.
 const PASSED: u32 = 1 << 31;
 
-/// Bits of a face's mark: the run in which it joined, whether it is queued, and whose it is.
-const RUN: u32 = 16;
-const QUEUED: u32 = 1 << 15;
+/// Bits of a face's mark: the run in which somebody got it, whether it is queued, and whose it is.
+const RUN: u32 = 11;
+const QUEUED: u16 = 1 << 10;
+
+/// The number of the last run before numbers start again.
+const LAST_RUN: u16 = u16::MAX >> RUN;
 
 /// The most threads of a run; numbers of threads fit into the mark of a face.
-pub(super) const MOST_THREADS: usize = 1024;
+pub(super) const MOST_THREADS: usize = QUEUED as usize;
 
 /// What changes of a face.
 ///
-/// A face that has joined the traversed area belongs to a thread, and only that touches what is here. The
-/// windows that wait for a face to join lie with the thread of the face that they come from.
+/// A face belongs to a thread from the time on when windows come to one of its half-edges. Whose it becomes is decided by
+/// where it is, so that all threads agree. Only its owner touches its lists, which lie with it, and queues it.
 #[derive(Debug, Default)]
 pub(super) struct FaceState {
-    /// The windows that wait on each half-edge to cross the face: lists of the thread they lie with.
+    /// The windows that wait on each half-edge to cross the face: lists of its owner.
     lists: [AtomicU32; 3],
-    mark: AtomicU32,
+    /// The run in which the face joined the traversed area last; written by whoever has a vertex of it pass.
+    joined: AtomicU16,
+    mark: AtomicU16,
 }
 
 const _: () = assert!(NO_LIST == 0 && size_of::<FaceState>() == 16);
@@ -47,22 +52,42 @@ impl FaceState {
         self.lists[corner].store(list, Relaxed);
     }
 
-    /// Whose the face is, if it has joined in this run.
+    /// Whose the face is, if it is somebody's in this run.
     #[inline]
-    pub(super) fn owner(&self, run: u32) -> Option<usize> {
+    pub(super) fn owner(&self, run: u16) -> Option<usize> {
         let mark = self.mark.load(Relaxed);
-        (mark >> RUN == run).then_some((mark & (QUEUED - 1)) as usize)
+        (mark >> RUN == run).then_some(usize::from(mark & (QUEUED - 1)))
     }
 
-    /// The face joins as one of `thread`; returns whether it had not joined yet.
-    pub(super) fn join(&self, run: u32, thread: usize) -> bool {
-        let old = self.mark.load(Relaxed);
-        let new = run << RUN | thread as u32;
-        old >> RUN != run
-            && self
-                .mark
-                .compare_exchange(old, new, Relaxed, Relaxed)
-                .is_ok()
+    /// Whose the face is; that of `thread` from now on if it was nobody's.
+    #[inline]
+    pub(super) fn owner_or(&self, run: u16, thread: impl FnOnce() -> usize) -> usize {
+        let mark = self.mark.load(Relaxed);
+        if mark >> RUN == run {
+            return usize::from(mark & (QUEUED - 1));
+        }
+        let thread = thread();
+        let new = run << RUN | thread as u16;
+        // Another thread may have been faster, but has decided the same.
+        let _ = self.mark.compare_exchange(mark, new, Relaxed, Relaxed);
+        thread
+    }
+
+    /// Whether the face has joined the traversed area.
+    #[inline]
+    pub(super) fn has_joined(&self, run: u16) -> bool {
+        self.joined.load(Relaxed) == run
+    }
+
+    /// The face joins; returns whether it had not joined yet, to more than one thread perhaps if they ask at the
+    /// same time.
+    #[inline]
+    pub(super) fn join(&self, run: u16) -> bool {
+        let news = !self.has_joined(run);
+        if news {
+            self.joined.store(run, Relaxed);
+        }
+        news
     }
 
     /// Marks the face as queued; returns whether it was not.
@@ -83,10 +108,15 @@ impl FaceState {
             taken
         })
     }
+
+    fn forget(&self) {
+        self.joined.store(0, Relaxed);
+        self.mark.store(0, Relaxed);
+    }
 }
 
-/// What changes of a vertex besides its distance. Belongs to the thread that reached it first, and from its turn on
-/// to the one that it has its turn with.
+/// What changes of a vertex besides its distance. Belongs to a thread from the time on when a path reaches it,
+/// as faces do.
 #[derive(Debug)]
 pub(super) struct VertexState {
     /// The distance at which it has sent out windows last, if it is a pseudo-source.
@@ -124,17 +154,19 @@ impl VertexState {
         self.entry.set(origin.entry);
     }
 
-    /// Whose it is: that of `thread` if it was nobody's.
+    /// Whose it is; that of `thread` from now on if it was nobody's.
     #[inline]
-    pub(super) fn owner_or(&self, thread: usize) -> usize {
+    pub(super) fn owner_or(&self, thread: impl FnOnce() -> usize) -> usize {
         let owner = self.owner.load(Relaxed) & !PASSED;
         if owner != NO_THREAD {
             return owner as usize;
         }
-        let claimed = self
+        let thread = thread();
+        // Another thread may have been faster, but has decided the same.
+        let _ = self
             .owner
             .compare_exchange(NO_THREAD, thread as u32, Relaxed, Relaxed);
-        claimed.map_or_else(|other| other as usize, |_| thread)
+        thread
     }
 
     /// It has its turn with `thread`.
@@ -168,17 +200,19 @@ impl Number {
     }
 }
 
-/// What a thread says at the end of a phase.
+/// What a thread says at the end of each half of a step.
 #[derive(Debug, Default)]
 pub(super) struct Status {
-    /// Tasks that it has for the next phase, or has sent to others.
-    pub(super) work: AtomicU32,
-    /// Its nearest bucket of vertices, if nobody has work.
-    pub(super) nearest: AtomicU32,
-    /// How long it has been at work in this round, in nanoseconds.
+    /// What it had to cross in the first half, about, in windows.
     pub(super) load: AtomicU64,
-    /// Windows that wait in its lists, and vertices in its buckets.
+    /// Windows that have crossed in the first half and are to cross again in the next step.
+    pub(super) again: AtomicU64,
+    /// Windows that wait in its lists or are on their way to others, after the first half.
     pub(super) waiting: AtomicU64,
+    /// Tasks that it has for the next step, or has sent to others, after the second half.
+    pub(super) work: AtomicU32,
+    /// Its nearest bucket of vertices then, and the number of vertices that wait.
+    pub(super) nearest: AtomicU32,
     pub(super) queued: AtomicU64,
 }
 
@@ -192,7 +226,7 @@ pub(super) struct Field {
     pub(super) compared: Sample,
     pub(super) threads: usize,
     /// The number of this run.
-    pub(super) run: u32,
+    pub(super) run: u16,
     pub(super) faces: Vec<FaceState>,
     pub(super) distances: Vec<Number>,
     pub(super) vertices: Vec<VertexState>,
@@ -219,11 +253,9 @@ impl Field {
 
     /// Starts another run; every list is empty, and threads are to reset the vertices.
     pub(super) fn start(&mut self) {
-        if self.run == u32::from(u16::MAX) {
+        if self.run == LAST_RUN {
             self.run = 0;
-            for face in &self.faces {
-                face.mark.store(0, Relaxed);
-            }
+            self.faces.iter().for_each(FaceState::forget);
         }
         self.run += 1;
     }
@@ -241,12 +273,6 @@ impl Field {
     #[inline]
     pub(super) fn distance(&self, v: u32) -> f64 {
         self.distances[v as usize].get()
-    }
-
-    /// Whose a face is that has joined.
-    #[inline]
-    pub(super) fn owner(&self, face: usize) -> Option<usize> {
-        self.faces[face].owner(self.run)
     }
 
     /// The sum of what all threads say.

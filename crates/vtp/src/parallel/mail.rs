@@ -38,10 +38,10 @@ pub(super) struct Mail {
     pub(super) arrivals: Vec<(u32, u32)>,
     /// These windows, list by list, in columns.
     pub(super) windows: Vec<f64>,
-    /// Half-edges whose windows the sender asks for.
-    pub(super) requests: Vec<u32>,
-    /// Vertices whose turn has come.
-    pub(super) turn: Vec<u32>,
+    /// Faces that have joined the traversed area.
+    pub(super) joined: Vec<u32>,
+    /// Loads of parts of the surface, see [`Split`](super::split::Split).
+    pub(super) loads: Vec<(u32, u32)>,
 }
 
 impl Mail {
@@ -49,8 +49,8 @@ impl Mail {
         self.offers.is_empty()
             && self.spawns.is_empty()
             && self.arrivals.is_empty()
-            && self.requests.is_empty()
-            && self.turn.is_empty()
+            && self.joined.is_empty()
+            && self.loads.is_empty()
     }
 
     fn clear(&mut self) {
@@ -58,8 +58,8 @@ impl Mail {
         self.spawns.clear();
         self.arrivals.clear();
         self.windows.clear();
-        self.requests.clear();
-        self.turn.clear();
+        self.joined.clear();
+        self.loads.clear();
     }
 }
 

@@ -40,18 +40,9 @@ pub struct Pvtp<'m> {
 }
 
 impl<'m> Pvtp<'m> {
-    /// Sets up for `mesh` and a number of threads, with the [usual options](Self::usual_options); O(faces).
+    /// Sets up for `mesh` and a number of threads, with every improvement; O(faces).
     pub fn new(mesh: &'m Mesh, threads: usize) -> Self {
-        Self::with_options(mesh, threads, Self::usual_options())
-    }
-
-    /// Every improvement, and buckets that are wider than on one thread: fewer rounds, in which there is more to
-    /// divide, for a few more windows.
-    pub fn usual_options() -> Options {
-        Options {
-            bucket: 0.5,
-            ..Options::default()
-        }
+        Self::with_options(mesh, threads, Options::default())
     }
 
     /// Sets up for `mesh` and a number of threads; O(faces).
@@ -65,7 +56,7 @@ impl<'m> Pvtp<'m> {
         };
         let surface = Surface::new(mesh, &numbering);
         numbering.forget_faces();
-        let (vertices, bucket) = (mesh.vertex_count(), options.bucket * surface.mean_length);
+        let bucket = options.bucket * surface.mean_length;
         let compared = Sample::new(options.pairs);
         Self {
             mesh,
@@ -74,10 +65,10 @@ impl<'m> Pvtp<'m> {
                 ..options
             },
             numbering,
-            field: Field::new(surface, options.shadow, compared, threads),
             workers: (0..threads)
-                .map(|thread| Worker::new(thread, threads, vertices, bucket))
+                .map(|thread| Worker::new(thread, threads, &surface, bucket))
                 .collect(),
+            field: Field::new(surface, options.shadow, compared, threads),
         }
     }
 

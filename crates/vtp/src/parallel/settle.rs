@@ -89,9 +89,11 @@ impl Worker {
                 last: !all_around && i + 1 == shadow.count,
                 distance,
             };
-            match field.owner(parts(h).0) {
-                Some(owner) if owner != self.thread => self.desk.out[owner].spawns.push(spawn),
-                _ => self.spawns.push(spawn),
+            let owner = self.owner_of_face(field, parts(h).0);
+            if owner == self.thread {
+                self.spawns.push(spawn);
+            } else {
+                self.desk.out[owner].spawns.push(spawn);
             }
         }
     }

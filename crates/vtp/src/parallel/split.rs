@@ -1,180 +1,224 @@
-//! Who gets which part of the wavefront.
+//! Who gets which part of the surface.
 
-use std::ops::Range;
+use crate::engine::surface::Surface;
 
-/// Vertices for each thread below which a round is not worth dividing anew.
-const FEWEST: usize = 4;
+/// Parts of the surface whose loads are counted, at most.
+const BLOCKS: usize = 2048;
 
-/// How much the last round counts when the load of the next one is estimated.
-const LATEST: f64 = 0.5;
+/// What a list that is taken across a face costs besides its windows, in windows.
+pub(super) const LIST: u64 = 16;
 
-/// By what factor the load of a vertex may differ from the mean: more would be the system's doing, which had
-/// something else to do.
-const MOST: f64 = 4.0;
+/// How much of the shares that differ from an equal one is kept from one division to the next, and how much a load that
+/// differs from the mean adds to them.
+const KEPT: f64 = 0.9;
+const GAIN: f64 = 0.2;
 
-/// Cuts the vertices of a round into ranges of their numbers, one for each thread, of about the same load.
+/// Cuts the surface into ranges of its faces, one for each thread, of about the same load.
 ///
-/// Numbers follow a space-filling curve, so that a range is a part of the surface in one piece or a few, and
-/// the parts of one round and the next are nearly the same. What a vertex brings with it is known after its
-/// turn only; so a range counts for its number of vertices times what its thread took for each in the last
-/// rounds. Every thread makes the same cuts from the same figures. That these are times, which
-/// vary, does not matter: what comes of a round is the same whoever does what.
+/// Numbers follow a space-filling curve, so that a range is a part of the surface in one piece or a few. Windows of
+/// one step come to faces that nobody has yet mostly, all around the source, and those of the next step to faces
+/// nearby. So blocks of faces count the windows that come to them, and ranges are cut such that all had got as
+/// many since the last time. Windows cross a few steps after they have come, and not everywhere as many after; so whoever had
+/// more to cross than others gets a lesser share. Every thread makes the same cuts from the same counts.
 #[derive(Clone, Debug)]
 pub(super) struct Split {
-    /// Where each range but the first begins.
-    cuts: Vec<u32>,
-    /// Estimated load of a vertex in each range.
-    densities: Vec<f64>,
-    /// Vertices in each range.
-    counts: Vec<usize>,
+    threads: usize,
+    /// Faces of a block, as a power of 2.
+    shift: u32,
+    /// What this thread has counted in each block since the last division.
+    own: Vec<u32>,
+    /// What all threads have.
+    all: Vec<u64>,
+    /// By how much the share of each thread is to exceed an equal one, relatively.
+    excess: Vec<f64>,
+    /// The first face of each range but the first, and its first vertex.
+    faces: Vec<u32>,
+    vertices: Vec<u32>,
 }
 
 impl Split {
-    pub(super) fn new(vertices: usize, threads: usize) -> Self {
-        let cut = |t: usize| (vertices as u64 * t as u64 / threads as u64) as u32;
+    pub(super) fn new(surface: &Surface, threads: usize) -> Self {
+        let faces = surface.faces.len();
+        let shift = (faces / BLOCKS).checked_ilog2().map_or(0, |log| log + 1);
+        let blocks = if threads > 1 { (faces >> shift) + 1 } else { 0 };
         Self {
-            cuts: (1..threads).map(cut).collect(),
-            densities: vec![1.0; threads],
-            counts: vec![0; threads],
+            threads,
+            shift,
+            own: vec![0; blocks],
+            all: vec![0; blocks],
+            excess: vec![0.0; threads],
+            faces: vec![0; threads - 1],
+            vertices: vec![0; threads - 1],
         }
     }
 
-    /// Learns the loads that came of the last round.
-    pub(super) fn learn(&mut self, loads: impl Iterator<Item = u64>) {
-        let (mut total, mut vertices) = (0.0, 0);
-        let mut latest = Vec::with_capacity(self.counts.len());
-        for (load, &count) in loads.zip(&self.counts) {
-            latest.push(load as f64);
-            total += load as f64;
-            vertices += count;
+    /// Starts a run, with ranges of the same size.
+    pub(super) fn reset(&mut self, surface: &Surface) {
+        self.own.fill(0);
+        self.excess.fill(0.0);
+        self.all.fill(1);
+        self.cut(surface);
+    }
+
+    #[inline]
+    pub(super) fn owner_of_face(&self, f: usize) -> usize {
+        self.faces.partition_point(|&cut| cut as usize <= f)
+    }
+
+    #[inline]
+    pub(super) fn owner_of_vertex(&self, v: u32) -> usize {
+        self.vertices.partition_point(|&cut| cut <= v)
+    }
+
+    /// So many windows come to a face.
+    #[inline(always)]
+    pub(super) fn note(&mut self, f: usize, windows: usize) {
+        if let Some(load) = self.own.get_mut(f >> self.shift) {
+            // Windows come to a list twice, from both sides of the face below.
+            *load += windows as u32 + LIST as u32 / 2;
         }
-        if vertices == 0 || total == 0.0 {
+    }
+
+    /// What has been counted since it was asked for last: blocks and their loads.
+    pub(super) fn drain(&mut self, loads: &mut Vec<(u32, u32)>) {
+        for (block, load) in (0..).zip(&mut self.own) {
+            if *load > 0 {
+                loads.push((block, std::mem::take(load)));
+            }
+        }
+    }
+
+    /// Adds what one of the threads has counted.
+    pub(super) fn learn(&mut self, loads: &[(u32, u32)]) {
+        for &(block, load) in loads {
+            self.all[block as usize] += u64::from(load);
+        }
+    }
+
+    /// Learns what the threads had to cross in the last step.
+    pub(super) fn compare(&mut self, loads: impl Iterator<Item = u64> + Clone) {
+        let mean = loads.clone().sum::<u64>() as f64 / self.threads as f64;
+        if mean == 0.0 {
             return;
         }
-        let mean = total / vertices as f64;
-        for ((density, &count), load) in self.densities.iter_mut().zip(&self.counts).zip(latest) {
-            if count > 0 {
-                // Relative to the mean, since rounds differ.
-                let latest = (load / count as f64 / mean).clamp(1.0 / MOST, MOST);
-                *density += LATEST * (latest - *density);
-            }
+        for (excess, load) in self.excess.iter_mut().zip(loads) {
+            let lacks = 1.0 - load as f64 / mean;
+            *excess = (*excess * KEPT + lacks * GAIN).clamp(-0.5, 0.5);
         }
     }
 
-    /// Cuts anew for the vertices of a round, of which there is at least one, in any order; returns whether
-    /// there are enough of them.
-    pub(super) fn cut(&mut self, vertices: &mut [u32]) -> bool {
-        let threads = self.densities.len();
-        self.counts.fill(0);
-        if vertices.len() < FEWEST * threads {
-            return false;
-        }
-        for v in &*vertices {
-            let range = self.cuts.partition_point(|cut| cut <= v);
-            self.counts[range] += 1;
-        }
-        let ranks = self.ranks();
-        let (mut rest, mut end) = (vertices, self.counts.iter().sum::<usize>());
-        for (t, rank) in ranks.into_iter().enumerate().rev() {
-            let rank = rank.min(end - 1);
-            let (before, cut, _) = rest.select_nth_unstable(rank);
-            self.cuts[t] = *cut;
-            self.counts[t + 1] = end - rank;
-            (rest, end) = (before, rank);
-            if end == 0 {
-                self.cuts[..t].fill(*cut);
-                self.counts[1..=t].fill(0);
-                break;
+    /// Cuts anew.
+    pub(super) fn cut(&mut self, surface: &Surface) {
+        let total: u64 = self.all.iter().sum();
+        let shares = 1.0 / (self.threads as f64 + self.excess.iter().sum::<f64>());
+        let (mut block, mut before, mut share) = (0, 0, 0.0);
+        for t in 1..self.threads {
+            share += (1.0 + self.excess[t - 1]) * shares;
+            #[allow(clippy::cast_sign_loss)] // No share is negative.
+            let wanted = (total as f64 * share) as u64;
+            while block + 1 < self.all.len() && before + self.all[block] < wanted {
+                before += self.all[block];
+                block += 1;
             }
-        }
-        self.counts[0] = end;
-        true
-    }
-
-    /// How many vertices shall come before each cut.
-    #[allow(clippy::cast_sign_loss)] // No load is negative.
-    fn ranks(&self) -> Vec<usize> {
-        let loads = || self.counts.iter().zip(&self.densities);
-        let load: f64 = loads().map(|(&n, density)| n as f64 * density).sum();
-        let threads = self.densities.len();
-        let rank = |t: usize| {
-            let mut wanted = load * t as f64 / threads as f64;
-            let mut rank = 0;
-            for (&n, density) in loads() {
-                let here = n as f64 * density;
-                if here >= wanted {
-                    return rank + (wanted / density).round().clamp(0.0, n as f64) as usize;
+            // The load of a block is taken as spread evenly over it.
+            let part = ((wanted - before) << self.shift).checked_div(self.all[block]);
+            let face = (block << self.shift) + part.unwrap_or(0) as usize;
+            (self.faces[t - 1], self.vertices[t - 1]) = match surface.faces.get(face) {
+                // The vertex along whose part of the curve the face was numbered.
+                Some(first) => {
+                    let [a, b, c] = first.vertex;
+                    (face as u32, a.min(b).min(c))
                 }
-                wanted -= here;
-                rank += n;
-            }
-            rank
-        };
-        (1..threads).map(rank).collect()
-    }
-
-    /// The numbers of the vertices that `thread` gets.
-    pub(super) fn range(&self, thread: usize) -> Range<u32> {
-        let start = if thread == 0 {
-            0
-        } else {
-            self.cuts[thread - 1]
-        };
-        start..self.cuts.get(thread).copied().unwrap_or(u32::MAX)
+                None => (u32::MAX, u32::MAX),
+            };
+        }
+        self.all.fill(0);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::numbering::Numbering;
+    use geobench_mesh::Mesh;
+    use geobench_mesh::generate::generate;
 
-    fn counts(split: &Split, vertices: &[u32], threads: usize) -> Vec<usize> {
-        let mut counts = Vec::new();
-        for thread in 0..threads {
-            let range = split.range(thread);
-            counts.push(vertices.iter().filter(|v| range.contains(v)).count());
+    fn surface() -> Surface {
+        let soup = generate(&"gen:terrain,n=60,seed=2".parse().unwrap()).unwrap();
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        let numbering = Numbering::along_curve(&mesh);
+        Surface::new(&mesh, &numbering)
+    }
+
+    /// Windows that come to the faces in `range`, as each thread would get.
+    fn counts(split: &Split, range: std::ops::Range<usize>, threads: usize) -> Vec<usize> {
+        let mut counts = vec![0; threads];
+        for f in range {
+            counts[split.owner_of_face(f)] += 1;
         }
         counts
     }
 
     #[test]
-    fn every_vertex_is_in_one_range_and_ranges_are_of_one_size() {
+    fn ranges_follow_the_load_and_are_of_one_size_at_first() {
+        let surface = surface();
+        let faces = surface.faces.len();
         for threads in [1, 2, 3, 7] {
-            let mut split = Split::new(1000, threads);
-            for first in [0, 400, 900] {
-                let mut vertices: Vec<u32> = (first..first + 70).rev().collect();
-                assert!(split.cut(&mut vertices));
-                let counts = counts(&split, &vertices, threads);
-                assert_eq!(counts.iter().sum::<usize>(), 70, "{counts:?}");
+            let mut split = Split::new(&surface, threads);
+            split.reset(&surface);
+            for range in [0..faces, 400..1400, faces - 900..faces] {
+                let mut loads = Vec::new();
+                for f in range.clone() {
+                    split.note(f, 5);
+                }
+                split.drain(&mut loads);
+                split.learn(&loads);
+                if range.len() < faces {
+                    split.cut(&surface);
+                }
+                let counts = counts(&split, range.clone(), threads);
+                let equal = range.len() / threads;
                 assert!(
-                    counts.iter().all(|n| n.abs_diff(70 / threads) <= 1),
-                    "{counts:?}"
+                    counts.iter().all(|n| n.abs_diff(equal) <= 10),
+                    "{threads} threads, {range:?}: {counts:?}"
                 );
+                split.cut(&surface);
             }
         }
     }
 
     #[test]
-    fn whoever_takes_longer_gets_less() {
-        let mut split = Split::new(1000, 2);
-        let mut vertices: Vec<u32> = (450..550).collect();
-        let mut last = 50;
-        for _ in 0..3 {
-            assert!(split.cut(&mut vertices));
-            let counts = counts(&split, &vertices, 2);
-            assert!(counts[0] <= last, "{counts:?}");
-            last = counts[0];
-            split.learn([3 * counts[0] as u64, counts[1] as u64].into_iter());
-        }
-        assert!((20..40).contains(&last), "{last}");
+    fn vertices_go_with_their_faces() {
+        let surface = surface();
+        let mut split = Split::new(&surface, 3);
+        split.reset(&surface);
+        let apart = (0..surface.faces.len()).filter(|&f| {
+            let owner = split.owner_of_face(f);
+            let vertices = surface.faces[f].vertex;
+            // The faces of the vertex at a cut are on both sides.
+            vertices.iter().all(|&v| split.owner_of_vertex(v) != owner)
+                && !split.vertices.iter().any(|v| vertices.contains(v))
+        });
+        assert_eq!(apart.count(), 0);
     }
 
     #[test]
-    fn few_vertices_stay_where_they_are() {
-        let mut split = Split::new(1000, 2);
-        assert!(!split.cut(&mut [1, 2, 3]));
-        assert_eq!((split.range(0), split.range(1)), (0..500, 500..u32::MAX));
-        split.learn([9, 1].into_iter());
-        assert_eq!(split.densities, [1.0; 2]);
+    fn whoever_has_more_to_cross_gets_less() {
+        let surface = surface();
+        let mut split = Split::new(&surface, 2);
+        split.reset(&surface);
+        let mut last = counts(&split, 1000..2000, 2)[0];
+        for step in 0..4 {
+            let mut loads = Vec::new();
+            (1000..2000).for_each(|f| split.note(f, 9));
+            split.drain(&mut loads);
+            split.learn(&loads);
+            split.compare([3, 1].into_iter());
+            split.cut(&surface);
+            let now = counts(&split, 1000..2000, 2)[0];
+            assert!(step == 0 || now < last, "{now} after {last}");
+            last = now;
+        }
+        assert!((250..400).contains(&last), "{last}");
     }
 }

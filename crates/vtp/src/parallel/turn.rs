@@ -1,13 +1,9 @@
-//! Between steps, when no list is ready: the vertices of the nearest bucket have their turns.
+//! The end of a step: the vertices of the nearest bucket have their turns.
 
-use std::sync::atomic::Ordering::Relaxed;
-
-use super::barrier::Broken;
 use super::field::Field;
-use super::worker::Worker;
+use super::worker::{Worker, queue_face};
 use crate::engine::prefetch::prefetch;
-use crate::engine::store::NO_LIST;
-use crate::engine::surface::{NOBODY, half_edge, parts};
+use crate::engine::surface::parts;
 
 impl Worker {
     /// The turns of the sources, which send windows all around.
@@ -25,38 +21,23 @@ impl Worker {
         }
     }
 
-    /// Divides the vertices whose turn it is among the threads.
-    pub(super) fn divide(&mut self, field: &Field) -> Result<(), Broken> {
-        let loads = field.statuses.iter().map(|s| s.0.load.load(Relaxed));
-        self.split.learn(loads);
-        self.load = 0;
-        if field.threads == 1 {
-            return Ok(());
+    /// The turns of this thread's vertices in the bucket `last` and in those before it, into which some may have come
+    /// since that was the nearest one.
+    pub(super) fn pass_turn(&mut self, field: &Field, last: u32) {
+        while let Some(bucket) = self.buckets.nearest().filter(|&bucket| bucket < last) {
+            self.buckets.take(bucket, &mut self.turn);
+            self.pass(field);
         }
-        for (to, mail) in self.desk.out.iter_mut().enumerate() {
-            if to != self.thread {
-                mail.turn.extend_from_slice(&self.turn);
-            }
-        }
-        self.front.clear();
-        self.front.extend_from_slice(&self.turn);
-        self.exchange(field)?;
-        if self.split.cut(&mut self.front) {
-            let range = self.split.range(self.thread);
-            self.turn.clear();
-            let own = self.front.iter().filter(|v| range.contains(v));
-            self.turn.extend(own);
-        }
-        Ok(())
+        self.buckets.take(last, &mut self.turn);
+        self.pass(field);
     }
 
-    /// The turns of this thread's vertices.
-    pub(super) fn pass_turn(&mut self, field: &Field) {
+    /// The turns of the vertices in `turn`.
+    fn pass(&mut self, field: &Field) {
         for i in 0..self.turn.len() {
             if let Some(&v) = self.turn.get(i + 6) {
                 for &h in field.surface.ring(v) {
                     prefetch(&field.faces, parts(h).0);
-                    prefetch(&field.surface.faces, parts(h).0);
                 }
             }
             let v = self.turn[i];
@@ -65,59 +46,22 @@ impl Worker {
         }
     }
 
-    /// The faces around `v` join the traversed area, as faces of this thread if another one is not faster.
+    /// The faces around `v` join the traversed area, with the windows that wait for it.
     fn join_ring(&mut self, field: &Field, v: u32) {
         field.vertices[v as usize].pass(self.thread);
         for &h in field.surface.ring(v) {
             let (f, _) = parts(h);
             let state = &field.faces[f];
-            if !state.join(field.run, self.thread) {
+            if !state.join(field.run) {
                 continue;
             }
-            let mut is_ready = false;
-            for corner in 0..3 {
-                if state.list(corner) == NO_LIST {
-                    continue;
+            // Nothing waits for a face that is nobody's.
+            match state.owner(field.run) {
+                Some(owner) if owner != self.thread => {
+                    self.desk.out[owner].joined.push(f as u32);
                 }
-                // The windows lie with the thread of the face that they come from.
-                let twin = field.surface.faces[f].twin[corner];
-                debug_assert!(twin != NOBODY);
-                match field.owner(parts(twin).0) {
-                    Some(holder) if holder != self.thread => {
-                        let h = half_edge(f as u32, corner);
-                        self.desk.out[holder].requests.push(h);
-                    }
-                    _ => is_ready = true,
-                }
-            }
-            if is_ready && state.enqueue() {
-                self.ready.push(f as u32);
+                _ => queue_face(&mut self.ready, field, f),
             }
         }
-    }
-
-    /// Gives other threads the windows that wait for their faces.
-    pub(super) fn hand_over(&mut self, field: &Field) -> Result<(), Broken> {
-        if field.threads == 1 {
-            return Ok(());
-        }
-        let asked: usize = self.desk.out.iter().map(|mail| mail.requests.len()).sum();
-        let status = &field.statuses[self.thread].0;
-        status.work.store(asked as u32, Relaxed);
-        self.exchange(field)?;
-        if field.sum(|s| s.work.load(Relaxed).into()) == 0 {
-            return Ok(());
-        }
-        for i in 0..self.requests.len() {
-            let h = self.requests[i];
-            let (f, corner) = parts(h);
-            let (state, owner) = (&field.faces[f], field.owner(f));
-            if let Some(owner) = owner {
-                self.send_windows(state.list(corner), h, owner);
-                state.set_list(corner, NO_LIST);
-            }
-        }
-        self.requests.clear();
-        self.exchange(field)
     }
 }

@@ -26,9 +26,8 @@
 //! cross. Handing just what one thread has more than the mean to others in each step was tried, and cost more than it
 //! saved. For the same reasons threads are started for each run, for 30 µs, and not kept.
 //!
-//! **Gain.** Two threads on two processors with AVX-512, against `vtp_fast`: 1.6 on a model of 70 thousand faces and more on
-//! larger ones, where steps are longer; one thread is 0.95 to 0.97 as fast. A step is divided such that the thread with more to
-//! cross has 4 to 6 % more than the mean.
+//! **Gain.** Two threads on two processors with AVX-512, against `vtp_fast`: 1.4 on models of 70 and 100 thousand faces, 1.5 on 270 to
+//! 330 thousand; one thread is 0.91 to 0.95 as fast. In each step the thread with more to cross has 4 to 6 % more than the mean.
 //!
 //! **Cost.** As [`vtp_fast`](super::vtp_fast), and 16 bytes for each face and 32 for each vertex. On small models, below some
 //! 20 thousand faces, threads wait for each other more than they save; and more threads than idle processors are

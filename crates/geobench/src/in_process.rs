@@ -46,8 +46,9 @@ impl Executor for Bench<'_> {
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
         // What a panic leaves behind is dropped: see below.
         let result = catch_unwind(AssertUnwindSafe(|| match step.purpose {
+            Purpose::WarmUp | Purpose::Time => self.solve(step),
+            Purpose::Clock => self.clock(step),
             Purpose::Count => self.count(step),
-            Purpose::WarmUp | Purpose::Time | Purpose::Clock => self.solve(step),
         }));
         match result {
             Ok(Ok(observation)) => Ok(observation),
@@ -80,21 +81,8 @@ impl Bench<'_> {
             self.solvers.push((label.to_owned(), solver));
         }
         let solver = &mut self.solvers[place].1;
-        let sources = [step.source];
-        if step.purpose == Purpose::Clock {
-            let (solution, phases) = solver.clock(&sources)?;
-            return Ok(Observation {
-                distances: solution.distances,
-                phases: Some(Phases {
-                    propagation: Some(phases.propagation.as_secs_f64()),
-                    pruning: Some(phases.pruning.as_secs_f64()),
-                    management: Some(phases.management.as_secs_f64()),
-                }),
-                ..Observation::default()
-            });
-        }
         let start = Instant::now();
-        let solution = solver.solve(&sources);
+        let solution = solver.solve(&[step.source]);
         let elapsed = start.elapsed();
         Ok(Observation {
             distances: solution?.distances,
@@ -109,20 +97,36 @@ impl Bench<'_> {
         self.solvers.retain(|(label, _)| label != algorithm);
     }
 
-    /// A run with a solver of its own, so that its memory is counted from nothing.
-    fn count(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
+    /// A run with a solver of its own, so that its memory is measured from nothing. That of the counted run would include
+    /// what is kept for the counts alone.
+    fn clock(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
         // What is set up for the timed runs is no part of it.
         self.dismiss(step.algorithm.label());
         let measure = PeakMemory::start();
-        let result = step.algorithm.build(self.mesh).count(&[step.source]);
+        let result = step.algorithm.build(self.mesh).clock(&[step.source]);
         let peaks = measure.stop();
-        let (solution, mut counters) = result?;
+        let (solution, phases) = result?;
+        Ok(Observation {
+            distances: solution.distances,
+            phases: Some(Phases {
+                propagation: Some(phases.propagation.as_secs_f64()),
+                pruning: Some(phases.pruning.as_secs_f64()),
+                management: Some(phases.management.as_secs_f64()),
+            }),
+            peaks,
+            ..Observation::default()
+        })
+    }
+
+    /// A run with a solver of its own too, which is not kept.
+    fn count(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
+        self.dismiss(step.algorithm.label());
+        let (solution, mut counters) = step.algorithm.build(self.mesh).count(&[step.source])?;
         let wavefront = std::mem::take(&mut counters.wavefront);
         Ok(Observation {
             distances: solution.distances,
             counters: Some(counters),
             wavefront: wavefront.into_iter().map(Into::into).collect(),
-            peaks,
             ..Observation::default()
         })
     }

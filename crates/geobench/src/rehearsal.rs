@@ -88,10 +88,6 @@ impl Executor for Rehearsal {
                 counters.set(Counter::StoredWindows, size);
                 counters.set(Counter::WindowBytes, 64);
                 observation.counters = Some(counters);
-                observation.peaks = Peaks {
-                    heap: Some(100_000 * size),
-                    rss: Some(1 << 30),
-                };
             }
             Purpose::Clock => {
                 observation.phases = Some(Phases {
@@ -99,6 +95,10 @@ impl Executor for Rehearsal {
                     pruning: Some(0.25),
                     management: Some(0.125),
                 });
+                observation.peaks = Peaks {
+                    heap: Some(100_000 * size),
+                    rss: Some(1 << 30),
+                };
             }
         }
         let failure = self.alter.and_then(|alter| alter(step, &mut observation));

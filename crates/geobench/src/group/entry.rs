@@ -100,10 +100,14 @@ impl<'p> Entry<'p> {
                     if with_wavefront {
                         cell.wavefront = observation.wavefront;
                     }
-                    cell.memory.heap_peak_bytes = observation.peaks.heap;
-                    cell.memory.rss_peak_bytes = observation.peaks.rss;
                 }
                 Purpose::Clock => cell.phases = observation.phases.unwrap_or_default(),
+            }
+            if matches!(purpose, Purpose::Clock | Purpose::Count) {
+                // The clocked run of ours has them, and what outside programs count.
+                let Peaks { heap, rss } = observation.peaks;
+                cell.memory.heap_peak_bytes = cell.memory.heap_peak_bytes.or(heap);
+                cell.memory.rss_peak_bytes = cell.memory.rss_peak_bytes.or(rss);
             }
         }
         cell.time = Time {

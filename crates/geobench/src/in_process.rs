@@ -146,6 +146,7 @@ mod tests {
     use geobench_window::Counter;
 
     use super::*;
+    use crate::memory::Peaks;
     use crate::registry::{self, Algorithm, Selection, Values};
 
     static PANICS: Algorithm = Algorithm {
@@ -197,6 +198,9 @@ mod tests {
             assert!(timed.seconds.is_some() && counted.seconds.is_none());
             assert!(counted.counters.is_some() && timed.counters.is_none());
             assert!(clocked.phases.is_some() && timed.phases.is_none());
+            // What is kept for the counts alone is no memory of the algorithm.
+            assert_eq!(counted.peaks, Peaks::default());
+            assert_eq!(clocked.peaks.rss.is_some(), cfg!(target_os = "linux"));
         });
     }
 

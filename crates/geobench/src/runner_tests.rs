@@ -27,10 +27,10 @@ fn runs_are_interleaved_and_the_reference_goes_first() {
             "time mmp 0",
             "time mmp 0",
             "time vtp 0",
-            "count vtp 0",
-            "count mmp 0",
             "clock vtp 0",
             "clock mmp 0",
+            "count vtp 0",
+            "count mmp 0",
         ]
     );
     assert_eq!(plan.runs(), rehearsal.log.len());
@@ -48,7 +48,7 @@ fn a_reference_that_is_not_measured_runs_once() {
     let outcome = rehearse(&plan, &mut rehearsal);
     assert_eq!(
         rehearsal.log,
-        ["warm ich 0", "time vtp 0", "count vtp 0", "clock vtp 0"]
+        ["warm ich 0", "time vtp 0", "clock vtp 0", "count vtp 0"]
     );
     assert_eq!(outcome.cells.len(), 1);
     assert_eq!(outcome.cells[0].check.reference.as_deref(), Some("ich"));

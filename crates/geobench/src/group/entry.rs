@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use geobench_window::Counter;
 
 use crate::ledger::{Finding, RunId};
+use crate::memory::Peaks;
 use crate::plan::Plan;
 use crate::record::{Cell, Check, Memory, Status, Time};
 use crate::registry::Selection;

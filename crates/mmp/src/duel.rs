@@ -92,7 +92,8 @@ pub(crate) fn duel(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Duel
             Duel::Open
         };
     }
-    if may_tie_twice(old, new, lo, hi) && ties_between(old, new, lo, hi) > 0 {
+    let ties = || within(tie_points(old, new).as_slice(), lo, hi).count();
+    if may_tie_twice(old, new, lo, hi) && ties() > 0 {
         Duel::Open
     } else if wins[0] || wins[1] {
         Duel::New
@@ -112,22 +113,18 @@ fn is_straight(old: &Window, new: &Window, width: f64) -> bool {
     width <= STRAIGHT * old.py.abs().min(new.py.abs())
 }
 
-/// How many tie points of two windows there are between `lo` and `hi`.
-fn ties_between(old: &Window, new: &Window, lo: f64, hi: f64) -> usize {
-    let ties = tie_points(old, new);
-    let between = ties.as_slice().iter().filter(|&&t| lo < t && t < hi);
-    between.count()
-}
-
 /// The tie point of two windows of which one is shorter at `lo` and the other at `hi`.
 #[inline]
 fn tie_between(old: &Window, new: &Window, lo: f64, hi: f64) -> Option<f64> {
     let ties = tie_points(old, new);
-    let mut between = ties.as_slice().iter().filter(|&&t| lo < t && t < hi);
-    match (between.next(), between.next()) {
-        (Some(&tie), None) => Some(tie),
-        _ => None,
-    }
+    let mut between = within(ties.as_slice(), lo, hi);
+    between.next().filter(|_| between.next().is_none())
+}
+
+/// Those of `ties` that are between `lo` and `hi`.
+#[inline]
+fn within(ties: &[f64], lo: f64, hi: f64) -> impl Iterator<Item = f64> {
+    ties.iter().copied().filter(move |&t| lo < t && t < hi)
 }
 
 /// Whether the curves of the windows may cross twice between `lo` and `hi`, where one of them is shorter at

@@ -105,7 +105,7 @@ impl<'p> Entry<'p> {
                 Purpose::Clock => cell.phases = observation.phases.unwrap_or_default(),
             }
             if matches!(purpose, Purpose::Clock | Purpose::Count) {
-                // The clocked run of ours has them, and what outside programs count.
+                // Ours are measured in the clocked run; those of outside programs come with what they count.
                 let Peaks { heap, rss } = observation.peaks;
                 cell.memory.heap_peak_bytes = cell.memory.heap_peak_bytes.or(heap);
                 cell.memory.rss_peak_bytes = cell.memory.rss_peak_bytes.or(rss);

@@ -14,7 +14,7 @@ const MOST_BUCKETS: u64 = 1 << 18;
 const LAST_BUCKET: f64 = (1u64 << 51) as f64;
 
 /// Where the integers are the only numbers: what is added to it is rounded to one, which then stands in the last bits.
-const INTEGERS: f64 = (1u64 << 52) as f64;
+pub(super) const INTEGERS: f64 = (1u64 << 52) as f64;
 
 /// Buckets of equal width that hold events first in, first out, from a first bucket on that only
 /// moves upwards.

@@ -1,12 +1,10 @@
 //! Sorting of a few events whose labels lie about evenly in a range.
 
 use super::Event;
+use super::calendar::INTEGERS;
 
 /// As many events are spread over bins before they are sorted.
 const MOST: usize = 255;
-
-/// Where the integers are the only numbers: what is added to it is rounded to one, which then stands in the last bits.
-const INTEGERS: f64 = (1u64 << 52) as f64;
 
 /// Appends `events` to `sorted` in the order of their labels, those of equal labels in the order in which they are.
 ///

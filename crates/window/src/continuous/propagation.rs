@@ -220,42 +220,85 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         self.begin(probe);
         let crossings = self.foresight.crossings();
         let tried = if crossings.covers_apex(lane) {
-            self.split(h, window, lineage, probe)
+            self.split_foreseen(h, lane, window, lineage, probe)
         } else {
-            let outlet = *crossings.outlet(lane);
+            let apex = crossings.outlet(lane).apex;
             let d = crossings.bent_distance(lane);
-            if d < self.surface.distance(outlet.apex) {
-                self.offer(outlet.apex, d, probe);
+            if d < self.surface.distance(apex) {
+                self.offer(apex, d, probe);
             }
             if let Some(heir) = self.policy.descend(&lineage) {
-                let crossings = self.foresight.crossings();
-                if let (Some(target), Some(child)) = (outlet.half_edge(), crossings.child(lane)) {
-                    probe.add(Counter::Children, 1);
-                    if child.b1 - child.b0 < self.threshold {
-                        probe.add(Counter::Filtered, 1);
-                    } else {
-                        probe.enter(Phase::Pruning);
-                        let distances = outlet.corners.map(|v| self.surface.distance(v));
-                        let child = Child {
-                            h: target,
-                            window: child,
-                            lineage: heir,
-                            label: crossings.label(lane),
-                            is_beaten: crossings.is_beaten(lane, distances),
-                        };
-                        let mut push = |h: HalfEdgeId, label: f64, id: u32, probe: &mut P| {
-                            self.queue.push(label, Event::window(h, id), probe);
-                        };
-                        let kept = self.policy.admit(&child, &mut push, probe);
-                        probe.add(Counter::Kept, u64::from(kept));
-                    }
-                }
+                self.send_foreseen(lane, heir, probe);
                 [true; 2]
             } else {
                 [false; 2]
             }
         };
         self.end(h, tried, probe);
+    }
+
+    /// Hands on what a window leaves that was crossed before its turn, if that is anything.
+    #[inline(always)]
+    fn send_foreseen<P: Probe>(&mut self, lane: usize, lineage: W::Lineage, probe: &mut P) {
+        let crossings = self.foresight.crossings();
+        let outlet = *crossings.outlet(lane);
+        let (Some(h), Some(window)) = (outlet.half_edge(), crossings.child(lane)) else {
+            return;
+        };
+        probe.add(Counter::Children, 1);
+        if window.b1 - window.b0 < self.threshold {
+            probe.add(Counter::Filtered, 1);
+            return;
+        }
+        probe.enter(Phase::Pruning);
+        let distances = outlet.corners.map(|v| self.surface.distance(v));
+        let child = Child {
+            h,
+            window,
+            lineage,
+            label: crossings.label(lane),
+            is_beaten: crossings.is_beaten(lane, distances),
+        };
+        let mut push = |h: HalfEdgeId, label: f64, id: u32, probe: &mut P| {
+            self.queue.push(label, Event::window(h, id), probe);
+        };
+        let kept = self.policy.admit(&child, &mut push, probe);
+        probe.add(Counter::Kept, u64::from(kept));
+        probe.enter(Phase::Propagation);
+    }
+
+    /// As [`split`](Self::split), for a window whose left child is there already.
+    #[inline(never)]
+    fn split_foreseen<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        lane: usize,
+        window: Window,
+        lineage: W::Lineage,
+        probe: &mut P,
+    ) -> [bool; 2] {
+        let Entrance {
+            frame,
+            corners: [.., apex],
+            ..
+        } = self.surface.faces().entrance(h);
+        let passage = Passage::new(&frame, &window);
+        let d = passage.straight_distance();
+        if d < self.surface.distance(apex) {
+            self.offer(apex, d, probe);
+        }
+        let Some(heir) = self.policy.descend(&lineage) else {
+            return [false; 2];
+        };
+        let [left, right] = self.policy.split(h, &passage, heir, &self.surface);
+        if let Some(heir) = left {
+            self.send_foreseen(lane, heir, probe);
+        }
+        if let Some(heir) = right {
+            let exit = self.surface.faces().exit(h, &frame, Side::Right);
+            self.send(passage.right_child(&exit), &exit, heir, probe);
+        }
+        [left.is_some(), right.is_some()]
     }
 
     /// Takes a window across the face of `h`.

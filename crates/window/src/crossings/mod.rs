@@ -248,7 +248,9 @@ impl Crossings {
             let (depth, shift) = (-left * w.py[i], right * l[i]);
             let start = (depth * b0 + right * side0[i]) / -(across + uy * (b0 - shift));
             let end = (depth * b1 + right * side1[i]) / -(across + uy * (b1 - shift));
-            let (start, end, py) = (greater(start, 0.0), less(end, length[i]), less(across, 0.0));
+            // A window that covers the apex fills the left exit up to its end.
+            let end = if out.apex_covered[i] > 0.0 { length[i] } else { less(end, length[i]) };
+            let (start, py) = (greater(start, 0.0), less(across, 0.0));
             let bend = left * b1 + right * b0;
             out.bent[i] = sigma + norm(bend - w.px[i], w.py[i]) + norm(cx[i] - bend, cy[i]);
             let at_start = (sigma + norm(start - px, py)) * MARGIN;

@@ -253,14 +253,16 @@ impl Crossings {
             let (start, py) = (greater(start, 0.0), less(across, 0.0));
             let bend = left * b1 + right * b0;
             out.bent[i] = sigma + norm(bend - w.px[i], w.py[i]) + norm(cx[i] - bend, cy[i]);
-            let at_start = (sigma + norm(start - px, py)) * MARGIN;
-            let at_end = (sigma + norm(end - px, py)) * MARGIN;
+            let (from_start, from_end) = (norm(start - px, py), norm(end - px, py));
+            let at_start = (sigma + from_start) * MARGIN;
+            let at_end = (sigma + from_end) * MARGIN;
             let (far, at_far) = (left * start + right * end, left * at_start + right * at_end);
             out.limits[0][i] = at_end - end;
             out.limits[1][i] = at_start - (length[i] - start);
             out.limits[2][i] = at_far - norm(far - behind_x[i], behind_y[i]);
-            let nearest = less(greater(px, start), end);
-            out.label[i] = sigma + norm(nearest - px, py);
+            // The nearest point is the foot of the source, or the end beyond which that lies.
+            let nearest = if px > end { from_end } else { -py };
+            out.label[i] = sigma + if px < start { from_start } else { nearest };
             out.b0[i] = start;
             out.b1[i] = end;
             out.px[i] = px;

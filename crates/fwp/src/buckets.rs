@@ -55,7 +55,7 @@ impl Default for BucketOptions {
 ///
 /// # Cost
 ///
-/// O(1) for each event, 18 bytes for each, 16 for those of the round, and 12 for each bucket from `P1` to the
+/// O(1) for each event, 24 bytes for each, 16 for those of the round, and 8 for each bucket from `P1` to the
 /// furthest; see [`Calendar`].
 #[derive(Clone, Debug)]
 pub struct Buckets {

@@ -108,7 +108,14 @@ impl Discipline for VertexOrder<'_> {
 
     #[inline]
     fn upcoming(&self, skipped: usize) -> Option<Event> {
-        self.arena.upcoming(self.released, skipped)
+        let mut coming = self.arena.chained(self.released);
+        coming.nth(skipped).map(|(_, event)| event)
+    }
+
+    #[inline]
+    fn coming(&self) -> impl Iterator<Item = Event> {
+        let coming = self.arena.chained(self.released);
+        coming.map(|(_, event)| event)
     }
 
     #[inline]

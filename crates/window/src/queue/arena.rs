@@ -2,35 +2,21 @@
 
 use super::Event;
 
-/// No chunk.
+/// No link.
 const NONE: u32 = u32::MAX;
 
-/// Events of a chunk: as many as two cache lines hold.
-const ROOM: usize = 7;
-
-/// Consecutive events of one chain.
+/// An event with the one behind it, in its chain or among the free ones.
 #[derive(Clone, Copy, Debug)]
-#[repr(align(128))]
-struct Chunk {
-    /// The chunk behind it, in its chain or among the free ones.
+struct Link {
+    label: f64,
+    event: Event,
     next: u32,
-    /// Which of the events are there; none in a chunk that is free.
-    start: u16,
-    end: u16,
-    events: [(f64, Event); ROOM],
-}
-
-impl Chunk {
-    fn events(&self) -> &[(f64, Event)] {
-        &self.events[usize::from(self.start)..usize::from(self.end)]
-    }
 }
 
 /// A queue in an [`Arena`], first in, first out.
 #[derive(Clone, Copy, Debug)]
 pub struct Chain {
     head: u32,
-    /// Means nothing while `head` is [`NONE`].
     tail: u32,
 }
 
@@ -42,17 +28,17 @@ impl Chain {
     };
 
     /// Whether it has no event.
+    #[inline]
     pub fn is_empty(self) -> bool {
-        self.head == NONE
+        self.tail == NONE
     }
 }
 
-/// The events of any number of chains, seven of one chain in a chunk of 128 bytes. A chunk that
-/// becomes empty goes to the next chain that needs one, so that as many are ever taken from the
-/// allocator as are needed at one time.
+/// The events of any number of chains. A link that becomes free goes to the next event that comes, so
+/// that as many are ever taken from the allocator as are needed at one time.
 #[derive(Clone, Debug)]
 pub struct Arena {
-    chunks: Vec<Chunk>,
+    links: Vec<Link>,
     free: u32,
     len: usize,
 }
@@ -60,7 +46,7 @@ pub struct Arena {
 impl Default for Arena {
     fn default() -> Self {
         Self {
-            chunks: Vec::new(),
+            links: Vec::new(),
             free: NONE,
             len: 0,
         }
@@ -84,91 +70,70 @@ impl Arena {
     #[allow(clippy::inline_always)] // Its events are not to pass through memory on their way.
     pub fn append(&mut self, chain: &mut Chain, label: f64, event: Event) {
         self.len += 1;
-        if !chain.is_empty() {
-            let tail = &mut self.chunks[chain.tail as usize];
-            let end = usize::from(tail.end);
-            if let Some(place) = tail.events.get_mut(end) {
-                *place = (label, event);
-                tail.end += 1;
-                return;
-            }
-        }
-        self.lengthen(chain, label, event);
-    }
-
-    /// Appends an event in a chunk of its own.
-    fn lengthen(&mut self, chain: &mut Chain, label: f64, event: Event) {
-        let chunk = Chunk {
-            next: NONE,
-            start: 0,
-            end: 1,
-            events: [(label, event); ROOM],
-        };
-        let place = self.free;
-        let place = if place == NONE {
-            self.chunks.push(chunk);
-            (self.chunks.len() - 1) as u32
-        } else {
-            let free = &mut self.chunks[place as usize];
+        let mut place = self.free;
+        if let Some(free) = self.links.get_mut(place as usize) {
             self.free = free.next;
-            *free = chunk;
-            place
-        };
-        if chain.is_empty() {
-            chain.head = place;
+            free.label = label;
+            free.event = event;
+            free.next = NONE;
         } else {
-            self.chunks[chain.tail as usize].next = place;
+            place = self.lengthen(label, event);
         }
+        // Buckets are empty as often as not: no branch tells the two cases apart.
+        let last = self.links.get_mut(chain.tail as usize);
+        *last.map_or(&mut chain.head, |last| &mut last.next) = place;
         chain.tail = place;
     }
 
-    /// The event that is taken from `chain` after `skipped` others, if it is near enough to tell
-    /// without following the chain: the next six or so can be told.
-    #[inline]
-    pub fn upcoming(&self, chain: Chain, skipped: usize) -> Option<Event> {
-        let head = self.chunks.get(chain.head as usize)?;
-        let events = head.events();
-        let event = events.get(skipped).or_else(|| {
-            let next = self.chunks.get(head.next as usize)?;
-            next.events().get(skipped - events.len())
+    /// Takes a link from the allocator.
+    #[cold]
+    #[inline(never)]
+    fn lengthen(&mut self, label: f64, event: Event) -> u32 {
+        self.links.push(Link {
+            label,
+            event,
+            next: NONE,
         });
-        event.map(|&(_, event)| event)
+        (self.links.len() - 1) as u32
+    }
+
+    /// The events of `chain` with their labels, in the order in which they are taken.
+    #[inline]
+    pub fn chained(&self, chain: Chain) -> impl Iterator<Item = (f64, Event)> {
+        let mut next = chain.head;
+        std::iter::from_fn(move || {
+            let link = self.links.get(next as usize)?;
+            next = link.next;
+            Some((link.label, link.event))
+        })
     }
 
     /// Takes the first event of `chain`, with its label.
     #[inline]
     pub fn take(&mut self, chain: &mut Chain) -> Option<(f64, Event)> {
-        let chunk = self.chunks.get_mut(chain.head as usize)?;
-        let taken = chunk.events[usize::from(chunk.start)];
-        chunk.start += 1;
-        self.len -= 1;
-        if chunk.start == chunk.end {
-            let emptied = chain.head;
-            chain.head = chunk.next;
-            self.release(emptied);
+        let place = chain.head;
+        let link = self.links.get_mut(place as usize)?;
+        chain.head = link.next;
+        if link.next == NONE {
+            chain.tail = NONE;
         }
-        Some(taken)
-    }
-
-    /// Takes all events of `chain`.
-    #[inline]
-    pub fn drain(&mut self, chain: &mut Chain, mut to: impl FnMut(&[(f64, Event)])) {
-        while let Some(chunk) = self.chunks.get(chain.head as usize) {
-            let emptied = chain.head;
-            let events = chunk.events();
-            to(events);
-            self.len -= events.len();
-            chain.head = chunk.next;
-            self.release(emptied);
-        }
-    }
-
-    #[inline]
-    fn release(&mut self, place: u32) {
-        let chunk = &mut self.chunks[place as usize];
-        (chunk.start, chunk.end) = (0, 0);
-        chunk.next = self.free;
+        link.next = self.free;
         self.free = place;
+        self.len -= 1;
+        Some((link.label, link.event))
+    }
+
+    /// Takes all events of `chain` and puts them behind those in `to`.
+    #[inline]
+    pub fn drain(&mut self, chain: &mut Chain, to: &mut Vec<(f64, Event)>) {
+        let before = to.len();
+        to.extend(self.chained(*chain));
+        self.len -= to.len() - before;
+        if let Some(last) = self.links.get_mut(chain.tail as usize) {
+            last.next = self.free;
+            self.free = chain.head;
+        }
+        *chain = Chain::EMPTY;
     }
 
     /// Moves all events of `from` behind those of `to`, in constant time.
@@ -179,7 +144,7 @@ impl Arena {
         if to.is_empty() {
             *to = *from;
         } else {
-            self.chunks[to.tail as usize].next = from.head;
+            self.links[to.tail as usize].next = from.head;
             to.tail = from.tail;
         }
         *from = Chain::EMPTY;
@@ -187,12 +152,21 @@ impl Arena {
 
     /// The events of all chains with their labels, in no order.
     pub fn events(&self) -> impl Iterator<Item = (f64, Event)> {
-        self.chunks.iter().flat_map(Chunk::events).copied()
+        let mut is_free = vec![false; self.links.len()];
+        let mut next = self.free;
+        while let Some(link) = self.links.get(next as usize) {
+            is_free[next as usize] = true;
+            next = link.next;
+        }
+        let links = self.links.iter().zip(is_free);
+        links
+            .filter(|(_, is_free)| !is_free)
+            .map(|(link, _)| (link.label, link.event))
     }
 
     /// Forgets all events, keeping the memory; every chain must be made empty too.
     pub fn clear(&mut self) {
-        self.chunks.clear();
+        self.links.clear();
         self.free = NONE;
         self.len = 0;
     }
@@ -229,7 +203,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn chains_are_queues_and_nodes_are_reused(steps in steps()) {
+        fn chains_are_queues(steps in steps()) {
             let mut arena = Arena::default();
             let mut chains = [Chain::EMPTY; 3];
             let mut queues: [VecDeque<u32>; 3] = Default::default();
@@ -240,12 +214,10 @@ mod tests {
                         queues[to].push_back(id);
                     }
                     Step::Take(from) => {
-                        for ahead in 0..ROOM {
-                            let upcoming = arena.upcoming(chains[from], ahead);
-                            let expected = queues[from].get(ahead).map(|&id| event(id));
-                            prop_assert!(upcoming == expected || upcoming.is_none());
-                            prop_assert!(upcoming == expected || ahead > 0);
-                        }
+                        let coming: Vec<_> = arena.chained(chains[from]).collect();
+                        let waiting = queues[from].iter();
+                        let waiting: Vec<_> = waiting.map(|&id| (f64::from(id), event(id))).collect();
+                        prop_assert_eq!(coming, waiting);
                         let expected = queues[from].pop_front().map(|id| (f64::from(id), event(id)));
                         prop_assert_eq!(arena.take(&mut chains[from]), expected);
                     }
@@ -265,8 +237,8 @@ mod tests {
             }
             for (chain, queue) in chains.iter_mut().zip(&mut queues) {
                 let mut drained = Vec::new();
-                arena.drain(chain, |events| drained.extend(events.iter().map(|&(_, event)| event)));
-                let expected: Vec<_> = queue.drain(..).map(event).collect();
+                arena.drain(chain, &mut drained);
+                let expected: Vec<_> = queue.drain(..).map(|id| (f64::from(id), event(id))).collect();
                 prop_assert_eq!(drained, expected);
             }
             prop_assert!(arena.is_empty());
@@ -284,15 +256,15 @@ mod tests {
     }
 
     #[test]
-    fn chunks_are_reused() {
+    fn links_are_reused() {
         let (mut arena, mut chain) = (Arena::default(), Chain::EMPTY);
         for round in 0..100 {
-            for id in 0..3 * ROOM as u32 {
+            for id in 0..21 {
                 arena.append(&mut chain, f64::from(id), event(round));
             }
             while arena.take(&mut chain).is_some() {}
         }
-        assert_eq!(arena.chunks.len(), 3);
-        assert_eq!(size_of::<Chunk>(), 128);
+        assert_eq!(arena.links.len(), 21);
+        assert_eq!(size_of::<Link>(), 24);
     }
 }

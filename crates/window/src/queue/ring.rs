@@ -5,25 +5,11 @@ use super::arena::Chain;
 /// Slots of the smallest ring: one word of the bit set.
 const SMALLEST: usize = 64;
 
-/// The events of one bucket.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Slot {
-    pub(crate) chain: Chain,
-    pub(crate) len: u32,
-}
-
-impl Slot {
-    const EMPTY: Self = Self {
-        chain: Chain::EMPTY,
-        len: 0,
-    };
-}
-
 /// The buckets from `first` on, as many as there are slots; bucket b lies in slot b modulo their
 /// number, which is a power of two and grows when a bucket further up is needed.
 #[derive(Clone, Debug)]
 pub(crate) struct Ring {
-    slots: Vec<Slot>,
+    slots: Vec<Chain>,
     occupied: BitSet,
     first: u64,
 }
@@ -31,7 +17,7 @@ pub(crate) struct Ring {
 impl Ring {
     pub(crate) fn new() -> Self {
         Self {
-            slots: vec![Slot::EMPTY; SMALLEST],
+            slots: vec![Chain::EMPTY; SMALLEST],
             occupied: BitSet::new(SMALLEST),
             first: 0,
         }
@@ -47,32 +33,23 @@ impl Ring {
         self.first = first;
     }
 
-    /// The slot of a bucket that has one: not below `first`, and reserved if it is empty.
+    /// Makes room for `bucket`, which must not be below `first`, and marks it as occupied.
     #[inline]
-    pub(crate) fn slot(&mut self, bucket: u64) -> &mut Slot {
-        let i = self.index(bucket);
-        &mut self.slots[i]
-    }
-
-    /// Makes room for `bucket` and marks it as occupied.
-    #[inline]
-    pub(crate) fn occupy(&mut self, bucket: u64) -> &mut Slot {
+    pub(crate) fn occupy(&mut self, bucket: u64) -> &mut Chain {
         if bucket - self.first >= self.slots.len() as u64 {
             self.grow(bucket);
         }
         let i = self.index(bucket);
-        let slot = &mut self.slots[i];
-        if slot.len == 0 {
-            self.occupied.insert(i);
-        }
-        slot
+        self.occupied.insert(i);
+        &mut self.slots[i]
     }
 
-    /// Marks `bucket` as empty.
+    /// Marks `bucket`, which has a slot, as empty, which its events must then become.
     #[inline]
-    pub(crate) fn vacate(&mut self, bucket: u64) {
+    pub(crate) fn vacate(&mut self, bucket: u64) -> &mut Chain {
         let i = self.index(bucket);
         self.occupied.remove(i);
+        &mut self.slots[i]
     }
 
     /// The lowest occupied bucket that is not below `from`.
@@ -89,7 +66,7 @@ impl Ring {
 
     /// Makes all buckets empty, and the first one number 0.
     pub(crate) fn clear(&mut self) {
-        self.slots.fill(Slot::EMPTY);
+        self.slots.fill(Chain::EMPTY);
         self.occupied.clear();
         self.first = 0;
     }
@@ -107,13 +84,13 @@ impl Ring {
     fn grow(&mut self, bucket: u64) {
         let needed = (bucket - self.first + 1).next_power_of_two() as usize;
         let mut larger = Self {
-            slots: vec![Slot::EMPTY; needed],
+            slots: vec![Chain::EMPTY; needed],
             occupied: BitSet::new(needed),
             first: self.first,
         };
         let mut next = self.next_occupied(self.first);
         while let Some(bucket) = next {
-            *larger.occupy(bucket) = *self.slot(bucket);
+            *larger.occupy(bucket) = self.slots[self.index(bucket)];
             next = self.next_occupied(bucket + 1);
         }
         *self = larger;
@@ -139,8 +116,11 @@ impl BitSet {
 
     #[inline]
     fn insert(&mut self, i: usize) {
-        self.words[i / 64] |= 1 << (i % 64);
-        self.summary[i / 4096] |= 1 << (i / 64 % 64);
+        let word = &mut self.words[i / 64];
+        if *word == 0 {
+            self.summary[i / 4096] |= 1 << (i / 64 % 64);
+        }
+        *word |= 1 << (i % 64);
     }
 
     #[inline]
@@ -184,9 +164,11 @@ fn next_bit(words: &[u64], from: usize) -> Option<usize> {
 mod tests {
     use std::collections::BTreeSet;
 
+    use geobench_mesh::VertexId;
     use proptest::prelude::*;
 
     use super::*;
+    use crate::queue::{Arena, Event};
 
     proptest! {
         #[test]
@@ -210,12 +192,13 @@ mod tests {
         fn a_ring_is_an_array_that_moves(
             steps in prop::collection::vec((0..3u8, 0..2_000u64), 0..200), from in 0..2_000u64,
         ) {
-            let (mut ring, mut set) = (Ring::new(), BTreeSet::new());
+            let event = Event::vertex(VertexId::new(0));
+            let (mut arena, mut ring, mut set) = (Arena::default(), Ring::new(), BTreeSet::new());
             for (step, by) in steps {
                 match step {
                     0 => {
                         let bucket = ring.first() + by;
-                        ring.occupy(bucket).len = bucket as u32;
+                        arena.append(ring.occupy(bucket), bucket as f64, event);
                         set.insert(bucket);
                     }
                     1 => {
@@ -225,9 +208,10 @@ mod tests {
                     }
                     _ => {
                         if let Some(bucket) = set.pop_first() {
-                            prop_assert_eq!(ring.slot(bucket).len, bucket as u32);
-                            *ring.slot(bucket) = Slot::EMPTY;
-                            ring.vacate(bucket);
+                            let mut drained = Vec::new();
+                            arena.drain(ring.vacate(bucket), &mut drained);
+                            prop_assert!(!drained.is_empty());
+                            prop_assert!(drained.iter().all(|&(label, _)| label == bucket as f64));
                         }
                     }
                 }
@@ -241,7 +225,7 @@ mod tests {
     fn a_cleared_ring_starts_at_0() {
         let mut ring = Ring::new();
         ring.advance(100);
-        ring.occupy(1_000).len = 1;
+        ring.occupy(1_000);
         ring.clear();
         assert_eq!((ring.first(), ring.next_occupied(0)), (0, None));
     }

@@ -41,9 +41,8 @@ impl Splitting {
     /// better window took the angle above it.
     #[inline]
     #[allow(clippy::needless_bitwise_bool)] // Neither is likely: one branch for both.
-    fn is_stale(&self, node: &Node, surface: &Surface) -> bool {
-        (surface.distance(node.lineage.root) < node.window.sigma)
-            | self.angles.cuts_off(&node.lineage.guard)
+    fn is_stale(&self, sigma: f64, lineage: &Lineage, surface: &Surface) -> bool {
+        (surface.distance(lineage.root) < sigma) | self.angles.cuts_off(&lineage.guard)
     }
 }
 
@@ -128,8 +127,7 @@ impl Policy for Splitting {
         true
     }
 
-    #[inline(always)]
-    #[allow(clippy::inline_always)] // The window is not to pass through memory.
+    #[inline]
     fn take<P: Probe>(
         &mut self,
         _: HalfEdgeId,
@@ -137,12 +135,22 @@ impl Policy for Splitting {
         surface: &Surface,
         probe: &mut P,
     ) -> Turn<Lineage> {
-        let node = self.leaves.remove(id);
-        if self.is_stale(&node, surface) {
-            probe.add(Counter::Filtered, 1);
-            return Turn::Void;
+        let window = *self.leaves.window(id);
+        match self.release(id, surface, probe) {
+            Some(lineage) => Turn::Now(window, lineage),
+            None => Turn::Void,
         }
-        Turn::Now(node.window, node.lineage)
+    }
+
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // It is called in one place, and nothing of it is to pass through memory.
+    fn release<P: Probe>(&mut self, id: u32, surface: &Surface, probe: &mut P) -> Option<Lineage> {
+        let (sigma, lineage) = self.leaves.remove(id);
+        if self.is_stale(sigma, &lineage, surface) {
+            probe.add(Counter::Filtered, 1);
+            return None;
+        }
+        Some(lineage)
     }
 
     #[inline]
@@ -174,7 +182,18 @@ impl Policy for Splitting {
         surface: &Surface,
     ) -> [Option<Lineage>; 2] {
         let entry = passage.separation() / surface.faces().length(angle);
-        match (self.angles).split(angle, passage.straight_distance(), entry) {
+        self.split_at(angle, entry, passage.straight_distance(), heir)
+    }
+
+    #[inline]
+    fn split_at(
+        &mut self,
+        angle: HalfEdgeId,
+        entry: f64,
+        d: f64,
+        heir: Lineage,
+    ) -> [Option<Lineage>; 2] {
+        match self.angles.split(angle, d, entry) {
             Split::Occupies => [Side::Left, Side::Right].map(|side| {
                 let guard = Guard::new(angle, entry, side);
                 Some(Lineage { guard, ..heir })

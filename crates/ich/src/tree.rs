@@ -104,14 +104,15 @@ impl Leaves {
         }
     }
 
+    /// Gives up a slot; returns the σ of its window, and what that has inherited.
     #[inline]
-    pub(crate) fn remove(&mut self, slot: u32) -> Node {
+    pub(crate) fn remove(&mut self, slot: u32) -> (f64, Lineage) {
         let place = &mut self.nodes[slot as usize];
-        let node = *place;
+        let (sigma, lineage) = (place.window.sigma, place.lineage);
         place.lineage.level = self.free;
         self.free = slot;
         self.len -= 1;
-        node
+        (sigma, lineage)
     }
 
     /// The window in this slot.

@@ -89,6 +89,15 @@ pub(crate) struct Face {
     pub(crate) twin: [u32; 3],
 }
 
+impl Face {
+    /// Ordinate of the apex in the frame of the half-edge that starts at corner `k`; positive.
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
+    pub(crate) fn apex_y(&self, k: usize) -> f64 {
+        self.twice_area * self.inverse_length[k]
+    }
+}
+
 /// The faces of a mesh laid out for crossing: one record a face instead of one array a quantity,
 /// since a crossing reads nearly all of its face and nothing of the next one in memory.
 #[derive(Clone, Debug)]

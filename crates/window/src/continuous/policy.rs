@@ -104,6 +104,33 @@ pub trait Policy: Send {
         None
     }
 
+    /// As [`take`](Self::take), if the policy [foresees](Self::FORESEES), without the window; `None` if there is nothing
+    /// to propagate.
+    #[inline]
+    fn release<P: Probe>(
+        &mut self,
+        id: u32,
+        surface: &Surface,
+        probe: &mut P,
+    ) -> Option<Self::Lineage> {
+        let _ = (id, surface, probe);
+        None
+    }
+
+    /// As [`split`](Self::split), if the policy [foresees](Self::FORESEES): the straight path to the apex, of length `d`,
+    /// meets the half-edge `angle` at the fraction `entry` of its length.
+    #[inline]
+    fn split_at(
+        &mut self,
+        angle: HalfEdgeId,
+        entry: f64,
+        d: f64,
+        heir: Self::Lineage,
+    ) -> [Option<Self::Lineage>; 2] {
+        let _ = (angle, entry, d);
+        [Some(heir); 2]
+    }
+
     /// As [`arrive`](Self::arrive), if the policy [foresees](Self::FORESEES).
     #[inline]
     fn admit<P: Probe>(

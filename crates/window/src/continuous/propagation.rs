@@ -10,6 +10,7 @@ use super::foresight::Foresight;
 use super::policy::{Arrival, Child, Policy, Turn};
 use super::surface::Surface;
 use crate::counters::Counter;
+use crate::crossings::Offspring;
 use crate::frame::{Entrance, Exit, Side};
 use crate::passage::Passage;
 use crate::probe::{Phase, Probe};
@@ -213,38 +214,70 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         &mut self,
         h: HalfEdgeId,
         lane: usize,
-        window: Window,
         lineage: W::Lineage,
         probe: &mut P,
     ) {
         self.begin(probe);
         let crossings = self.foresight.crossings();
-        let tried = if crossings.covers_apex(lane) {
-            self.split_foreseen(h, lane, window, lineage, probe)
+        let covers_apex = crossings.covers_apex(lane);
+        let (apex, d) = (crossings.apex(lane), crossings.apex_distance(lane));
+        if d < self.surface.distance(apex) {
+            self.offer(apex, d, probe);
+        }
+        let tried = if covers_apex {
+            self.split_foreseen(h, lane, d, lineage, probe)
+        } else if let Some(heir) = self.policy.descend(&lineage) {
+            self.hand_on(&self.foresight.crossings().child(lane), heir, probe);
+            [true; 2]
         } else {
-            let apex = crossings.outlet(lane).apex;
-            let d = crossings.bent_distance(lane);
-            if d < self.surface.distance(apex) {
-                self.offer(apex, d, probe);
-            }
-            if let Some(heir) = self.policy.descend(&lineage) {
-                self.send_foreseen(lane, heir, probe);
-                [true; 2]
-            } else {
-                [false; 2]
-            }
+            [false; 2]
         };
         self.end(h, tried, probe);
     }
 
+    /// As [`split`](Self::split), for a window whose straight path to the apex, of length `d`, and whose left child are
+    /// there already.
+    #[inline(never)]
+    fn split_foreseen<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        lane: usize,
+        d: f64,
+        lineage: W::Lineage,
+        probe: &mut P,
+    ) -> [bool; 2] {
+        let Some(heir) = self.policy.descend(&lineage) else {
+            return [false; 2];
+        };
+        let faces = self.surface.faces();
+        let entry = self.foresight.crossings().entry(lane, faces);
+        let [left, right] = self.policy.split_at(h, entry, d, heir);
+        if let Some(heir) = left {
+            self.hand_on(&self.foresight.crossings().child(lane), heir, probe);
+        }
+        if let Some(heir) = right {
+            let crossings = self.foresight.crossings();
+            let child = crossings.right_child(lane, self.surface.faces());
+            self.hand_on(&child, heir, probe);
+        }
+        [left.is_some(), right.is_some()]
+    }
+
     /// Hands on what a window leaves that was crossed before its turn, if that is anything.
     #[inline(always)]
-    fn send_foreseen<P: Probe>(&mut self, lane: usize, lineage: W::Lineage, probe: &mut P) {
-        let crossings = self.foresight.crossings();
-        let outlet = *crossings.outlet(lane);
-        let (Some(h), Some(window)) = (outlet.half_edge(), crossings.child(lane)) else {
+    fn hand_on<P: Probe>(&mut self, offspring: &Offspring, lineage: W::Lineage, probe: &mut P) {
+        let Offspring {
+            outlet,
+            window,
+            label,
+            ..
+        } = *offspring;
+        let Some(h) = outlet.half_edge() else {
             return;
         };
+        if window.b0 >= window.b1 {
+            return;
+        }
         probe.add(Counter::Children, 1);
         if window.b1 - window.b0 < self.threshold {
             probe.add(Counter::Filtered, 1);
@@ -256,8 +289,8 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
             h,
             window,
             lineage,
-            label: crossings.label(lane),
-            is_beaten: crossings.is_beaten(lane, distances),
+            label,
+            is_beaten: offspring.is_beaten(distances),
         };
         let mut push = |h: HalfEdgeId, label: f64, id: u32, probe: &mut P| {
             self.queue.push(label, Event::window(h, id), probe);
@@ -265,40 +298,6 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         let kept = self.policy.admit(&child, &mut push, probe);
         probe.add(Counter::Kept, u64::from(kept));
         probe.enter(Phase::Propagation);
-    }
-
-    /// As [`split`](Self::split), for a window whose left child is there already.
-    #[inline(never)]
-    fn split_foreseen<P: Probe>(
-        &mut self,
-        h: HalfEdgeId,
-        lane: usize,
-        window: Window,
-        lineage: W::Lineage,
-        probe: &mut P,
-    ) -> [bool; 2] {
-        let Entrance {
-            frame,
-            corners: [.., apex],
-            ..
-        } = self.surface.faces().entrance(h);
-        let passage = Passage::new(&frame, &window);
-        let d = passage.straight_distance();
-        if d < self.surface.distance(apex) {
-            self.offer(apex, d, probe);
-        }
-        let Some(heir) = self.policy.descend(&lineage) else {
-            return [false; 2];
-        };
-        let [left, right] = self.policy.split(h, &passage, heir, &self.surface);
-        if let Some(heir) = left {
-            self.send_foreseen(lane, heir, probe);
-        }
-        if let Some(heir) = right {
-            let exit = self.surface.faces().exit(h, &frame, Side::Right);
-            self.send(passage.right_child(&exit), &exit, heir, probe);
-        }
-        [left.is_some(), right.is_some()]
     }
 
     /// Takes a window across the face of `h`.
@@ -409,18 +408,18 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<'_, W, Q> {
                     }
                 }
                 EventKind::Window(h, id) => {
-                    let lane = self.foresee(h, id);
+                    if let Some(lane) = self.foresee(h, id) {
+                        if let Some(lineage) = self.policy.release(id, &self.surface, probe) {
+                            self.cross_foreseen(h, lane, lineage, probe);
+                        }
+                        continue;
+                    }
                     loop {
-                        match (self.policy.take(h, id, &self.surface, probe), lane) {
-                            (Turn::Now(window, lineage), Some(lane)) => {
-                                self.cross_foreseen(h, lane, window, lineage, probe);
-                            }
-                            (Turn::Now(window, lineage), None) => {
-                                self.cross(h, window, lineage, probe);
-                            }
-                            (Turn::Void, _) => {}
-                            (Turn::Later(label), _) if self.queue.is_due(label) => continue,
-                            (Turn::Later(label), _) => self.queue.push(label, event, probe),
+                        match self.policy.take(h, id, &self.surface, probe) {
+                            Turn::Now(window, lineage) => self.cross(h, window, lineage, probe),
+                            Turn::Void => {}
+                            Turn::Later(label) if self.queue.is_due(label) => continue,
+                            Turn::Later(label) => self.queue.push(label, event, probe),
                         }
                         break;
                     }

@@ -10,46 +10,21 @@
 //! do not depend on the processor.
 
 mod dispatch;
+mod offspring;
 
 use geobench_mesh::{FaceId, HalfEdgeId, VertexId};
 
-use crate::frame::{EXITS, Faces, NEXT, PREV};
+use self::offspring::{Edge, measure};
+use crate::frame::{EXITS, Face, Faces, PREV};
 use crate::window::{Window, greater, less, norm};
+
+pub(crate) use self::offspring::{Offspring, Outlet};
 
 /// How many windows cross together.
 pub const LANES: usize = 8;
 
-/// How much shorter than a window's a path through a vertex must be, relatively, to beat it: as in [the
-/// filter](crate::is_beaten_from_ends).
-const MARGIN: f64 = 1.0 - 1e-14;
-
 /// One number for each window.
 type Row = [f64; LANES];
-
-/// Where a window leaves a triangle that does not cover the apex.
-#[derive(Clone, Copy, Debug)]
-pub struct Outlet {
-    /// The neighbour's half-edge; `u32::MAX` at the boundary.
-    twin: u32,
-    /// Where the edge begins, where it ends, and the third vertex of the triangle.
-    pub corners: [VertexId; 3],
-    /// The apex, which is one of the edge's ends.
-    pub apex: VertexId,
-}
-
-impl Outlet {
-    const NONE: Self = Self {
-        twin: u32::MAX,
-        corners: [VertexId::new(0); 3],
-        apex: VertexId::new(0),
-    };
-
-    /// The neighbour's half-edge; `None` at the boundary.
-    #[inline]
-    pub fn half_edge(&self) -> Option<HalfEdgeId> {
-        (self.twin != u32::MAX).then(|| HalfEdgeId::new(self.twin))
-    }
-}
 
 /// Up to [`LANES`] windows that have entered triangles, and what they leave.
 #[derive(Clone, Debug)]
@@ -61,6 +36,7 @@ pub struct Crossings {
     faces: [FaceId; LANES],
     corners: [u32; LANES],
     outlets: [Outlet; LANES],
+    apices: [VertexId; LANES],
     entering: Entering,
     leaving: Leaving,
 }
@@ -84,9 +60,9 @@ struct Leaving {
     py: Row,
     /// Positive where the apex is covered.
     apex_covered: Row,
-    bent: Row,
+    apex_distance: Row,
     label: Row,
-    /// Of the outlet's corners, see [`Crossings::is_beaten`].
+    /// See [`Offspring::is_beaten`].
     limits: [Row; 3],
 }
 
@@ -98,6 +74,7 @@ impl Default for Crossings {
             faces: [FaceId::new(0); LANES],
             corners: [0; LANES],
             outlets: [Outlet::NONE; LANES],
+            apices: [VertexId::new(0); LANES],
             entering: Entering::default(),
             leaving: Leaving::default(),
         }
@@ -147,55 +124,101 @@ impl Crossings {
         self.program.run(self, faces);
     }
 
-    /// Whether window `lane` sees the apex and has rays on both sides of it. If so, none of what
-    /// follows has a meaning.
+    /// Whether window `lane` sees the apex and has rays on both sides of it.
     #[inline]
     pub fn covers_apex(&self, lane: usize) -> bool {
         self.leaving.apex_covered[lane] > 0.0
     }
 
-    /// By which edge window `lane` leaves.
+    /// The apex of the triangle that window `lane` crosses.
     #[inline]
-    pub fn outlet(&self, lane: usize) -> &Outlet {
-        &self.outlets[lane]
+    pub fn apex(&self, lane: usize) -> VertexId {
+        self.apices[lane]
     }
 
-    /// Length of the path to the apex, bent at the end of window `lane` that is nearer to the straight path.
+    /// Length of the path of window `lane` to the apex: straight if it covers that, else bent at the end of the window
+    /// that is nearer to the straight path.
     #[inline]
-    pub fn bent_distance(&self, lane: usize) -> f64 {
-        self.leaving.bent[lane]
+    pub fn apex_distance(&self, lane: usize) -> f64 {
+        self.leaving.apex_distance[lane]
     }
 
-    /// What window `lane` leaves, in the frame of the neighbour's half-edge; `None` if it is too narrow to have a
-    /// width.
+    /// What window `lane` leaves; on the left, if it covers the apex.
     #[inline]
-    pub fn child(&self, lane: usize) -> Option<Window> {
-        let Leaving { b0, b1, px, py, .. } = &self.leaving;
+    pub fn child(&self, lane: usize) -> Offspring {
+        let out = &self.leaving;
+        let [tail, head, behind] = &out.limits;
+        Offspring {
+            outlet: self.outlets[lane],
+            window: Window {
+                b0: out.b0[lane],
+                b1: out.b1[lane],
+                px: out.px[lane],
+                py: out.py[lane],
+                sigma: self.entering.sigma[lane],
+            },
+            label: out.label[lane],
+            limits: [tail[lane], head[lane], behind[lane]],
+        }
+    }
+
+    /// Where the ray to the apex, which window `lane` covers, meets the half-edge, as a fraction of its length.
+    #[inline]
+    pub fn entry(&self, lane: usize, faces: &Faces) -> f64 {
+        let (face, k) = self.place(lane, faces);
+        let [offset, height] = self.ray(lane, face, k);
+        offset / height / face.length[k]
+    }
+
+    /// What window `lane`, which covers the apex, leaves on the right.
+    #[inline]
+    pub fn right_child(&self, lane: usize, faces: &Faces) -> Offspring {
+        let (face, k) = self.place(lane, faces);
+        let w = &self.entering;
+        let [offset, height] = self.ray(lane, face, k);
+        let (l, cx, cy) = (face.length[k], face.apex_x[k], face.apex_y(k));
+        let e = EXITS[k][1];
+        let (length, inverse) = (face.length[e], face.inverse_length[e]);
+        let (ux, uy) = ((l - cx) * inverse, -cy * inverse);
+        let (x, y) = (w.px[lane] - cx, w.py[lane] - cy);
+        let (px, across) = (ux * x + uy * y, ux * y - uy * x);
+        let end = (w.b1[lane] * height - offset) / -(across + uy * (w.b1[lane] - l));
         let window = Window {
-            b0: b0[lane],
-            b1: b1[lane],
-            px: px[lane],
-            py: py[lane],
-            sigma: self.entering.sigma[lane],
+            b0: 0.0,
+            b1: less(end, length),
+            px,
+            py: less(across, 0.0),
+            sigma: w.sigma[lane],
         };
-        (window.b0 < window.b1).then_some(window)
+        let edge = Edge {
+            left: 0.0,
+            right: 1.0,
+            length,
+            behind: [length - face.apex_x[e], face.apex_y(e)],
+        };
+        let (label, limits) = measure(&window, &edge);
+        Offspring {
+            outlet: Outlet::new(face, e),
+            window,
+            label,
+            limits,
+        }
     }
 
-    /// The [least distance](Window::min_distance) of that child.
-    #[inline]
-    pub fn label(&self, lane: usize) -> f64 {
-        self.leaving.label[lane]
+    /// The face that window `lane` crosses, and the corner at which the half-edge starts through which it comes.
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
+    fn place<'a>(&self, lane: usize, faces: &'a Faces) -> (&'a Face, usize) {
+        (faces.record(self.faces[lane]), self.corners[lane] as usize)
     }
 
-    /// Whether a path through one of the outlet's corners, whose distances these are, beats every ray of the child: the
-    /// vertex filter of Xin and Wang 2009, theorem 3.2.
-    ///
-    /// Each of the three tests has its distance on the left alone, and a bound on the right that does not depend on any.
-    #[inline]
-    #[allow(clippy::needless_bitwise_bool)] // Hardly any window is beaten: one branch for all three.
-    pub fn is_beaten(&self, lane: usize, distances: [f64; 3]) -> bool {
-        let [tail, head, behind] = &self.leaving.limits;
-        (distances[0] < tail[lane]) | (distances[1] < head[lane]) | (distances[2] < behind[lane])
+    /// D0 and e of [`Passage`](crate::Passage), for window `lane` in `face` from its corner `k`.
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
+    fn ray(&self, lane: usize, face: &Face, k: usize) -> [f64; 2] {
+        let (px, py) = (self.entering.px[lane], self.entering.py[lane]);
+        let (cx, cy) = (face.apex_x[k], face.apex_y(k));
+        [cy * px - py * cx, cy - py]
     }
 
     /// The program behind [`cross`](Self::cross).
@@ -205,10 +228,10 @@ impl Crossings {
         let w = &self.entering;
         let (mut l, mut cx, mut cy) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
-            let (face, k) = (faces.record(self.faces[i]), self.corners[i] as usize);
+            let (face, k) = self.place(i, faces);
             l[i] = face.length[k];
             cx[i] = face.apex_x[k];
-            cy[i] = face.twice_area * face.inverse_length[k];
+            cy[i] = face.apex_y(k);
         }
         // s·e - D0 at both ends, and on which side the window leaves.
         let (mut side0, mut side1, mut is_right) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
@@ -223,20 +246,18 @@ impl Crossings {
         let (mut length, mut inverse) = ([0.0; LANES], [0.0; LANES]);
         let (mut behind_x, mut behind_y) = ([0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
-            let (face, k) = (faces.record(self.faces[i]), self.corners[i] as usize);
+            let (face, k) = self.place(i, faces);
             let e = EXITS[k][usize::from(side0[i] >= 0.0)];
             length[i] = face.length[e];
             inverse[i] = face.inverse_length[e];
             behind_x[i] = face.length[e] - face.apex_x[e];
-            behind_y[i] = face.twice_area * face.inverse_length[e];
-            self.outlets[i] = Outlet {
-                twin: face.twin[e],
-                corners: [face.vertex[NEXT[e]], face.vertex[e], face.vertex[PREV[e]]],
-                apex: face.vertex[PREV[k]],
-            };
+            behind_y[i] = face.apex_y(e);
+            self.outlets[i] = Outlet::new(face, e);
+            self.apices[i] = face.vertex[PREV[k]];
         }
         let out = &mut self.leaving;
         for i in 0..LANES {
+            let covered = out.apex_covered[i] > 0.0;
             let right = is_right[i];
             let left = 1.0 - right;
             let (b0, b1, sigma) = (w.b0[i], w.b1[i], w.sigma[i]);
@@ -249,24 +270,42 @@ impl Crossings {
             let start = (depth * b0 + right * side0[i]) / -(across + uy * (b0 - shift));
             let end = (depth * b1 + right * side1[i]) / -(across + uy * (b1 - shift));
             // A window that covers the apex fills the left exit up to its end.
-            let end = if out.apex_covered[i] > 0.0 { length[i] } else { less(end, length[i]) };
-            let (start, py) = (greater(start, 0.0), less(across, 0.0));
+            let end = if covered {
+                length[i]
+            } else {
+                less(end, length[i])
+            };
+            // The path to the apex has a bend at that end, or in the source itself.
             let bend = left * b1 + right * b0;
-            out.bent[i] = sigma + norm(bend - w.px[i], w.py[i]) + norm(cx[i] - bend, cy[i]);
-            let (from_start, from_end) = (norm(start - px, py), norm(end - px, py));
-            let at_start = (sigma + from_start) * MARGIN;
-            let at_end = (sigma + from_end) * MARGIN;
-            let (far, at_far) = (left * start + right * end, left * at_start + right * at_end);
-            out.limits[0][i] = at_end - end;
-            out.limits[1][i] = at_start - (length[i] - start);
-            out.limits[2][i] = at_far - norm(far - behind_x[i], behind_y[i]);
-            // The nearest point is the foot of the source, or the end beyond which that lies.
-            let nearest = if px > end { from_end } else { -py };
-            out.label[i] = sigma + if px < start { from_start } else { nearest };
-            out.b0[i] = start;
-            out.b1[i] = end;
-            out.px[i] = px;
-            out.py[i] = py;
+            let [bend_x, bend_y] = [
+                if covered { w.px[i] } else { bend },
+                if covered { w.py[i] } else { 0.0 },
+            ];
+            out.apex_distance[i] = sigma
+                + norm(bend_x - w.px[i], bend_y - w.py[i])
+                + norm(cx[i] - bend_x, cy[i] - bend_y);
+            let window = Window {
+                b0: greater(start, 0.0),
+                b1: end,
+                px,
+                py: less(across, 0.0),
+                sigma,
+            };
+            let edge = Edge {
+                left,
+                right,
+                length: length[i],
+                behind: [behind_x[i], behind_y[i]],
+            };
+            let (label, limits) = measure(&window, &edge);
+            out.b0[i] = window.b0;
+            out.b1[i] = window.b1;
+            out.px[i] = window.px;
+            out.py[i] = window.py;
+            out.label[i] = label;
+            for corner in 0..3 {
+                out.limits[corner][i] = limits[corner];
+            }
         }
     }
 }

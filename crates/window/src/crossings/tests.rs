@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use super::dispatch::Program;
 use super::*;
 use crate::filter::{is_beaten_across, is_beaten_from_ends};
+use crate::frame::{Exit, Side};
 use crate::passage::Passage;
 use crate::window::tests::windows;
 
@@ -52,38 +53,52 @@ proptest! {
             let frame = faces.frame(*h);
             let passage = Passage::new(&frame, window);
             prop_assert_eq!(together.covers_apex(lane), passage.covers_apex());
-            if passage.covers_apex() {
-                continue;
-            }
+            prop_assert_eq!(together.apex(lane), faces.corners(*h)[2]);
             let exit = faces.exit(*h, &frame, passage.side());
-            let outlet = together.outlet(lane);
-            prop_assert_eq!(outlet.half_edge(), exit.half_edge);
-            prop_assert_eq!(outlet.corners, exit.corners);
-            prop_assert_eq!(outlet.apex, faces.corners(*h)[2]);
-            prop_assert!(close(together.bent_distance(lane), passage.bent_distance(&exit)));
-            let (child, alone) = (together.child(lane), passage.only_child(&exit));
-            prop_assert_eq!(child, alone);
-            let Some(child) = child else { continue };
-            prop_assert!(close(together.label(lane), child.min_distance()));
-            // Each of the distances on either side of where it begins to beat the window.
-            let end = exit.is_left * child.b0 + exit.is_right * child.b1;
-            for corner in 0..3 {
-                let limit = together.leaving.limits[corner][lane];
-                for by in [-1e-6, 1e-6] {
-                    let mut distances = [f64::INFINITY; 3];
-                    distances[corner] = limit + by;
-                    prop_assert_eq!(together.is_beaten(lane, distances), by < 0.0);
-                    if distances[corner] > 0.0 {
-                        let [tail, head, behind] = distances;
-                        let beaten = is_beaten_from_ends(&child, exit.length, tail, head)
-                            || is_beaten_across(&child, end, exit.behind, behind);
-                        prop_assert_eq!(beaten, by < 0.0, "corner {}", corner);
-                    }
-                }
+            if passage.covers_apex() {
+                prop_assert_eq!(together.apex_distance(lane), passage.straight_distance());
+                prop_assert_eq!(together.entry(lane, &faces), passage.separation() / frame.l);
+                check(&together.child(lane), passage.left_child(&exit), &exit)?;
+                let exit = faces.exit(*h, &frame, Side::Right);
+                check(&together.right_child(lane, &faces), passage.right_child(&exit), &exit)?;
+            } else {
+                prop_assert!(close(together.apex_distance(lane), passage.bent_distance(&exit)));
+                check(&together.child(lane), passage.only_child(&exit), &exit)?;
             }
-            prop_assert!(!together.is_beaten(lane, [f64::INFINITY; 3]));
         }
     }
+}
+
+/// Compares what a window leaves with what it leaves `alone` at that exit.
+fn check(together: &Offspring, alone: Option<Window>, exit: &Exit) -> Result<(), TestCaseError> {
+    let Offspring {
+        outlet,
+        window,
+        label,
+        limits,
+    } = *together;
+    prop_assert_eq!(outlet.half_edge(), exit.half_edge);
+    prop_assert_eq!(outlet.corners, exit.corners);
+    prop_assert_eq!((window.b0 < window.b1).then_some(window), alone);
+    let Some(alone) = alone else { return Ok(()) };
+    prop_assert_eq!(label, alone.min_distance());
+    prop_assert!(!together.is_beaten([f64::INFINITY; 3]));
+    // Each of the distances on either side of where it begins to beat the window.
+    let end = exit.is_left * alone.b0 + exit.is_right * alone.b1;
+    for corner in 0..3 {
+        for by in [-1e-6, 1e-6] {
+            let mut distances = [f64::INFINITY; 3];
+            distances[corner] = limits[corner] + by;
+            prop_assert_eq!(together.is_beaten(distances), by < 0.0);
+            if distances[corner] > 0.0 {
+                let [tail, head, behind] = distances;
+                let beaten = is_beaten_from_ends(&alone, exit.length, tail, head)
+                    || is_beaten_across(&alone, end, exit.behind, behind);
+                prop_assert_eq!(beaten, by < 0.0, "corner {}", corner);
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The window that a source at the tail of an edge has there is exactly as long as the path along the edge.
@@ -109,14 +124,14 @@ fn a_tie_beats_nothing() {
             );
             crossings.cross(&faces);
             if !crossings.covers_apex(0) {
-                let at_source = crossings.outlet(0).corners.map(|v| {
+                let at_source = crossings.child(0).outlet.corners.map(|v| {
                     if v == faces.corners(h)[side] {
                         0.0
                     } else {
                         f64::INFINITY
                     }
                 });
-                assert!(!crossings.is_beaten(0, at_source), "{h} {side}");
+                assert!(!crossings.child(0).is_beaten(at_source), "{h} {side}");
             }
         }
     }

@@ -1,0 +1,110 @@
+//! What windows leave on the other side of their triangles.
+
+use geobench_mesh::{HalfEdgeId, VertexId};
+
+use crate::frame::{Face, NEXT, PREV};
+use crate::window::{Window, norm};
+
+/// How much shorter than a window's a path through a vertex must be, relatively, to beat it: as in [the
+/// filter](crate::is_beaten_from_ends).
+const MARGIN: f64 = 1.0 - 1e-14;
+
+/// By which edge a window leaves a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outlet {
+    /// The neighbour's half-edge; `u32::MAX` at the boundary.
+    twin: u32,
+    /// Where the edge begins, where it ends, and the third vertex of the triangle.
+    pub corners: [VertexId; 3],
+}
+
+impl Outlet {
+    pub(super) const NONE: Self = Self {
+        twin: u32::MAX,
+        corners: [VertexId::new(0); 3],
+    };
+
+    /// The edge of `face` whose half-edge starts at its corner `e`.
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
+    pub(super) fn new(face: &Face, e: usize) -> Self {
+        Self {
+            twin: face.twin[e],
+            corners: [face.vertex[NEXT[e]], face.vertex[e], face.vertex[PREV[e]]],
+        }
+    }
+
+    /// The neighbour's half-edge; `None` at the boundary.
+    #[inline]
+    pub fn half_edge(&self) -> Option<HalfEdgeId> {
+        (self.twin != u32::MAX).then(|| HalfEdgeId::new(self.twin))
+    }
+}
+
+/// What a window leaves at one exit, in the frame of the neighbour's half-edge.
+#[derive(Clone, Copy, Debug)]
+pub struct Offspring {
+    /// By which edge it left.
+    pub outlet: Outlet,
+    /// The window; empty if `b0` is not less than `b1`.
+    pub window: Window,
+    /// Its [least distance](Window::min_distance).
+    pub label: f64,
+    /// See [`is_beaten`](Self::is_beaten).
+    pub(super) limits: [f64; 3],
+}
+
+impl Offspring {
+    /// Whether a path through one of the outlet's corners, whose distances these are, beats every ray of the window: the
+    /// vertex filter of Xin and Wang 2009, theorem 3.2.
+    ///
+    /// Each of the three tests has its distance on the left alone, and a bound on the right that does not depend on any.
+    #[inline]
+    #[allow(clippy::needless_bitwise_bool)] // Hardly any window is beaten: one branch for all three.
+    pub fn is_beaten(&self, distances: [f64; 3]) -> bool {
+        let [tail, head, behind] = self.limits;
+        (distances[0] < tail) | (distances[1] < head) | (distances[2] < behind)
+    }
+}
+
+/// Where a window leaves a triangle.
+#[derive(Clone, Copy)]
+pub(super) struct Edge {
+    /// 1 for the side on which it leaves, the left or the right one, and 0 for the other.
+    pub(super) left: f64,
+    pub(super) right: f64,
+    pub(super) length: f64,
+    /// Position of the third vertex of the triangle, the second one negated, in the frame by which the window leaves.
+    pub(super) behind: [f64; 2],
+}
+
+/// The label of `window`, which has come through `edge`, and the limits of the distances around.
+#[inline(always)]
+#[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
+pub(super) fn measure(window: &Window, edge: &Edge) -> (f64, [f64; 3]) {
+    let Window {
+        b0,
+        b1,
+        px,
+        py,
+        sigma,
+    } = *window;
+    let Edge {
+        left,
+        right,
+        length,
+        behind: [behind_x, behind_y],
+    } = *edge;
+    let (from_b0, from_b1) = (norm(b0 - px, py), norm(b1 - px, py));
+    let (at_b0, at_b1) = ((sigma + from_b0) * MARGIN, (sigma + from_b1) * MARGIN);
+    let (far, at_far) = (left * b0 + right * b1, left * at_b0 + right * at_b1);
+    let limits = [
+        at_b1 - b1,
+        at_b0 - (length - b0),
+        at_far - norm(far - behind_x, behind_y),
+    ];
+    // The nearest point is the foot of the source, or the end beyond which that lies.
+    let nearest = if px > b1 { from_b1 } else { -py };
+    let nearest = if px < b0 { from_b0 } else { nearest };
+    (sigma + nearest, limits)
+}

@@ -235,6 +235,14 @@ impl Faces {
         (twin != u32::MAX).then(|| HalfEdgeId::new(twin))
     }
 
+    /// The other edge of the face of `h` at the tail of `h`, if that is on the boundary: its other end and its length.
+    #[inline]
+    pub(crate) fn boundary_behind(&self, h: HalfEdgeId) -> Option<(VertexId, f64)> {
+        let face = &self.records[h.face().index()];
+        let prev = PREV[h.corner() as usize];
+        (face.twin[prev] == u32::MAX).then(|| (face.vertex[prev], face.length[prev]))
+    }
+
     /// Where a window that enters through `h` can go on: the half-edge A → C of the neighbour on
     /// the left and the half-edge C → B of the neighbour on the right.
     #[inline]

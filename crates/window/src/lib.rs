@@ -37,7 +37,7 @@ mod window;
 
 pub use counters::{Counter, Counters};
 pub use cross::{apex_distance, left_child, right_child, separating_abscissa};
-pub use crossings::{Crossings, LANES, Outlet};
+pub use crossings::{Crossings, LANES, Offspring, Outlet};
 pub use filter::{is_beaten_across, is_beaten_from_ends};
 pub use frame::{Entrance, Exit, Faces, Frame, Side};
 pub use passage::Passage;

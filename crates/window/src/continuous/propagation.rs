@@ -103,8 +103,14 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.surface.distance(v);
         let mesh = self.mesh;
-        for (neighbour, length) in mesh.neighbours(v) {
-            self.offer(neighbour, sigma + length, probe);
+        for &h in mesh.outgoing(v) {
+            let faces = self.surface.faces();
+            let (head, length) = (faces.corners(h)[1], faces.length(h));
+            let last = faces.boundary_behind(h);
+            self.offer(head, sigma + length, probe);
+            if let Some((tail, length)) = last {
+                self.offer(tail, sigma + length, probe);
+            }
         }
         let lineage = self.policy.root(v, &self.surface);
         for &h in mesh.outgoing(v) {

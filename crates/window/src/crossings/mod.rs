@@ -18,7 +18,7 @@ use self::offspring::{Edge, measure};
 use crate::frame::{EXITS, Face, Faces, PREV};
 use crate::window::{Window, greater, less, norm};
 
-pub(crate) use self::offspring::{Offspring, Outlet};
+pub use self::offspring::{Offspring, Outlet};
 
 /// How many windows cross together.
 pub const LANES: usize = 8;

@@ -93,7 +93,11 @@ impl Policy for Splitting {
             label: window.min_distance(),
             is_beaten: self.filter == VertexFilter::On && edge.beats(&window),
         };
-        self.admit(&child, queue, probe)
+        let waits = self.admit(&child, probe);
+        if let Some(id) = waits {
+            queue(h, child.label, id, probe);
+        }
+        waits.is_some()
     }
 
     const FORESEES: bool = true;
@@ -105,26 +109,20 @@ impl Policy for Splitting {
 
     #[inline(always)]
     #[allow(clippy::inline_always)] // The window is not to pass through memory.
-    fn admit<P: Probe>(
-        &mut self,
-        child: &Child<Lineage>,
-        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
-        probe: &mut P,
-    ) -> bool {
+    fn admit<P: Probe>(&mut self, child: &Child<Lineage>, probe: &mut P) -> Option<u32> {
         if self.filter == VertexFilter::On && child.is_beaten {
             probe.add(Counter::Filtered, 1);
-            return false;
+            return None;
         }
         probe.enter(Phase::Management);
         let slot = self.leaves.insert(Node {
             window: child.window,
             lineage: child.lineage,
         });
-        queue(child.h, child.label, slot, probe);
         probe.raise(Counter::PeakWindows, self.leaves.len() as u64);
         probe.raise(Counter::PeakWavefront, self.leaves.len() as u64);
         probe.raise(Counter::Levels, u64::from(child.lineage.level));
-        true
+        Some(slot)
     }
 
     #[inline]

@@ -131,16 +131,12 @@ pub trait Policy: Send {
         [Some(heir); 2]
     }
 
-    /// As [`arrive`](Self::arrive), if the policy [foresees](Self::FORESEES).
+    /// As [`arrive`](Self::arrive), if the policy [foresees](Self::FORESEES): returns the number by which the window
+    /// waits, if anything of it is left.
     #[inline]
-    fn admit<P: Probe>(
-        &mut self,
-        child: &Child<Self::Lineage>,
-        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
-        probe: &mut P,
-    ) -> bool {
-        let _ = (child, queue, probe);
-        false
+    fn admit<P: Probe>(&mut self, child: &Child<Self::Lineage>, probe: &mut P) -> Option<u32> {
+        let _ = (child, probe);
+        None
     }
 
     /// Window `id` on `h` is likely to be taken soon: asks for the memory where it lies, without

@@ -298,11 +298,11 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
             label,
             is_beaten: offspring.is_beaten(distances),
         };
-        let mut push = |h: HalfEdgeId, label: f64, id: u32, probe: &mut P| {
+        let waits = self.policy.admit(&child, probe);
+        if let Some(id) = waits {
             self.queue.push(label, Event::window(h, id), probe);
-        };
-        let kept = self.policy.admit(&child, &mut push, probe);
-        probe.add(Counter::Kept, u64::from(kept));
+        }
+        probe.add(Counter::Kept, u64::from(waits.is_some()));
         probe.enter(Phase::Propagation);
     }
 

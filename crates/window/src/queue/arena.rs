@@ -18,6 +18,7 @@ struct Link {
 pub struct Chain {
     head: u32,
     tail: u32,
+    len: u32,
 }
 
 impl Chain {
@@ -25,6 +26,7 @@ impl Chain {
     pub const EMPTY: Self = Self {
         head: NONE,
         tail: NONE,
+        len: 0,
     };
 
     /// Whether it has no event.
@@ -83,6 +85,7 @@ impl Arena {
         let last = self.links.get_mut(chain.tail as usize);
         *last.map_or(&mut chain.head, |last| &mut last.next) = place;
         chain.tail = place;
+        chain.len += 1;
     }
 
     /// Takes a link from the allocator.
@@ -117,6 +120,7 @@ impl Arena {
         if link.next == NONE {
             chain.tail = NONE;
         }
+        chain.len -= 1;
         link.next = self.free;
         self.free = place;
         self.len -= 1;
@@ -126,9 +130,14 @@ impl Arena {
     /// Takes all events of `chain` and puts them behind those in `to`.
     #[inline]
     pub fn drain(&mut self, chain: &mut Chain, to: &mut Vec<(f64, Event)>) {
-        let before = to.len();
-        to.extend(self.chained(*chain));
-        self.len -= to.len() - before;
+        // To know how many come, instead of waiting for the last one to tell, lets the processor begin with what follows.
+        let mut next = chain.head;
+        to.extend((0..chain.len).map(|_| {
+            let link = &self.links[next as usize];
+            next = link.next;
+            (link.label, link.event)
+        }));
+        self.len -= chain.len as usize;
         if let Some(last) = self.links.get_mut(chain.tail as usize) {
             last.next = self.free;
             self.free = chain.head;
@@ -146,6 +155,7 @@ impl Arena {
         } else {
             self.links[to.tail as usize].next = from.head;
             to.tail = from.tail;
+            to.len += from.len;
         }
         *from = Chain::EMPTY;
     }

@@ -1,6 +1,6 @@
 //! The frame of a half-edge, and the compact table from which frames are read.
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
 use crate::prefetch::prefetch;
 
@@ -68,62 +68,97 @@ pub struct Exit {
     pub corners: [VertexId; 3],
 }
 
-/// The corner that follows, and the one that precedes.
-pub(crate) const NEXT: [usize; 3] = [1, 2, 0];
-pub(crate) const PREV: [usize; 3] = [2, 0, 1];
-
-/// The corners at which the half-edges of the left and of the right exit start, C and B: those
-/// after the entrance in reverse.
-pub(crate) const EXITS: [[usize; 2]; 3] = [[2, 1], [0, 2], [1, 0]];
-
-/// What a solver needs of one face, for all its three half-edges, in two cache lines.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(128))]
-pub(crate) struct Face {
-    pub(crate) length: [f64; 3],
-    pub(crate) inverse_length: [f64; 3],
-    pub(crate) apex_x: [f64; 3],
-    pub(crate) twice_area: f64,
-    pub(crate) vertex: [VertexId; 3],
-    /// `u32::MAX` where there is no neighbour.
-    pub(crate) twin: [u32; 3],
+/// By which edge a window leaves a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outlet {
+    /// The neighbour's half-edge; `u32::MAX` at the boundary.
+    twin: u32,
+    /// Where the edge begins as seen from the neighbour, where it ends, and the third vertex of the triangle.
+    pub corners: [VertexId; 3],
 }
 
-impl Face {
-    /// Ordinate of the apex in the frame of the half-edge that starts at corner `k`; positive.
-    #[inline(always)]
-    #[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
-    pub(crate) fn apex_y(&self, k: usize) -> f64 {
-        self.twice_area * self.inverse_length[k]
+impl Outlet {
+    /// None at all.
+    pub(crate) const NONE: Self = Self {
+        twin: u32::MAX,
+        corners: [VertexId::new(0); 3],
+    };
+
+    /// The neighbour's half-edge; `None` at the boundary.
+    #[inline]
+    pub fn half_edge(&self) -> Option<HalfEdgeId> {
+        (self.twin != u32::MAX).then(|| HalfEdgeId::new(self.twin))
     }
 }
 
-/// The faces of a mesh laid out for crossing: one record a face instead of one array a quantity,
-/// since a crossing reads nearly all of its face and nothing of the next one in memory.
+/// What a solver needs of one half-edge, in a cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(crate) struct HalfEdge {
+    pub(crate) length: f64,
+    pub(crate) inverse_length: f64,
+    /// Position of the apex in its frame.
+    pub(crate) apex: [f64; 2],
+    /// What a window meets that leaves the face here.
+    pub(crate) outlet: Outlet,
+    /// The other half-edges of the face, by which a window leaves that comes in here: that of the left exit, which
+    /// precedes this one, and that of the right exit.
+    pub(crate) exits: [HalfEdgeId; 2],
+}
+
+impl HalfEdge {
+    fn new(mesh: &Mesh, h: HalfEdgeId) -> Self {
+        let length = mesh.length(h);
+        let first = h.face().half_edge(0);
+        // The area of the face is one number, from whichever side it is looked at.
+        let twice_area = mesh.apex(first)[1] * mesh.length(first);
+        Self {
+            length,
+            inverse_length: length.recip(),
+            apex: [mesh.apex(h)[0], twice_area * length.recip()],
+            outlet: Outlet {
+                twin: mesh.twin(h).map_or(u32::MAX, HalfEdgeId::raw),
+                corners: [mesh.head(h), mesh.tail(h), mesh.tail(h.prev())],
+            },
+            exits: [h.prev(), h.next()],
+        }
+    }
+
+    /// The tail, the head and the apex.
+    #[inline]
+    pub(crate) fn corners(&self) -> [VertexId; 3] {
+        let [head, tail, apex] = self.outlet.corners;
+        [tail, head, apex]
+    }
+
+    /// Position of the apex in the frame of the neighbour's half-edge, below it.
+    #[inline]
+    pub(crate) fn apex_below(&self) -> [f64; 2] {
+        [self.length - self.apex[0], -self.apex[1]]
+    }
+}
+
+/// The faces of a mesh laid out for crossing: one record a half-edge instead of one array a quantity. A crossing reads
+/// two of them, that of the entrance and that of the exit, which are neighbours in memory.
 #[derive(Clone, Debug)]
 pub struct Faces {
-    records: Vec<Face>,
+    half_edges: Vec<HalfEdge>,
 }
 
 impl Faces {
     /// Lays out the faces of `mesh`; O(faces).
     pub fn new(mesh: &Mesh) -> Self {
-        let records = mesh
-            .faces()
-            .map(|f| {
-                let sides = [0, 1, 2].map(|corner| f.half_edge(corner));
-                let length = sides.map(|h| mesh.length(h));
-                Face {
-                    length,
-                    inverse_length: length.map(f64::recip),
-                    apex_x: sides.map(|h| mesh.apex(h)[0]),
-                    twice_area: mesh.apex(sides[0])[1] * length[0],
-                    vertex: mesh.face_vertices(f),
-                    twin: sides.map(|h| mesh.twin(h).map_or(u32::MAX, HalfEdgeId::raw)),
-                }
-            })
-            .collect();
-        Self { records }
+        let half_edges = mesh.half_edges().map(|h| HalfEdge::new(mesh, h));
+        Self {
+            half_edges: half_edges.collect(),
+        }
+    }
+
+    /// The half-edge `h`.
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
+    pub(crate) fn half_edge(&self, h: HalfEdgeId) -> &HalfEdge {
+        &self.half_edges[h.index()]
     }
 
     /// The frame of `h`.
@@ -135,25 +170,22 @@ impl Faces {
     /// All that a window meets that enters the face of `h` through it.
     #[inline]
     pub fn entrance(&self, h: HalfEdgeId) -> Entrance {
-        let face = &self.records[h.face().index()];
-        let k = h.corner() as usize;
-        let (next, prev) = (NEXT[k], PREV[k]);
-        let (l, cx) = (face.length[k], face.apex_x[k]);
-        let cy = face.twice_area * face.inverse_length[k];
-        let (to_c, from_c) = (face.inverse_length[prev], face.inverse_length[next]);
-        let exit = |twin: u32| (twin != u32::MAX).then(|| HalfEdgeId::new(twin));
+        let entry = self.half_edge(h);
+        let [left, right] = entry.exits.map(|e| self.half_edge(e));
+        let (l, [cx, cy]) = (entry.length, entry.apex);
+        let (to_c, from_c) = (left.inverse_length, right.inverse_length);
         Entrance {
             frame: Frame {
                 l,
-                la: face.length[prev],
-                lb: face.length[next],
+                la: left.length,
+                lb: right.length,
                 cx,
                 cy,
                 left: [cx * to_c, cy * to_c],
                 right: [(l - cx) * from_c, -cy * from_c],
             },
-            corners: [face.vertex[k], face.vertex[next], face.vertex[prev]],
-            exits: [exit(face.twin[prev]), exit(face.twin[next])],
+            corners: entry.corners(),
+            exits: [left.outlet.half_edge(), right.outlet.half_edge()],
         }
     }
 
@@ -164,89 +196,70 @@ impl Faces {
     /// tempt the compiler to make one.
     #[inline]
     pub fn exit(&self, h: HalfEdgeId, frame: &Frame, side: Side) -> Exit {
-        let face = &self.records[h.face().index()];
         let side = std::hint::black_box(side as u32);
-        let e = EXITS[h.corner() as usize][side as usize];
+        let exit = self.half_edge(self.half_edge(h).exits[side as usize]);
         let is_right = f64::from(side);
         let is_left = 1.0 - is_right;
-        let (length, inverse) = (face.length[e], face.inverse_length[e]);
-        let twin = face.twin[e];
         Exit {
             is_left,
             is_right,
-            half_edge: (twin != u32::MAX).then(|| HalfEdgeId::new(twin)),
-            length,
+            half_edge: exit.outlet.half_edge(),
+            length: exit.length,
             direction: [
-                ((is_left - is_right) * frame.cx + is_right * frame.l) * inverse,
-                (is_left - is_right) * frame.cy * inverse,
+                ((is_left - is_right) * frame.cx + is_right * frame.l) * exit.inverse_length,
+                (is_left - is_right) * frame.cy * exit.inverse_length,
             ],
-            behind: [length - face.apex_x[e], -face.twice_area * inverse],
-            corners: [face.vertex[NEXT[e]], face.vertex[e], face.vertex[PREV[e]]],
+            behind: exit.apex_below(),
+            corners: exit.outlet.corners,
         }
     }
 
-    /// The face `f`.
+    /// The vertices of the face of `h`: its tail, its head and its apex.
     #[inline]
-    pub(crate) fn record(&self, f: FaceId) -> &Face {
-        &self.records[f.index()]
-    }
-
-    /// The vertices of the face of `h`.
-    #[inline]
-    pub fn vertices(&self, h: HalfEdgeId) -> &[VertexId; 3] {
-        &self.records[h.face().index()].vertex
+    pub fn corners(&self, h: HalfEdgeId) -> [VertexId; 3] {
+        self.half_edge(h).corners()
     }
 
     /// Asks for the memory in which the face of `h` lies.
     #[inline]
     pub fn announce(&self, h: HalfEdgeId) {
-        prefetch(&self.records, h.face().index());
+        let first = h.face().half_edge(0).index();
+        for corner in 0..3 {
+            prefetch(&self.half_edges, first + corner);
+        }
     }
 
     /// Length of `h`.
     #[inline]
     pub fn length(&self, h: HalfEdgeId) -> f64 {
-        self.records[h.face().index()].length[h.corner() as usize]
+        self.half_edge(h).length
     }
 
     /// Position of the third vertex of the face *below* `h`, whose half-edge along the same edge
     /// is `twin`, in the frame of `h`: (l - x, -y) of its position in the frame of `twin`.
     #[inline]
     pub fn apex_below(&self, twin: HalfEdgeId) -> [f64; 2] {
-        let face = &self.records[twin.face().index()];
-        let k = twin.corner() as usize;
-        [
-            face.length[k] - face.apex_x[k],
-            -face.twice_area * face.inverse_length[k],
-        ]
-    }
-
-    /// The tail, the head and the apex vertex of `h`: A, B, C of its frame.
-    #[inline]
-    pub fn corners(&self, h: HalfEdgeId) -> [VertexId; 3] {
-        let vertex = &self.records[h.face().index()].vertex;
-        [h, h.next(), h.prev()].map(|g| vertex[g.corner() as usize])
+        self.half_edge(twin).apex_below()
     }
 
     /// The neighbour's half-edge along the edge of `h`, or `None` at the boundary.
     #[inline]
     pub fn twin(&self, h: HalfEdgeId) -> Option<HalfEdgeId> {
-        let twin = self.records[h.face().index()].twin[h.corner() as usize];
-        (twin != u32::MAX).then(|| HalfEdgeId::new(twin))
+        self.half_edge(h).outlet.half_edge()
     }
 
     /// The other edge of the face of `h` at the tail of `h`, if that is on the boundary: its other end and its length.
     #[inline]
     pub(crate) fn boundary_behind(&self, h: HalfEdgeId) -> Option<(VertexId, f64)> {
-        let face = &self.records[h.face().index()];
-        let prev = PREV[h.corner() as usize];
-        (face.twin[prev] == u32::MAX).then(|| (face.vertex[prev], face.length[prev]))
+        let back = self.half_edge(self.half_edge(h).exits[0]);
+        let [tail, ..] = back.corners();
+        (back.outlet.half_edge().is_none()).then_some((tail, back.length))
     }
 
     /// Where a window that enters through `h` can go on: the half-edge A → C of the neighbour on
     /// the left and the half-edge C → B of the neighbour on the right.
     #[inline]
     pub fn exits(&self, h: HalfEdgeId) -> [Option<HalfEdgeId>; 2] {
-        [self.twin(h.prev()), self.twin(h.next())]
+        self.half_edge(h).exits.map(|e| self.twin(e))
     }
 }

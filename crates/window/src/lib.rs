@@ -37,9 +37,9 @@ mod window;
 
 pub use counters::{Counter, Counters};
 pub use cross::{apex_distance, left_child, right_child, separating_abscissa};
-pub use crossings::{Crossings, LANES, Offspring, Outlet};
+pub use crossings::{Crossings, LANES, Offspring};
 pub use filter::{is_beaten_across, is_beaten_from_ends};
-pub use frame::{Entrance, Exit, Faces, Frame, Side};
+pub use frame::{Entrance, Exit, Faces, Frame, Outlet, Side};
 pub use passage::Passage;
 pub use prefetch::prefetch;
 pub use probe::{Clock, Count, Phase, Phases, Probe};

@@ -63,7 +63,7 @@ impl Surface {
     /// It is likely to do so in one or two turns: asks for what is known of its vertices.
     #[inline]
     pub(super) fn prepare(&self, h: HalfEdgeId) {
-        for &v in self.faces.vertices(h) {
+        for v in self.faces.corners(h) {
             self.announce_vertex(v);
         }
     }

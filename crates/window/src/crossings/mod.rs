@@ -12,13 +12,13 @@
 mod dispatch;
 mod offspring;
 
-use geobench_mesh::{FaceId, HalfEdgeId, VertexId};
+use geobench_mesh::{HalfEdgeId, VertexId};
 
 use self::offspring::{Edge, measure};
-use crate::frame::{EXITS, Face, Faces, PREV};
+use crate::frame::{Faces, HalfEdge, Outlet};
 use crate::window::{Window, greater, less, norm};
 
-pub use self::offspring::{Offspring, Outlet};
+pub use self::offspring::Offspring;
 
 /// How many windows cross together.
 pub const LANES: usize = 8;
@@ -32,9 +32,8 @@ type Row = [f64; LANES];
 pub struct Crossings {
     len: usize,
     program: dispatch::Program,
-    /// The faces, and the corners at which the half-edges start through which the windows come.
-    faces: [FaceId; LANES],
-    corners: [u32; LANES],
+    /// The half-edges through which the windows come.
+    entrances: [HalfEdgeId; LANES],
     outlets: [Outlet; LANES],
     apices: [VertexId; LANES],
     entering: Entering,
@@ -71,8 +70,7 @@ impl Default for Crossings {
         Self {
             len: 0,
             program: dispatch::Program::best(),
-            faces: [FaceId::new(0); LANES],
-            corners: [0; LANES],
+            entrances: [HalfEdgeId::new(0); LANES],
             outlets: [Outlet::NONE; LANES],
             apices: [VertexId::new(0); LANES],
             entering: Entering::default(),
@@ -107,8 +105,7 @@ impl Crossings {
     #[inline]
     pub fn add(&mut self, h: HalfEdgeId, window: &Window) {
         let lane = self.len;
-        self.faces[lane] = h.face();
-        self.corners[lane] = h.corner();
+        self.entrances[lane] = h;
         self.entering.b0[lane] = window.b0;
         self.entering.b1[lane] = window.b1;
         self.entering.px[lane] = window.px;
@@ -165,20 +162,20 @@ impl Crossings {
     /// Where the ray to the apex, which window `lane` covers, meets the half-edge, as a fraction of its length.
     #[inline]
     pub fn entry(&self, lane: usize, faces: &Faces) -> f64 {
-        let (face, k) = self.place(lane, faces);
-        let [offset, height] = self.ray(lane, face, k);
-        offset / height / face.length[k]
+        let entrance = faces.half_edge(self.entrances[lane]);
+        let [offset, height] = self.ray(lane, entrance);
+        offset / height / entrance.length
     }
 
     /// What window `lane`, which covers the apex, leaves on the right.
     #[inline]
     pub fn right_child(&self, lane: usize, faces: &Faces) -> Offspring {
-        let (face, k) = self.place(lane, faces);
         let w = &self.entering;
-        let [offset, height] = self.ray(lane, face, k);
-        let (l, cx, cy) = (face.length[k], face.apex_x[k], face.apex_y(k));
-        let e = EXITS[k][1];
-        let (length, inverse) = (face.length[e], face.inverse_length[e]);
+        let entrance = faces.half_edge(self.entrances[lane]);
+        let [offset, height] = self.ray(lane, entrance);
+        let (l, [cx, cy]) = (entrance.length, entrance.apex);
+        let exit = faces.half_edge(entrance.exits[1]);
+        let (length, inverse) = (exit.length, exit.inverse_length);
         let (ux, uy) = ((l - cx) * inverse, -cy * inverse);
         let (x, y) = (w.px[lane] - cx, w.py[lane] - cy);
         let (px, across) = (ux * x + uy * y, ux * y - uy * x);
@@ -194,30 +191,22 @@ impl Crossings {
             left: 0.0,
             right: 1.0,
             length,
-            behind: [length - face.apex_x[e], face.apex_y(e)],
+            behind: exit.apex_below(),
         };
         let (label, limits) = measure(&window, &edge);
         Offspring {
-            outlet: Outlet::new(face, e),
+            outlet: exit.outlet,
             window,
             label,
             limits,
         }
     }
 
-    /// The face that window `lane` crosses, and the corner at which the half-edge starts through which it comes.
-    #[inline(always)]
-    #[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
-    fn place<'a>(&self, lane: usize, faces: &'a Faces) -> (&'a Face, usize) {
-        (faces.record(self.faces[lane]), self.corners[lane] as usize)
-    }
-
-    /// D0 and e of [`Passage`](crate::Passage), for window `lane` in `face` from its corner `k`.
-    #[inline(always)]
-    #[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
-    fn ray(&self, lane: usize, face: &Face, k: usize) -> [f64; 2] {
+    /// D0 and e of [`Passage`](crate::Passage), for window `lane`.
+    #[inline]
+    fn ray(&self, lane: usize, entrance: &HalfEdge) -> [f64; 2] {
         let (px, py) = (self.entering.px[lane], self.entering.py[lane]);
-        let (cx, cy) = (face.apex_x[k], face.apex_y(k));
+        let [cx, cy] = entrance.apex;
         [cy * px - py * cx, cy - py]
     }
 
@@ -228,10 +217,9 @@ impl Crossings {
         let w = &self.entering;
         let (mut l, mut cx, mut cy) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
-            let (face, k) = self.place(i, faces);
-            l[i] = face.length[k];
-            cx[i] = face.apex_x[k];
-            cy[i] = face.apex_y(k);
+            let entrance = faces.half_edge(self.entrances[i]);
+            l[i] = entrance.length;
+            [cx[i], cy[i]] = entrance.apex;
         }
         // s·e - D0 at both ends, and on which side the window leaves.
         let (mut side0, mut side1, mut is_right) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
@@ -246,14 +234,13 @@ impl Crossings {
         let (mut length, mut inverse) = ([0.0; LANES], [0.0; LANES]);
         let (mut behind_x, mut behind_y) = ([0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
-            let (face, k) = self.place(i, faces);
-            let e = EXITS[k][usize::from(side0[i] >= 0.0)];
-            length[i] = face.length[e];
-            inverse[i] = face.inverse_length[e];
-            behind_x[i] = face.length[e] - face.apex_x[e];
-            behind_y[i] = face.apex_y(e);
-            self.outlets[i] = Outlet::new(face, e);
-            self.apices[i] = face.vertex[PREV[k]];
+            let entrance = faces.half_edge(self.entrances[i]);
+            let exit = faces.half_edge(entrance.exits[usize::from(side0[i] >= 0.0)]);
+            length[i] = exit.length;
+            inverse[i] = exit.inverse_length;
+            [behind_x[i], behind_y[i]] = exit.apex_below();
+            self.outlets[i] = exit.outlet;
+            self.apices[i] = entrance.outlet.corners[2];
         }
         let out = &mut self.leaving;
         for i in 0..LANES {

@@ -1,45 +1,11 @@
 //! What windows leave on the other side of their triangles.
 
-use geobench_mesh::{HalfEdgeId, VertexId};
-
-use crate::frame::{Face, NEXT, PREV};
+use crate::frame::Outlet;
 use crate::window::{Window, norm};
 
 /// How much shorter than a window's a path through a vertex must be, relatively, to beat it: as in [the
 /// filter](crate::is_beaten_from_ends).
 const MARGIN: f64 = 1.0 - 1e-14;
-
-/// By which edge a window leaves a triangle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Outlet {
-    /// The neighbour's half-edge; `u32::MAX` at the boundary.
-    twin: u32,
-    /// Where the edge begins, where it ends, and the third vertex of the triangle.
-    pub corners: [VertexId; 3],
-}
-
-impl Outlet {
-    pub(super) const NONE: Self = Self {
-        twin: u32::MAX,
-        corners: [VertexId::new(0); 3],
-    };
-
-    /// The edge of `face` whose half-edge starts at its corner `e`.
-    #[inline(always)]
-    #[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
-    pub(super) fn new(face: &Face, e: usize) -> Self {
-        Self {
-            twin: face.twin[e],
-            corners: [face.vertex[NEXT[e]], face.vertex[e], face.vertex[PREV[e]]],
-        }
-    }
-
-    /// The neighbour's half-edge; `None` at the boundary.
-    #[inline]
-    pub fn half_edge(&self) -> Option<HalfEdgeId> {
-        (self.twin != u32::MAX).then(|| HalfEdgeId::new(self.twin))
-    }
-}
 
 /// What a window leaves at one exit, in the frame of the neighbour's half-edge.
 #[derive(Clone, Copy, Debug)]
@@ -74,7 +40,7 @@ pub(super) struct Edge {
     pub(super) left: f64,
     pub(super) right: f64,
     pub(super) length: f64,
-    /// Position of the third vertex of the triangle, the second one negated, in the frame by which the window leaves.
+    /// Position of the third vertex of the triangle in the frame by which the window leaves.
     pub(super) behind: [f64; 2],
 }
 

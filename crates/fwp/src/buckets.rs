@@ -1,8 +1,14 @@
 //! Fast wavefront propagation: buckets of labels, taken in rounds.
 
 use geobench_mesh::Mesh;
-use geobench_window::queue::{Calendar, Discipline, Event};
+use geobench_window::queue::{Calendar, Chain, Discipline, Event};
 use geobench_window::{Counter, Probe};
+
+/// How many of the events that come next are known, as far as so many are left in a round.
+const KNOWN: usize = 16;
+
+/// Room for them and for some that have been taken.
+const ROOM: usize = 256;
 
 /// How many events, K, a round of [`Buckets`] takes at least.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,7 +68,9 @@ pub struct Buckets {
     batch: BatchSize,
     calendar: Calendar,
     round: Round,
-    /// The events of the round, of which those from `next` on are still to be taken.
+    /// Those of its events that are still linked.
+    linked: Chain,
+    /// Those before them, of which the ones from `next` on are still to be taken.
     events: Vec<(f64, Event)>,
     next: usize,
 }
@@ -87,7 +95,8 @@ impl Buckets {
             batch: options.batch,
             calendar: Calendar::new(options.width * Calendar::usual_width(mesh)),
             round: Round::default(),
-            events: Vec::new(),
+            linked: Chain::EMPTY,
+            events: Vec::with_capacity(ROOM),
             next: 0,
         }
     }
@@ -108,6 +117,9 @@ impl Buckets {
             beyond: 0,
         };
         self.empty_buckets(first);
+        for _ in 0..KNOWN {
+            self.unlink();
+        }
         probe.add(Counter::Iterations, 1);
         probe.raise(Counter::KPeak, self.round.size.unsigned_abs());
         Some(())
@@ -132,17 +144,30 @@ impl Buckets {
     /// Takes the events out of the buckets from `first` on to the one by which they are K, or to the last one in the
     /// ring.
     fn empty_buckets(&mut self, first: u64) {
-        self.events.clear();
-        self.next = 0;
         let size = usize::try_from(self.round.size).unwrap_or(usize::MAX);
         let mut next = Some(first);
         while let Some(bucket) = next {
             self.round.end = bucket;
-            self.calendar.drain(bucket, &mut self.events);
-            if self.events.len() >= size {
+            self.calendar.detach(bucket, &mut self.linked);
+            if self.linked.len() >= size {
                 break;
             }
             next = self.calendar.next_occupied(bucket + 1);
+        }
+    }
+
+    /// Moves one event of the round to those that are known.
+    ///
+    /// An event tells where the next one lies. One is read for each that is taken, so that the memory of the next, which
+    /// is asked for, has time to come.
+    #[inline]
+    fn unlink(&mut self) {
+        if let Some(event) = self.calendar.take(&mut self.linked) {
+            if self.events.len() == ROOM {
+                self.events.drain(..self.next);
+                self.next = 0;
+            }
+            self.events.push(event);
         }
     }
 }
@@ -175,6 +200,7 @@ impl Discipline for Buckets {
         }
         let taken = self.events[self.next];
         self.next += 1;
+        self.unlink();
         Some(taken)
     }
 
@@ -202,6 +228,7 @@ impl Discipline for Buckets {
     fn clear(&mut self) {
         self.calendar.clear();
         self.round = Round::default();
+        self.linked = Chain::EMPTY;
         self.events.clear();
         self.next = 0;
     }

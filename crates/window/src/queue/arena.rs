@@ -1,6 +1,7 @@
 //! Queues of events whose links lie in one array.
 
 use super::Event;
+use crate::prefetch::prefetch;
 
 /// No link.
 const NONE: u32 = u32::MAX;
@@ -28,6 +29,12 @@ impl Chain {
         tail: NONE,
         len: 0,
     };
+
+    /// Number of events.
+    #[inline]
+    pub fn len(self) -> usize {
+        self.len as usize
+    }
 
     /// Whether it has no event.
     #[inline]
@@ -125,6 +132,12 @@ impl Arena {
         self.free = place;
         self.len -= 1;
         Some((link.label, link.event))
+    }
+
+    /// Asks for the memory of the first event of `chain`.
+    #[inline]
+    pub fn announce(&self, chain: Chain) {
+        prefetch(&self.links, chain.head as usize);
     }
 
     /// Takes all events of `chain` and puts them behind those in `to`.

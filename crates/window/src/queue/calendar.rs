@@ -2,7 +2,7 @@
 
 use geobench_mesh::Mesh;
 
-use super::arena::Arena;
+use super::arena::{Arena, Chain};
 use super::ring::Ring;
 use super::{Event, MinHeap};
 use crate::window::less;
@@ -74,7 +74,7 @@ impl Calendar {
         label * self.per_length - bucket as f64
     }
 
-    /// Number of events.
+    /// Number of events, those detached included.
     #[inline]
     pub fn len(&self) -> usize {
         self.arena.len() + self.far.len()
@@ -138,7 +138,22 @@ impl Calendar {
         self.arena.drain(chain, to);
     }
 
-    /// All events that wait with their labels, in no order.
+    /// Takes all events of a bucket, first in, first out, and puts them behind those of `to`, in constant time.
+    #[inline]
+    pub fn detach(&mut self, bucket: u64, to: &mut Chain) {
+        self.arena.join(to, self.ring.vacate(bucket));
+    }
+
+    /// Takes the first of the events that were [detached](Self::detach), with its label, and asks for the memory of the
+    /// next.
+    #[inline]
+    pub fn take(&mut self, detached: &mut Chain) -> Option<(f64, Event)> {
+        let taken = self.arena.take(detached);
+        self.arena.announce(*detached);
+        taken
+    }
+
+    /// All events that wait with their labels, those detached included, in no order.
     pub fn events(&self) -> impl Iterator<Item = (f64, Event)> {
         self.arena.events().chain(self.far.iter().copied())
     }

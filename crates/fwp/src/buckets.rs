@@ -61,7 +61,7 @@ impl Default for BucketOptions {
 ///
 /// # Cost
 ///
-/// O(1) for each event, 24 bytes for each, 16 for those of the round, and 8 for each bucket from `P1` to the
+/// O(1) for each event, 24 bytes for each, and 12 for each bucket from `P1` to the
 /// furthest; see [`Calendar`].
 #[derive(Clone, Debug)]
 pub struct Buckets {
@@ -117,6 +117,8 @@ impl Buckets {
             beyond: 0,
         };
         self.empty_buckets(first);
+        self.events.clear();
+        self.next = 0;
         for _ in 0..KNOWN {
             self.unlink();
         }

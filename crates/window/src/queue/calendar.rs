@@ -24,7 +24,7 @@ pub(super) const INTEGERS: f64 = (1u64 << 52) as f64;
 /// O(1) for each event, whatever the number of buckets. They form a ring from the first bucket on,
 /// of as many slots as the labels that wait are apart; a label more than 262,144 buckets further
 /// up, which only a very small width or an edge of thousands of times the mean length can bring,
-/// waits in a heap, at O(log k). An event takes 24 bytes and a slot 8.
+/// waits in a heap, at O(log k). An event takes 24 bytes and a slot 12.
 #[derive(Clone, Debug)]
 pub struct Calendar {
     /// Buckets for each unit of length.

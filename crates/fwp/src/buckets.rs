@@ -4,6 +4,8 @@ use geobench_mesh::Mesh;
 use geobench_window::queue::{Calendar, Chain, Discipline, Event};
 use geobench_window::{Counter, Probe};
 
+use crate::weights::Weights;
+
 /// How many of the events that come next are known, as far as so many are left in a round.
 const KNOWN: usize = 16;
 
@@ -73,6 +75,8 @@ pub struct Buckets {
     /// Those before them, of which the ones from `next` on are still to be taken.
     events: Vec<(f64, Event)>,
     next: usize,
+    /// The windows in lists, if its events are lists.
+    weights: Option<Weights>,
 }
 
 /// The round under way.
@@ -98,6 +102,18 @@ impl Buckets {
             linked: Chain::EMPTY,
             events: Vec::with_capacity(ROOM),
             next: 0,
+            weights: None,
+        }
+    }
+
+    /// The same for events that are lists of windows: K is still a number of windows. A round takes from the lists in its buckets what
+    /// is due when their turn comes: a window which comes to such a list during the round, and belongs in it, does not wait for
+    /// the next, for which it counts all the same. There are a fourth more rounds than with windows one by one.
+    #[must_use]
+    pub fn of_lists(self) -> Self {
+        Self {
+            weights: Some(Weights::default()),
+            ..self
         }
     }
 
@@ -106,10 +122,39 @@ impl Buckets {
         self.calendar.len() + self.events.len() - self.next
     }
 
+    /// The bucket for `label`.
+    #[inline]
+    fn bucket(&self, label: f64) -> u64 {
+        self.calendar.bucket(label).max(self.calendar.first())
+    }
+
+    /// A window, or a vertex, comes to wait in `bucket`.
+    #[inline]
+    fn welcome(&mut self, bucket: u64) {
+        if bucket > self.round.end {
+            self.round.beyond += 1;
+        } else {
+            self.round.near += 1;
+        }
+        if let Some(weights) = &mut self.weights {
+            weights.add(bucket);
+        }
+    }
+
+    #[inline]
+    fn put<P: Probe>(&mut self, bucket: u64, label: f64, event: Event, probe: &mut P) {
+        self.calendar.put(bucket, label, event);
+        probe.add(Counter::QueuePushes, 1);
+        probe.raise(Counter::QueuePeak, self.len() as u64);
+    }
+
     /// Begins a round when all events of the last one are taken; `None` if there is nothing to take.
     #[cold]
     fn begin<P: Probe>(&mut self, probe: &mut P) -> Option<()> {
         let first = self.calendar.advance()?;
+        if let Some(weights) = &mut self.weights {
+            weights.advance(first);
+        }
         self.round = Round {
             size: self.next_size(),
             end: first,
@@ -129,7 +174,11 @@ impl Buckets {
 
     /// K of the round to come.
     fn next_size(&self) -> i64 {
-        let waiting = i64::try_from(self.calendar.len()).unwrap_or(i64::MAX);
+        let waiting = match &self.weights {
+            Some(weights) => weights.total(),
+            None => self.calendar.len() as u64,
+        };
+        let waiting = i64::try_from(waiting).unwrap_or(i64::MAX);
         let (wanted, limit) = match self.batch {
             BatchSize::Fixed(size) => (i64::from(size), i64::MAX),
             BatchSize::Adaptive { max } if self.round.size == 0 => (waiting, i64::from(max)),
@@ -146,12 +195,17 @@ impl Buckets {
     /// Takes the events out of the buckets from `first` on to the one by which they are K, or to the last one in the
     /// ring.
     fn empty_buckets(&mut self, first: u64) {
-        let size = usize::try_from(self.round.size).unwrap_or(usize::MAX);
+        let size = self.round.size.unsigned_abs();
+        let mut taken = 0;
         let mut next = Some(first);
         while let Some(bucket) = next {
             self.round.end = bucket;
             self.calendar.detach(bucket, &mut self.linked);
-            if self.linked.len() >= size {
+            taken = match &mut self.weights {
+                Some(weights) => taken + weights.take(bucket),
+                None => self.linked.len() as u64,
+            };
+            if taken >= size {
                 break;
             }
             next = self.calendar.next_occupied(bucket + 1);
@@ -184,15 +238,19 @@ impl Discipline for Buckets {
 
     #[inline]
     fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
-        let bucket = self.calendar.bucket(label).max(self.calendar.first());
-        if bucket > self.round.end {
-            self.round.beyond += 1;
-        } else {
-            self.round.near += 1;
-        }
-        self.calendar.put(bucket, label, event);
-        probe.add(Counter::QueuePushes, 1);
-        probe.raise(Counter::QueuePeak, self.len() as u64);
+        let bucket = self.bucket(label);
+        self.welcome(bucket);
+        self.put(bucket, label, event, probe);
+    }
+
+    #[inline]
+    fn push_list<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
+        self.put(self.bucket(label), label, event, probe);
+    }
+
+    #[inline]
+    fn weigh(&mut self, label: f64) {
+        self.welcome(self.bucket(label));
     }
 
     #[inline]
@@ -229,6 +287,9 @@ impl Discipline for Buckets {
 
     fn clear(&mut self) {
         self.calendar.clear();
+        if let Some(weights) = &mut self.weights {
+            weights.clear();
+        }
         self.round = Round::default();
         self.linked = Chain::EMPTY;
         self.events.clear();

@@ -9,12 +9,12 @@
 //!
 //! Each is a [`Discipline`](geobench_window::queue::Discipline), and knows nothing of what it
 //! orders. Under the policy of MMP ([`Trimming`]) and that of ICH ([`Splitting`]) it makes two
-//! algorithms:
+//! algorithms, and under [`ByList`], which takes the windows of a half-edge together, one more:
 //!
 //! | discipline | algorithms | source | takes next | memory beside the policy's |
 //! |---|---|---|---|---|
-//! | [`Buckets`] | [`fwp_mmp`], [`fwp_ch`] | Xu et al. 2015, section 4 | the K nearest, roughly, in rounds | 24 bytes for each window that waits, 12 for each bucket that the wavefront spans |
-//! | [`LabelCorrecting`] | [`lc_mmp`], [`lc_ch`] | Bertsekas 1993; Xu et al. 2015, section 7.4 | one below the mean, roughly | 16 bytes for each window that waits |
+//! | [`Buckets`] | [`fwp_mmp`], [`fwp_mmp_by_window`], [`fwp_ch`] | Xu et al. 2015, section 4 | the K nearest, roughly, in rounds | 24 bytes for each window that waits, 12 for each bucket that the wavefront spans |
+//! | [`LabelCorrecting`] | [`lc_mmp`], [`lc_mmp_by_window`], [`lc_ch`] | Bertsekas 1993; Xu et al. 2015, section 7.4 | one below the mean, roughly | 16 bytes for each window that waits |
 //! | [`VertexOrder`] | [`vtp_mmp`], [`vtp_ch`] | Qin et al. 2016, section 6.2 | windows around the nearest vertex | 24 bytes for each window that waits, 12 for each half-edge, 4 for each face |
 //!
 //! # Which one to choose
@@ -40,21 +40,29 @@ mod label_correcting;
 #[cfg(test)]
 mod test_support;
 mod vertex_order;
+mod weights;
 
 use geobench_ich::{Splitting, VertexFilter};
 use geobench_mesh::Mesh;
-use geobench_mmp::{Carrier, Trimming};
+use geobench_mmp::{ByList, Carrier, Trimming};
 use geobench_window::continuous::Continuous;
 
 pub use buckets::{BatchSize, BucketOptions, Buckets};
 pub use label_correcting::{LabelCorrecting, LabelCorrectingOptions};
 pub use vertex_order::VertexOrder;
 
-/// FWP-MMP for `mesh`: windows kept and trimmed on half-edges, taken from buckets in rounds;
-/// O(faces).
+/// FWP-MMP for `mesh`: windows kept and trimmed on half-edges, taken from buckets in rounds, those of one half-edge
+/// together; O(faces).
 ///
-/// Time O(n² log n), space O(n²) (proposition 2 of Xu et al. 2015).
-pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> Continuous<'_, Trimming, Buckets> {
+/// Time O(n² log n), space O(n²) (proposition 2 of Xu et al. 2015). The rounds are the same as with
+/// [windows one by one](fwp_mmp_by_window), up to windows that come to a list before its turn; within a round the paper leaves the
+/// order open.
+pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> ByList<'_, Buckets> {
+    ByList::new(mesh, Buckets::new(mesh, options).of_lists())
+}
+
+/// FWP-MMP with windows taken one by one, first in first out, as [`mmp`](geobench_mmp::mmp) takes them from another queue; O(faces).
+pub fn fwp_mmp_by_window(mesh: &Mesh, options: BucketOptions) -> Continuous<'_, Trimming, Buckets> {
     Continuous::new(mesh, trimming(mesh), Buckets::new(mesh, options))
 }
 
@@ -65,11 +73,16 @@ pub fn fwp_ch(mesh: &Mesh, options: BucketOptions) -> Continuous<'_, Splitting, 
     Continuous::new(mesh, splitting(mesh), Buckets::new(mesh, options))
 }
 
-/// LC-MMP for `mesh`: windows kept and trimmed on half-edges, in a label correcting queue;
+/// LC-MMP for `mesh`: windows kept and trimmed on half-edges, those of one half-edge together in a label correcting queue;
 /// O(faces).
 ///
 /// Without a bound on time that means anything; space O(n²).
-pub fn lc_mmp(
+pub fn lc_mmp(mesh: &Mesh, options: LabelCorrectingOptions) -> ByList<'_, LabelCorrecting> {
+    ByList::new(mesh, LabelCorrecting::new(options))
+}
+
+/// LC-MMP with windows taken one by one; O(faces).
+pub fn lc_mmp_by_window(
     mesh: &Mesh,
     options: LabelCorrectingOptions,
 ) -> Continuous<'_, Trimming, LabelCorrecting> {
@@ -86,12 +99,12 @@ pub fn lc_ch(
     Continuous::new(mesh, splitting(mesh), LabelCorrecting::new(options))
 }
 
-/// VTP-MMP for `mesh`: windows kept and trimmed on half-edges, released around the nearest vertex;
+/// VTP-MMP for `mesh`: windows kept and trimmed on half-edges, whole lists released around the nearest vertex;
 /// O(faces).
 ///
 /// It needs about the time of [`fwp_mmp`] or less, and space O(n²).
-pub fn vtp_mmp(mesh: &Mesh) -> Continuous<'_, Trimming, VertexOrder<'_>> {
-    Continuous::new(mesh, trimming(mesh), VertexOrder::new(mesh))
+pub fn vtp_mmp(mesh: &Mesh) -> ByList<'_, VertexOrder<'_>> {
+    ByList::new(mesh, VertexOrder::new(mesh))
 }
 
 /// VTP-CH for `mesh`: windows filtered and not kept, released around the nearest vertex; O(faces).

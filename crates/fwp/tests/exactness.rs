@@ -9,13 +9,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use geobench_fwp::{
-    BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, lc_ch, lc_mmp, vtp_ch,
-    vtp_mmp,
+    BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_by_window, lc_ch,
+    lc_mmp, lc_mmp_by_window, vtp_ch, vtp_mmp,
 };
 use geobench_ich::ich;
 use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, TriangleSoup, VertexId, io};
-use geobench_mmp::mmp;
+use geobench_mmp::{mmp, mmp_by_list};
 use geobench_oracle::{Geometry, Model, zoo};
 use geobench_window::{Counter, Solver};
 use proptest::prelude::*;
@@ -29,8 +29,8 @@ type Recipe = (
     Box<dyn for<'m> Fn(&'m Mesh) -> Box<dyn Solver + 'm>>,
 );
 
-fn with_buckets(options: BucketOptions) -> [Recipe; 2] {
-    [
+fn with_buckets(options: BucketOptions) -> Vec<Recipe> {
+    vec![
         (
             format!("fwp-mmp {options:?}"),
             Box::new(move |mesh| Box::new(fwp_mmp(mesh, options))),
@@ -39,12 +39,16 @@ fn with_buckets(options: BucketOptions) -> [Recipe; 2] {
             format!("fwp-ch {options:?}"),
             Box::new(move |mesh| Box::new(fwp_ch(mesh, options))),
         ),
+        (
+            format!("fwp-mmp by window {options:?}"),
+            Box::new(move |mesh| Box::new(fwp_mmp_by_window(mesh, options))),
+        ),
     ]
 }
 
-fn label_correcting(beta: f64) -> [Recipe; 2] {
+fn label_correcting(beta: f64) -> Vec<Recipe> {
     let options = LabelCorrectingOptions { beta };
-    [
+    vec![
         (
             format!("lc-mmp {beta}"),
             Box::new(move |mesh| Box::new(lc_mmp(mesh, options))),
@@ -53,14 +57,25 @@ fn label_correcting(beta: f64) -> [Recipe; 2] {
             format!("lc-ch {beta}"),
             Box::new(move |mesh| Box::new(lc_ch(mesh, options))),
         ),
+        (
+            format!("lc-mmp by window {beta}"),
+            Box::new(move |mesh| Box::new(lc_mmp_by_window(mesh, options))),
+        ),
     ]
 }
 
-fn vertex_order() -> [Recipe; 2] {
-    [
+fn vertex_order() -> Vec<Recipe> {
+    vec![
         ("vtp-mmp".into(), Box::new(|mesh| Box::new(vtp_mmp(mesh)))),
         ("vtp-ch".into(), Box::new(|mesh| Box::new(vtp_ch(mesh)))),
     ]
+}
+
+fn nearest_lists(slack: f64) -> Vec<Recipe> {
+    vec![(
+        format!("mmp by list {slack}"),
+        Box::new(move |mesh| Box::new(mmp_by_list(mesh, slack))),
+    )]
 }
 
 /// All disciplines with defaults, and each parameter at its extremes and between.
@@ -92,6 +107,9 @@ fn recipes() -> Vec<Recipe> {
         recipes.extend(label_correcting(beta));
     }
     recipes.extend(vertex_order());
+    for slack in [0.0, 0.1, 1.0, 1000.0] {
+        recipes.extend(nearest_lists(slack));
+    }
     recipes
 }
 
@@ -296,7 +314,8 @@ fn windows_are_nearly_as_few_as_nearest_first() {
         let (_, counters) = solver.count(&[VertexId::new(0)]).unwrap();
         counters.get(Counter::Parents).unwrap() as f64
     };
-    let nearest = [parents(&mut mmp(&mesh)), parents(&mut ich(&mesh))];
+    let [mmp, ich] = [parents(&mut mmp(&mesh)), parents(&mut ich(&mesh))];
+    let nearest = [mmp, ich, mmp];
     let default = [
         (with_buckets(BucketOptions::default()), 1.2),
         (
@@ -305,8 +324,8 @@ fn windows_are_nearly_as_few_as_nearest_first() {
         ),
         (vertex_order(), 1.05),
     ];
-    for (pair, most) in default {
-        for ((name, build), nearest) in pair.iter().zip(nearest) {
+    for (recipes, most) in default {
+        for ((name, build), nearest) in recipes.iter().zip(nearest) {
             let ratio = parents(build(&mesh).as_mut()) / nearest;
             assert!((0.95..most).contains(&ratio), "{name}: {ratio}");
         }

@@ -61,10 +61,17 @@ const RELATIONS: &[Relation] = &[
     },
     Relation {
         what: "FWP-MMP and MMP propagate alike (report of 2014, Table 5.2)",
-        count: propagated("fwp-mmp"),
+        count: propagated("fwp-mmp{turn=window}"),
         of: propagated("mmp"),
         paper: 4_384_441.0 / 4_404_114.0,
         band: 0.95..=1.05,
+    },
+    Relation {
+        what: "FWP-MMP propagates as many with whole lists at a time",
+        count: propagated("fwp-mmp"),
+        of: propagated("fwp-mmp{turn=window}"),
+        paper: 1.0,
+        band: 0.95..=1.01,
     },
     Relation {
         what: "VTP-MMP saves no propagations (Qin et al. 2016, section 6.2)",
@@ -96,7 +103,7 @@ const RELATIONS: &[Relation] = &[
     },
     Relation {
         what: "FWP-MMP and FWP-CH take the same number of rounds (Xu et al. 2015, Table 1)",
-        count: Count("fwp-mmp", &[Iterations]),
+        count: Count("fwp-mmp{turn=window}", &[Iterations]),
         of: Count("fwp-ch", &[Iterations]),
         paper: 775.0 / 772.0,
         band: 0.95..=1.11,

@@ -3,9 +3,37 @@
 use std::collections::VecDeque;
 
 use geobench_mesh::HalfEdgeId;
+use geobench_window::Window;
 use geobench_window::continuous::{Edge, Surface};
 
-use crate::lists::Lists;
+/// Lists that can be given up.
+pub(crate) trait Past {
+    /// Whether any window of list `i` waits to be propagated.
+    fn is_waited_for(&self, i: usize) -> bool;
+
+    /// Whether the windows of list `i` have been [forgotten](Self::forget), and none has come since.
+    fn is_closed(&self, i: usize) -> bool;
+
+    /// Gives up the windows of list `i`, none of which may wait.
+    fn forget(&mut self, i: usize);
+
+    /// List `i` is to hold windows again.
+    fn reopen(&mut self, i: usize);
+
+    /// Whether `window`, which comes to list `i` on `edge`, is of no use since the wave has passed it; else the list holds
+    /// windows again if it has been given up.
+    #[inline]
+    fn has_passed(&mut self, i: usize, window: &Window, edge: &Edge) -> bool {
+        if !self.is_closed(i) {
+            return false;
+        }
+        let passed = window.min_distance() > reach(edge);
+        if !passed {
+            self.reopen(i);
+        }
+        passed
+    }
+}
 
 /// Which windows are stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,11 +83,11 @@ impl Forgetting {
         }
     }
 
-    /// A window of least distance `label()` has been taken: gives up the lists that may be. Their windows do
+    /// So many windows have been taken, the last one of least distance `label()`: gives up the lists that may be. Their windows do
     /// not count as removed.
     #[inline]
-    pub(crate) fn step(&mut self, lists: &mut Lists, label: impl Fn() -> f64) {
-        self.takes += 1;
+    pub(crate) fn step(&mut self, lists: &mut impl Past, windows: u32, label: impl Fn() -> f64) {
+        self.takes += windows;
         if self.takes >= PERIOD {
             self.takes = 0;
             self.sweep(lists, label());
@@ -67,7 +95,7 @@ impl Forgetting {
     }
 
     #[inline(never)]
-    fn sweep(&mut self, lists: &mut Lists, label: f64) {
+    fn sweep(&mut self, lists: &mut impl Past, label: f64) {
         while let Some(&(h, within)) = self.done.front()
             && within < label
         {
@@ -82,6 +110,6 @@ impl Forgetting {
 
 /// The distance within which all points of an edge are known to be reached.
 #[inline]
-pub(crate) fn reach(edge: &Edge) -> f64 {
+fn reach(edge: &Edge) -> f64 {
     0.5 * (edge.tail + edge.head + edge.length) * MARGIN
 }

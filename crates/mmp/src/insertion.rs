@@ -7,7 +7,7 @@ use geobench_window::Window;
 use crate::division::{Division, Owner, Segment};
 use crate::duel::is_sliver;
 use crate::lists::{Direction, Lists, Place, Slot};
-use crate::wedge::{Fate, Wedge};
+use crate::wedge::Fate;
 
 /// A window to be queued.
 #[derive(Clone, Copy, Debug)]
@@ -57,9 +57,13 @@ impl Inserter {
         (self.new_pieces, self.outdated) = (0, 0);
         (self.trimmed, self.removed) = (0, 0);
         let first = lists.ending_before(i, new.b0);
-        match Fate::of(lists.windows(), &lists.places(i)[first..], new, l) {
+        let places = lists.places(i)[first..].iter();
+        let behind = places.map(|place| &lists.windows()[place.slot as usize]);
+        match Fate::of(behind, new, l) {
             Fate::Nowhere => {}
-            Fate::Here(wedge) => self.drive_in(lists, i, first, &wedge, new, direction, l),
+            Fate::Here(start, end) => {
+                self.drive_in(lists, i, first, (start, end), new, direction, l);
+            }
             Fate::Open => self.divide(lists, i, first, new, direction, l),
         }
     }
@@ -72,13 +76,28 @@ impl Inserter {
         lists: &mut Lists,
         i: usize,
         offset: usize,
-        wedge: &Wedge,
+        (start, end): (f64, f64),
         new: &Window,
         direction: Direction,
         l: f64,
     ) {
-        let &Wedge { start, end, .. } = wedge;
-        let (mut from, mut to) = (offset + wedge.first, offset + wedge.behind);
+        let places = lists.places(i);
+        let old = |k: usize| {
+            places
+                .get(k)
+                .map(|place| &lists.windows()[place.slot as usize])
+        };
+        let mut from = offset;
+        while old(from).is_some_and(|w| w.b1 <= start) {
+            from += 1;
+        }
+        let keeps_left = old(from).is_some_and(|w| w.b0 < start);
+        let mut to = from;
+        while old(to).is_some_and(|w| w.b1 <= end) {
+            to += 1;
+        }
+        let keeps_right = old(to).is_some_and(|w| w.b0 < end);
+        to += usize::from(keeps_right);
         let taken = Window {
             b0: start,
             b1: end,
@@ -88,7 +107,7 @@ impl Inserter {
         let mut slots = [self.queue_piece(lists, i, taken, direction, None), 0];
         let mut pieces = 1;
         let mut left = None;
-        if wedge.keeps_left {
+        if keeps_left {
             let slot = lists.places(i)[from].slot;
             let old = lists.windows()[slot as usize];
             if !is_sliver(&old, old.b0, start, l) {
@@ -97,7 +116,7 @@ impl Inserter {
                 from += 1;
             }
         }
-        if wedge.keeps_right {
+        if keeps_right {
             let slot = lists.places(i)[to - 1].slot;
             if let Some(old) = left
                 && from == to

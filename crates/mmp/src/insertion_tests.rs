@@ -190,3 +190,13 @@ fn overlaps_by_rounding_leave_no_splinters() {
     assert_eq!(list.len(0), 2);
     assert!(stored(&list).iter().all(|w| w.b1 - w.b0 > 0.4));
 }
+
+/// A search finds windows up to a millionth, and one that ends before the new one begins may be the first that is compared. When
+/// all from its end on counted as free, the new window began too far left, and needles came out 1e-10 too long.
+#[test]
+fn a_window_begins_no_further_left_than_it_came() {
+    let old = window(0.0, 0.5, 0.2, -1.0, 0.0);
+    let new = window(0.5 + 1e-8, 1.0, 0.7, -1.0, 0.0);
+    let list = insert_all(&[old, new]);
+    assert_eq!(stored(&list), [old, new]);
+}

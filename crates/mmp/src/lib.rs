@@ -21,11 +21,13 @@
 //! edge, and cannot tell which of the two must go on. The CH and VTP families, which do not compare
 //! along the edge, are not affected; nor are single faces of no area.
 
+mod by_list;
 mod division;
 mod duel;
 mod forgetting;
 mod insertion;
 mod lists;
+mod rooms;
 mod trimming;
 mod wedge;
 
@@ -33,6 +35,7 @@ use geobench_mesh::Mesh;
 use geobench_window::continuous::Continuous;
 use geobench_window::queue::Priority;
 
+pub use by_list::{ByList, NearLists};
 pub use forgetting::Keep;
 pub use trimming::{Carrier, Trimming};
 
@@ -46,6 +49,15 @@ pub fn mmp(mesh: &Mesh) -> Mmp<'_> {
         Trimming::new(mesh, Carrier::HalfEdge),
         Priority::new(mesh),
     )
+}
+
+/// MMP that takes the windows of a half-edge together: nearest list first, and with its nearest window those that are further by
+/// up to `slack` mean edge lengths; O(faces).
+///
+/// The answers and the trimming are those of [`mmp`], which takes one window at a time in the order of distance. At a slack of 1 it has
+/// 0.3 to 1 % more windows, and takes half of its time on scans.
+pub fn mmp_by_list(mesh: &Mesh, slack: f64) -> ByList<'_, NearLists> {
+    ByList::new(mesh, NearLists::new(mesh, slack))
 }
 
 /// Sets the edge-based variant of MMP up for `mesh`; O(faces).

@@ -3,6 +3,9 @@
 use geobench_window::continuous::Turn;
 use geobench_window::{Window, prefetch};
 
+use crate::forgetting::Past;
+use crate::rooms::{GROUP, room};
+
 /// Which way a window crosses the edge of its list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
@@ -92,21 +95,8 @@ pub(crate) struct Lists {
     stored: usize,
 }
 
-/// As many places are compared at once.
-const GROUP: usize = 4;
-
 /// Fewer slots than this are moved one by one.
 const SHORT: usize = 8;
-
-/// Number of slots in a block of this class.
-#[inline]
-fn room(class: u8) -> usize {
-    match class {
-        0 => 0,
-        1 => GROUP,
-        _ => (2 + usize::from(class & 1)) << (class / 2 + 1),
-    }
-}
 
 impl Lists {
     /// Bytes of one stored window.
@@ -202,12 +192,6 @@ impl Lists {
     #[inline]
     pub(crate) fn waits(&self, slot: Slot) -> bool {
         self.states[slot as usize].has(State::WAITS)
-    }
-
-    /// Whether any window of list `i` waits.
-    #[inline]
-    pub(crate) fn is_waited_for(&self, i: usize) -> bool {
-        self.heads[i].waiting > 0
     }
 
     /// The entry of a window of list `i` has come out of the queue. The window stays stored, and does not
@@ -369,8 +353,27 @@ impl Lists {
         to as usize
     }
 
-    /// Gives up the windows of list `i`, none of which may wait.
-    pub(crate) fn forget(&mut self, i: usize) {
+    /// Asks for what [`take`](Self::take) looks at.
+    #[inline]
+    pub(crate) fn announce(&self, i: usize, slot: Slot) {
+        prefetch(&self.windows, slot as usize);
+        prefetch(&self.states, slot as usize);
+        prefetch(&self.heads, i);
+    }
+}
+
+impl Past for Lists {
+    #[inline]
+    fn is_waited_for(&self, i: usize) -> bool {
+        self.heads[i].waiting > 0
+    }
+
+    #[inline]
+    fn is_closed(&self, i: usize) -> bool {
+        self.heads[i].closed
+    }
+
+    fn forget(&mut self, i: usize) {
         let List {
             start, len, class, ..
         } = self.heads[i];
@@ -386,23 +389,8 @@ impl Lists {
         };
     }
 
-    /// Whether the windows of list `i` have been [forgotten](Self::forget), and none has come since.
-    #[inline]
-    pub(crate) fn is_closed(&self, i: usize) -> bool {
-        self.heads[i].closed
-    }
-
-    /// List `i` is to hold windows again.
-    pub(crate) fn reopen(&mut self, i: usize) {
+    fn reopen(&mut self, i: usize) {
         self.heads[i].closed = false;
-    }
-
-    /// Asks for what [`take`](Self::take) looks at.
-    #[inline]
-    pub(crate) fn announce(&self, i: usize, slot: Slot) {
-        prefetch(&self.windows, slot as usize);
-        prefetch(&self.states, slot as usize);
-        prefetch(&self.heads, i);
     }
 }
 

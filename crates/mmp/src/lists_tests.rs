@@ -13,12 +13,6 @@ fn window(number: f64) -> Window {
     }
 }
 
-#[test]
-fn rooms_are_of_whole_groups_and_grow_by_a_third_or_more() {
-    let rooms: Vec<usize> = (0..9).map(room).collect();
-    assert_eq!(rooms, [0, 4, 8, 12, 16, 24, 32, 48, 64]);
-}
-
 #[derive(Clone, Debug)]
 enum Step {
     /// In this list, from here on, this share of what is behind, by so many windows.

@@ -4,7 +4,7 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Policy, Surface, Turn};
 use geobench_window::{Counter, Passage, Probe};
 
-use crate::forgetting::{Forgetting, Keep, reach};
+use crate::forgetting::{Forgetting, Keep, Past};
 use crate::insertion::Inserter;
 use crate::lists::{Direction, Lists};
 
@@ -113,12 +113,9 @@ impl Policy for Trimming {
         };
         let place = place.index();
         let lists = &mut self.lists;
-        if lists.is_closed(place) {
-            if window.min_distance() > reach(&arrival.edge) {
-                probe.add(Counter::Filtered, 1);
-                return false;
-            }
-            lists.reopen(place);
+        if lists.has_passed(place, &window, &arrival.edge) {
+            probe.add(Counter::Filtered, 1);
+            return false;
         }
         let inserter = &mut self.inserter;
         let before = lists.len(place);
@@ -177,7 +174,7 @@ impl Policy for Trimming {
                 self.forgetting.note(place, surface);
             }
             self.forgetting
-                .step(&mut self.lists, || window.min_distance());
+                .step(&mut self.lists, 1, || window.min_distance());
         }
         let window = match direction {
             Direction::Forward => window,

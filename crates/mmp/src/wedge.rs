@@ -2,109 +2,81 @@
 
 use geobench_window::Window;
 
-use crate::duel::{Duel, duel, is_sliver, matters};
-use crate::lists::Place;
-
-/// A new window that takes one range, and what this leaves of the windows that it meets.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Wedge {
-    pub(crate) start: f64,
-    pub(crate) end: f64,
-    /// The windows that lose something, counted from the first one that the new window may meet.
-    pub(crate) first: usize,
-    pub(crate) behind: usize,
-    /// Whether the first of them keeps its part before `start`, and the last one its part behind `end`.
-    pub(crate) keeps_left: bool,
-    pub(crate) keeps_right: bool,
-}
+use crate::duel::{Duel, is_sliver, matters};
 
 /// What becomes of a new window, as far as it is simple.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Fate {
     /// It is nowhere shorter.
     Nowhere,
-    /// In one piece.
-    Here(Wedge),
+    /// In one piece, from here to there.
+    Here(f64, f64),
     /// Perhaps in several.
     Open,
 }
 
 impl Fate {
-    /// Where `new` is shorter than the windows at `places`, of which the first is the first that it may meet.
-    #[inline]
-    pub(crate) fn of(windows: &[Window], places: &[Place], new: &Window, l: f64) -> Self {
-        let mut wedge = Wedge {
-            start: new.b0,
-            end: new.b1,
-            first: 0,
-            behind: 0,
-            keeps_left: false,
-            keeps_right: false,
-        };
-        // Whether it has gained anything, and lost it again.
-        let (mut gained, mut over) = (false, false);
+    /// Where `new` is shorter than `behind`, the stored windows from the first on that it may meet.
+    #[inline(always)]
+    #[allow(clippy::inline_always)]
+    pub(crate) fn of<'a>(behind: impl Iterator<Item = &'a Window>, new: &Window, l: f64) -> Self {
+        // What it has won so far: nothing while it has no width.
+        let (mut start, mut end) = (new.b0, new.b0);
         // Up to here everything has been decided.
         let mut decided = new.b0;
-        for place in places {
-            let w = &windows[place.slot as usize];
+        for w in behind {
             if w.b0 >= new.b1 {
                 break;
             }
-            let (lo, hi) = (w.b0.max(new.b0), w.b1.min(new.b1));
-            if decided < lo && !is_sliver(new, decided, lo, l) {
-                if over {
-                    return Self::Open;
-                }
-                if !gained {
-                    (gained, wedge.start) = (true, decided);
+            let lo = if w.b0 > new.b0 { w.b0 } else { new.b0 };
+            let hi = if w.b1 < new.b1 { w.b1 } else { new.b1 };
+            if decided < lo {
+                // Nobody holds that.
+                if end == decided && start < end {
+                    end = lo;
+                } else if !is_sliver(new, decided, lo, l) {
+                    if start < end {
+                        return Self::Open;
+                    }
+                    (start, end) = (decided, lo);
                 }
             }
-            decided = decided.max(hi);
-            let outcome = if matters(w, new, lo, hi, l) {
-                duel(w, new, lo, hi, l)
-            } else {
-                Duel::Old
-            };
-            match outcome {
-                Duel::Old if gained && !over => (over, wedge.end) = (true, lo),
-                Duel::Old => {
-                    if !gained {
-                        wedge.first += 1;
-                        wedge.behind += 1;
-                        wedge.start = decided;
+            // The first ones may end before it, up to the rounding of a search.
+            decided = if hi > decided { hi } else { decided };
+            if matters(w, new, lo, hi, l) {
+                match Duel::between(w, new, lo, hi, l) {
+                    Duel::Won(from, to) => {
+                        if start >= end {
+                            start = from;
+                        } else if end != from {
+                            return Self::Open;
+                        }
+                        end = to;
                     }
+                    Duel::Lost => {}
+                    Duel::Open => return Self::Open,
                 }
-                Duel::New | Duel::NewOld(_) if !over => {
-                    if !gained {
-                        (gained, wedge.start, wedge.keeps_left) = (true, lo, w.b0 < lo);
-                    }
-                    wedge.behind += 1;
-                    wedge.keeps_right = hi < w.b1;
-                    if let Duel::NewOld(tie) = outcome {
-                        (over, wedge.end, wedge.keeps_right) = (true, tie, true);
-                    }
-                }
-                Duel::OldNew(tie) if !gained => {
-                    (gained, wedge.start, wedge.keeps_left) = (true, tie, true);
-                    wedge.behind += 1;
-                    wedge.keeps_right = hi < w.b1;
-                }
-                _ => return Self::Open,
             }
             if w.b1 >= new.b1 {
                 // The next one begins behind it, and need not be looked at.
                 break;
             }
         }
-        if decided < new.b1 && !over && !gained {
-            (gained, wedge.start) = (true, decided);
-        } else if decided < new.b1 && over && !is_sliver(new, decided, new.b1, l) {
-            return Self::Open;
+        if decided < new.b1 {
+            if end == decided {
+                // From the beginning, or joined.
+                end = new.b1;
+            } else if !is_sliver(new, decided, new.b1, l) {
+                if start < end {
+                    return Self::Open;
+                }
+                (start, end) = (decided, new.b1);
+            }
         }
-        if gained && !is_sliver(new, wedge.start, wedge.end, l) {
-            Self::Here(wedge)
-        } else {
+        if start >= end || is_sliver(new, start, end, l) {
             Self::Nowhere
+        } else {
+            Self::Here(start, end)
         }
     }
 }

@@ -40,6 +40,46 @@ pub struct Entrance {
     pub exits: [Option<HalfEdgeId>; 2],
 }
 
+impl Entrance {
+    /// The edge on one side by which a window leaves, of which the side is known beforehand.
+    #[inline]
+    pub fn exit(&self, side: Side) -> Exit {
+        let Frame {
+            l,
+            la,
+            lb,
+            cx,
+            cy,
+            left,
+            right,
+        } = self.frame;
+        let [a, b, c] = self.corners;
+        match side {
+            Side::Left => Exit {
+                is_left: 1.0,
+                is_right: 0.0,
+                half_edge: self.exits[0],
+                length: la,
+                direction: left,
+                behind: [left[0] * l, -left[1] * l],
+                corners: [a, c, b],
+            },
+            Side::Right => Exit {
+                is_left: 0.0,
+                is_right: 1.0,
+                half_edge: self.exits[1],
+                length: lb,
+                direction: right,
+                behind: [
+                    -(right[0] * cx + right[1] * cy),
+                    right[1] * cx - right[0] * cy,
+                ],
+                corners: [c, b, a],
+            },
+        }
+    }
+}
+
 /// On which side of the apex a window leaves a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
@@ -248,12 +288,18 @@ impl Faces {
         self.half_edge(h).outlet.half_edge()
     }
 
-    /// The other edge of the face of `h` at the tail of `h`, if that is on the boundary: its other end and its length.
+    /// The edges at the tail of `h` that come with it when those of a vertex are gone through by its outgoing half-edges: its own, and
+    /// the other one of its face if that is on the boundary. The other end of each and its length.
     #[inline]
-    pub(crate) fn boundary_behind(&self, h: HalfEdgeId) -> Option<(VertexId, f64)> {
-        let back = self.half_edge(self.half_edge(h).exits[0]);
+    pub fn edges_at_tail(&self, h: HalfEdgeId) -> [Option<(VertexId, f64)>; 2] {
+        let own = self.half_edge(h);
+        let back = self.half_edge(own.exits[0]);
         let [tail, ..] = back.corners();
-        (back.outlet.half_edge().is_none()).then_some((tail, back.length))
+        let is_boundary = back.outlet.half_edge().is_none();
+        [
+            Some((own.corners()[1], own.length)),
+            is_boundary.then_some((tail, back.length)),
+        ]
     }
 
     /// Where a window that enters through `h` can go on: the half-edge A → C of the neighbour on

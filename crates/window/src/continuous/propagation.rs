@@ -105,12 +105,9 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         let sigma = self.surface.distance(v);
         let mesh = self.mesh;
         for &h in mesh.outgoing(v) {
-            let faces = self.surface.faces();
-            let (head, length) = (faces.corners(h)[1], faces.length(h));
-            let last = faces.boundary_behind(h);
-            self.offer(head, sigma + length, probe);
-            if let Some((tail, length)) = last {
-                self.offer(tail, sigma + length, probe);
+            let edges = self.surface.faces().edges_at_tail(h);
+            for (neighbour, length) in edges.into_iter().flatten() {
+                self.offer(neighbour, sigma + length, probe);
             }
         }
         let lineage = self.policy.root(v, &self.surface);

@@ -14,19 +14,22 @@ pub struct Surface {
 }
 
 impl Surface {
-    pub(super) fn new(mesh: &Mesh) -> Self {
+    /// The faces of `mesh`; O(faces).
+    pub fn new(mesh: &Mesh) -> Self {
         Self {
             faces: Faces::new(mesh),
             distances: Vec::new(),
         }
     }
 
-    pub(super) fn reset(&mut self, vertices: usize) {
+    /// Forgets the distances of all vertices, of which there are so many.
+    pub fn reset(&mut self, vertices: usize) {
         self.distances.clear();
         self.distances.resize(vertices, f64::INFINITY);
     }
 
-    pub(super) fn take_distances(&mut self) -> Vec<f64> {
+    /// Hands out the distances that were found.
+    pub fn take_distances(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.distances)
     }
 
@@ -45,7 +48,7 @@ impl Surface {
 
     /// A path of length `d` reaches `v`; returns whether it is the shortest so far.
     #[inline]
-    pub(super) fn offer(&mut self, v: VertexId, d: f64) -> bool {
+    pub fn offer(&mut self, v: VertexId, d: f64) -> bool {
         let known = &mut self.distances[v.index()];
         let improves = d < *known;
         if improves {
@@ -56,13 +59,13 @@ impl Surface {
 
     /// A window is likely to enter the face of `h` soon: asks for the face.
     #[inline]
-    pub(super) fn announce(&self, h: HalfEdgeId) {
+    pub fn announce(&self, h: HalfEdgeId) {
         self.faces.announce(h);
     }
 
     /// It is likely to do so in one or two turns: asks for what is known of its vertices.
     #[inline]
-    pub(super) fn prepare(&self, h: HalfEdgeId) {
+    pub fn prepare(&self, h: HalfEdgeId) {
         for v in self.faces.corners(h) {
             self.announce_vertex(v);
         }

@@ -166,8 +166,8 @@ impl Calendar {
     }
 }
 
-/// Mean over the edges, each once; 0 without any.
-fn mean_edge_length(mesh: &Mesh) -> f64 {
+/// Mean length of the edges, each once; 0 without any. O(edges).
+pub fn mean_edge_length(mesh: &Mesh) -> f64 {
     let once = |&h: &_| mesh.twin(h).is_none_or(|twin| h < twin);
     let (mut sum, mut edges) = (0.0, 0.0);
     for h in mesh.half_edges().filter(once) {

@@ -10,7 +10,7 @@ mod ring;
 mod spread;
 
 pub use arena::{Arena, Chain};
-pub use calendar::Calendar;
+pub use calendar::{Calendar, mean_edge_length};
 pub use event::{Event, EventKind};
 pub use fifo::Fifo;
 pub use heap::MinHeap;
@@ -38,6 +38,19 @@ pub trait Discipline: Send {
 
     /// Adds `event` with its label, a non-negative distance.
     fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P);
+
+    /// Adds the event of a half-edge whose windows are taken together, with the least of their labels; each of them has been
+    /// [weighed](Self::weigh).
+    #[inline]
+    fn push_list<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
+        self.push(label, event, probe);
+    }
+
+    /// A window of this label comes to wait on a half-edge whose windows are taken together.
+    #[inline]
+    fn weigh(&mut self, label: f64) {
+        let _ = label;
+    }
 
     /// Takes the next event, with its label.
     fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)>;

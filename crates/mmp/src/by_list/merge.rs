@@ -1,0 +1,343 @@
+//! Merging windows that arrive together into a list: sorted, disjoint, trimmed at tie points.
+
+// A window is not to pass through memory while it is compared.
+#![allow(clippy::inline_always)]
+
+use geobench_window::{Counter, Probe, Window};
+
+use super::store::{Store, Stored};
+use crate::division::{Division, Owner, Segment};
+use crate::duel::{is_sliver, matters};
+use crate::wedge::Fate;
+
+/// Windows that arrive at one half-edge together.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Run {
+    /// In the order in which they arrive, which is mostly, and need not be, that of their intervals.
+    pub(super) windows: Vec<Window>,
+    /// Their levels in the sequence tree, if they are kept.
+    pub(super) levels: Vec<u32>,
+}
+
+impl Run {
+    pub(super) fn clear(&mut self) {
+        self.windows.clear();
+        self.levels.clear();
+    }
+
+    fn level(&self, k: usize) -> u32 {
+        self.levels.get(k).copied().unwrap_or(0)
+    }
+}
+
+/// What a merge has led to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Merged {
+    /// The least distance of what is left of the windows that arrived; infinite if nothing is.
+    pub(super) least: f64,
+    /// How many of them something is left of. Counted runs only.
+    pub(super) kept: u64,
+}
+
+/// Merges runs into lists: the buffers that this needs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Merger {
+    division: Division,
+    met: Vec<Window>,
+    pieces: Pieces,
+}
+
+/// What takes the place of the windows that a sweep has passed.
+#[derive(Clone, Debug, Default)]
+struct Pieces {
+    windows: Vec<Stored>,
+    /// Counted runs only.
+    levels: Vec<u32>,
+}
+
+impl Pieces {
+    fn clear(&mut self) {
+        self.windows.clear();
+        self.levels.clear();
+    }
+}
+
+impl Merger {
+    /// Merges `run` into list `i`, whose edge has length `l`, and tells `weigh` the label of every window that has to be propagated
+    /// at another time than before: what is left of the new ones, and of stored ones that have to wait for longer.
+    ///
+    /// Each stored window that a new one meets is split at the tie points inside the common range, of which there may be two,
+    /// and each part goes to the window that is shorter there, the stored one where they are equal. Ranges that nobody held go to the
+    /// new one. What comes out is the same as if the windows were inserted one after the other: those in ascending order take one
+    /// sweep over the list, and one that is not in order starts another. A sweep takes O(log k + m) for m windows met among k, and the
+    /// moving of those behind them.
+    #[inline]
+    pub(super) fn merge<P: Probe>(
+        &mut self,
+        store: &mut Store,
+        i: usize,
+        run: &Run,
+        l: f64,
+        weigh: &mut impl FnMut(f64),
+        probe: &mut P,
+    ) -> Merged {
+        let mut merged = Merged {
+            least: f64::INFINITY,
+            kept: 0,
+        };
+        let windows = &run.windows;
+        let mut k = 0;
+        while k < windows.len() {
+            let mut sweep = Sweep::start(store, i, windows[k].b0, &mut self.pieces);
+            let mut is_open = sweep.insert(&windows[k], run.level(k), l, &mut merged, weigh, probe);
+            k += 1;
+            while !is_open && k < windows.len() {
+                let (last, mut new) = (&windows[k - 1], windows[k]);
+                if new.b0 < last.b1 {
+                    if matters(last, &new, new.b0, last.b1.min(new.b1), l) {
+                        break;
+                    }
+                    // They touch, and overlap by rounding.
+                    new.b0 = last.b1.min(new.b1);
+                }
+                sweep.pass(new.b0);
+                is_open = sweep.insert(&new, run.level(k), l, &mut merged, weigh, probe);
+                k += 1;
+            }
+            let Sweep { base, next, .. } = sweep;
+            let Pieces {
+                windows: pieces,
+                levels,
+            } = &self.pieces;
+            if !pieces.is_empty() {
+                store.replace(i, base, next - base, pieces, levels);
+            }
+            if is_open {
+                let new = &windows[k - 1];
+                self.divide(
+                    store,
+                    i,
+                    new,
+                    run.level(k - 1),
+                    l,
+                    &mut merged,
+                    weigh,
+                    probe,
+                );
+            }
+        }
+        merged
+    }
+
+    /// Inserts `new`, whatever the windows that it meets may leave of it.
+    #[cold]
+    #[allow(clippy::too_many_arguments)] // Private, and one step of `merge`.
+    fn divide<P: Probe>(
+        &mut self,
+        store: &mut Store,
+        i: usize,
+        new: &Window,
+        level: u32,
+        l: f64,
+        merged: &mut Merged,
+        weigh: &mut impl FnMut(f64),
+        probe: &mut P,
+    ) {
+        let first = store.ending_by(i, new.b0);
+        let stored = &store.windows(i)[first..];
+        self.met.clear();
+        let behind = stored.iter().map(|w| w.window);
+        self.met.extend(behind.take_while(|w| w.b0 < new.b1));
+        self.division.share_out(&self.met, new, l);
+        let segments = self.division.segments();
+        if !segments.iter().any(|s| s.owner == Owner::New) {
+            probe.add(Counter::Filtered, 1);
+            return;
+        }
+        merged.kept += 1;
+        self.pieces.clear();
+        // The stored windows before this one have been dealt with.
+        let mut next_old = 0;
+        for &Segment { start, end, owner } in segments {
+            let (piece, level) = match owner {
+                Owner::New => {
+                    let piece = Stored::waiting(Window {
+                        b0: start,
+                        b1: end,
+                        ..*new
+                    });
+                    weigh(piece.label);
+                    merged.least = merged.least.min(piece.label);
+                    (piece, level)
+                }
+                Owner::Old(k) => {
+                    let piece = stored[k].cut(start, end);
+                    if k < next_old {
+                        // A further part of a window that stays in front as well.
+                        if piece.waits() {
+                            weigh(piece.label);
+                            probe.add(Counter::Reinserted, 1);
+                        }
+                    } else {
+                        probe.add(Counter::Filtered, (k - next_old) as u64);
+                        next_old = k + 1;
+                        if piece.window != stored[k].window {
+                            probe.add(Counter::Trimmed, 1);
+                        }
+                        report_growth(&stored[k], &piece, weigh, probe);
+                    }
+                    let levels = P::COUNTS.then(|| store.levels(i)[first + k]);
+                    (piece, levels.unwrap_or(0))
+                }
+            };
+            self.pieces.windows.push(piece);
+            if P::COUNTS {
+                self.pieces.levels.push(level);
+            }
+        }
+        let met = self.met.len();
+        probe.add(Counter::Filtered, (met - next_old) as u64);
+        store.replace(i, first, met, &self.pieces.windows, &self.pieces.levels);
+    }
+}
+
+/// A stored window has been cut: it may have to wait for longer.
+#[inline(always)]
+fn report_growth<P: Probe>(old: &Stored, cut: &Stored, weigh: &mut impl FnMut(f64), probe: &mut P) {
+    if cut.label != old.label {
+        weigh(cut.label);
+        probe.add(Counter::Reinserted, 1);
+    }
+}
+
+/// A pass over a list in ascending order, in which windows are inserted.
+///
+/// What takes the place of windows is put down apart and copied when it is over, but a stored window that loses its left part is cut at
+/// its place.
+struct Sweep<'a> {
+    pieces: &'a mut Pieces,
+    windows: &'a mut [Stored],
+    levels: &'a [u32],
+    /// The pieces take the place of the windows from this one on,
+    base: usize,
+    /// up to this one, the first that has not been passed.
+    next: usize,
+}
+
+impl<'a> Sweep<'a> {
+    /// Starts behind the windows of list `i` that end at `x` or before.
+    #[inline(always)]
+    fn start(store: &'a mut Store, i: usize, x: f64, pieces: &'a mut Pieces) -> Self {
+        let next = store.ending_by(i, x);
+        pieces.clear();
+        let (windows, levels) = store.windows_and_levels(i);
+        Self {
+            pieces,
+            windows,
+            levels,
+            base: next,
+            next,
+        }
+    }
+
+    /// Passes the windows that end at `x` or before.
+    #[inline(always)]
+    fn pass(&mut self, x: f64) {
+        while let Some(stored) = self.windows.get(self.next)
+            && stored.window.b1 <= x
+        {
+            if !self.pieces.windows.is_empty() {
+                self.pieces.windows.push(*stored);
+                self.pieces.levels.extend(self.levels.get(self.next));
+            }
+            self.next += 1;
+        }
+    }
+
+    /// Inserts `new`, which begins at or behind the end of the windows passed. Returns whether it cannot tell what becomes of it; then
+    /// nothing is changed.
+    #[inline(always)]
+    fn insert<P: Probe>(
+        &mut self,
+        new: &Window,
+        level: u32,
+        l: f64,
+        merged: &mut Merged,
+        weigh: &mut impl FnMut(f64),
+        probe: &mut P,
+    ) -> bool {
+        let behind = self.windows[self.next..].iter().map(|w| &w.window);
+        let (start, end) = match Fate::of(behind, new, l) {
+            Fate::Nowhere => {
+                probe.add(Counter::Filtered, 1);
+                return false;
+            }
+            Fate::Here(start, end) => (start, end),
+            Fate::Open => return true,
+        };
+        self.pass(start);
+        if self.pieces.windows.is_empty() {
+            self.base = self.next;
+        }
+        // Windows that keep a part, and the place of the one that keeps its left part.
+        let (mut kept, first) = (0, self.next);
+        if let Some(old) = self.windows.get(self.next)
+            && old.window.b0 < start
+            && !is_sliver(&old.window, old.window.b0, start, l)
+        {
+            let piece = old.cut(old.window.b0, start);
+            report_growth(old, &piece, weigh, probe);
+            kept += 1;
+            self.pieces.windows.push(piece);
+            self.pieces.levels.extend(self.levels.get(first));
+        }
+        let piece = Stored::waiting(Window {
+            b0: start,
+            b1: end,
+            ..*new
+        });
+        weigh(piece.label);
+        if piece.label < merged.least {
+            merged.least = piece.label;
+        }
+        self.pieces.windows.push(piece);
+        if P::COUNTS {
+            self.pieces.levels.push(level);
+            merged.kept += 1;
+        }
+        while let Some(old) = self.windows.get(self.next)
+            && old.window.b1 <= end
+        {
+            self.next += 1;
+        }
+        let mut met = self.next - first;
+        if let Some(old) = self.windows.get_mut(self.next)
+            && old.window.b0 < end
+        {
+            met += 1;
+            if is_sliver(&old.window, end, old.window.b1, l) {
+                self.next += 1;
+            } else {
+                let piece = old.cut(end, old.window.b1);
+                if kept == 1 && self.next == first {
+                    // A further part of the window that stays in front as well.
+                    if piece.waits() {
+                        weigh(piece.label);
+                        probe.add(Counter::Reinserted, 1);
+                    }
+                } else {
+                    report_growth(old, &piece, weigh, probe);
+                    kept += 1;
+                }
+                *old = piece;
+            }
+        }
+        probe.add(Counter::Trimmed, kept);
+        probe.add(Counter::Filtered, met as u64 - kept);
+        false
+    }
+}
+
+#[cfg(test)]
+#[path = "merge_tests.rs"]
+mod tests;

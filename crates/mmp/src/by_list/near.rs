@@ -1,0 +1,93 @@
+//! Nearest list first.
+
+use geobench_mesh::Mesh;
+use geobench_window::queue::{Discipline, Event, Priority, mean_edge_length};
+use geobench_window::{Counter, Probe};
+
+/// A [`Priority`] queue of lists: the one with the nearest window has its turn, and what is not much further goes with it.
+#[derive(Clone, Debug)]
+pub struct NearLists {
+    queue: Priority,
+    /// How much further.
+    slack: f64,
+    /// The label of the list that has its turn.
+    label: f64,
+}
+
+impl NearLists {
+    /// An empty queue for the lists of `mesh`, of which a turn takes windows that are further than the nearest one by up to `slack`
+    /// mean edge lengths; O(edges).
+    pub fn new(mesh: &Mesh, slack: f64) -> Self {
+        Self {
+            queue: Priority::new(mesh),
+            slack: slack * mean_edge_length(mesh),
+            label: 0.0,
+        }
+    }
+}
+
+impl Discipline for NearLists {
+    const COUNTERS: &'static [Counter] = Priority::COUNTERS;
+
+    #[inline]
+    fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
+        self.queue.push(label, event, probe);
+    }
+
+    #[inline]
+    fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)> {
+        let (label, event) = self.queue.pop(probe)?;
+        self.label = label;
+        Some((label, event))
+    }
+
+    #[inline]
+    fn is_due(&self, label: f64) -> bool {
+        label <= self.label + self.slack
+    }
+
+    #[inline]
+    fn upcoming(&self, skipped: usize) -> Option<Event> {
+        self.queue.upcoming(skipped)
+    }
+
+    #[inline]
+    fn coming(&self) -> impl Iterator<Item = Event> {
+        self.queue.coming()
+    }
+
+    fn events(&self) -> impl Iterator<Item = (f64, Event)> {
+        self.queue.events()
+    }
+
+    fn clear(&mut self) {
+        self.queue.clear();
+        self.label = 0.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use geobench_mesh::{HalfEdgeId, TriangleSoup};
+
+    use super::*;
+
+    #[test]
+    fn what_is_due_goes_with_the_nearest_list() {
+        let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+        let soup = TriangleSoup::new(positions, vec![[0, 1, 2]]);
+        let mesh = Mesh::from_soup(soup).expect("a triangle is a mesh").0;
+        // Its edges have a mean length of 4.
+        let mut lists = NearLists::new(&mesh, 0.5);
+        let event = |h| Event::window(HalfEdgeId::new(h), 0);
+        for (label, h) in [(5.0, 0), (1.0, 1), (2.5, 2)] {
+            lists.push_list(label, event(h), &mut ());
+        }
+        assert_eq!(lists.pop(&mut ()), Some((1.0, event(1))));
+        assert!(lists.is_due(1.0) && lists.is_due(3.0) && !lists.is_due(3.5));
+        assert_eq!(lists.pop(&mut ()), Some((2.5, event(2))));
+        assert!(lists.is_due(4.5) && !lists.is_due(5.0));
+        lists.clear();
+        assert_eq!(lists.pop(&mut ()), None);
+    }
+}

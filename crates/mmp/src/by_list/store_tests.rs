@@ -1,0 +1,144 @@
+use proptest::prelude::*;
+use proptest::sample::Index;
+
+use super::*;
+
+fn window(number: f64) -> Window {
+    Window {
+        b0: 0.0,
+        b1: 1.0,
+        px: number,
+        py: -1.0,
+        sigma: 0.0,
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Step {
+    /// In this list, from here on, this share of what is behind, by windows of these labels.
+    Replace(usize, Index, Index, Vec<u8>),
+    /// What is due by this label.
+    Take(usize, u8),
+    Forget(usize),
+}
+
+fn steps() -> impl Strategy<Value = Vec<Step>> {
+    let labels = prop::collection::vec(0..9u8, 0..4);
+    let step = prop_oneof![
+        6 => (0..4usize, any::<Index>(), any::<Index>(), labels)
+            .prop_map(|(i, from, part, labels)| Step::Replace(i, from, part, labels)),
+        3 => (0..4usize, 0..9u8).prop_map(|(i, due)| Step::Take(i, due)),
+        1 => (0..4usize).prop_map(Step::Forget),
+    ];
+    prop::collection::vec(step, 0..200)
+}
+
+proptest! {
+    /// Against a vector of numbers and labels for each list.
+    #[test]
+    fn lists_in_one_array_do_not_disturb_each_other(steps in steps(), keeps_levels in any::<bool>()) {
+        let (mut store, mut model) = (Store::new(4), vec![Vec::<(f64, f64)>::new(); 4]);
+        store.clear(keeps_levels);
+        let (mut serial, mut forgotten) = (0, 0);
+        for step in steps {
+            match step {
+                Step::Replace(i, from, part, labels) => {
+                    let first = from.index(model[i].len() + 1);
+                    let old = part.index(model[i].len() - first + 1);
+                    let new: Vec<(f64, f64)> = labels
+                        .into_iter()
+                        .map(|label| {
+                            serial += 1;
+                            (f64::from(serial), f64::from(label))
+                        })
+                        .collect();
+                    let pieces: Vec<Stored> = new
+                        .iter()
+                        .map(|&(number, label)| Stored { window: window(number), label })
+                        .collect();
+                    let levels: Vec<u32> = (serial - new.len() as u32..serial).map(|n| n + 1).collect();
+                    store.replace(i, first, old, &pieces, &levels);
+                    model[i].splice(first..first + old, new);
+                }
+                Step::Take(i, due) => {
+                    let due = f64::from(due);
+                    let (mut taken, mut levels) = (Vec::new(), Vec::new());
+                    let rest = store.take(i, &mut taken, &mut levels, |label| label <= due);
+                    let mut expected = Vec::new();
+                    for (number, label) in &mut model[i] {
+                        if *label <= due {
+                            *label = f64::INFINITY;
+                            expected.push(*number);
+                        }
+                    }
+                    let taken: Vec<f64> = taken.iter().map(|w| w.px).collect();
+                    prop_assert_eq!(&taken, &expected);
+                    let numbers: Vec<f64> = levels.iter().map(|&level| f64::from(level)).collect();
+                    prop_assert_eq!(numbers, if keeps_levels { expected } else { Vec::new() });
+                    let left = model[i].iter().map(|m| m.1);
+                    prop_assert_eq!(rest, left.fold(f64::INFINITY, f64::min));
+                }
+                Step::Forget(i) => {
+                    store.forget(i);
+                    forgotten += model[i].len();
+                    model[i].clear();
+                    prop_assert!(store.is_closed(i) && !store.is_waited_for(i));
+                    store.reopen(i);
+                }
+            }
+            for (i, held) in model.iter().enumerate() {
+                let stored: Vec<_> = store.windows(i).iter().map(|s| (s.window.px, s.label)).collect();
+                prop_assert_eq!(&stored, held);
+                if keeps_levels {
+                    let levels: Vec<_> = store.levels(i).iter().map(|&l| f64::from(l)).collect();
+                    prop_assert_eq!(levels, held.iter().map(|h| h.0).collect::<Vec<_>>());
+                }
+                let waiting = held.iter().filter(|h| h.1 < f64::INFINITY).count();
+                prop_assert_eq!(store.waiting_in(i), waiting);
+            }
+            let stored = model.iter().map(Vec::len).sum::<usize>();
+            prop_assert_eq!(store.stored(), stored);
+            prop_assert_eq!(store.stored_in_all(), stored + forgotten);
+        }
+    }
+
+    #[test]
+    fn windows_that_end_by_a_point_are_counted_exactly(
+        ends in prop::collection::vec(0..40u32, 0..60), at in 0..41u32,
+    ) {
+        let mut ends: Vec<f64> = ends.into_iter().map(f64::from).collect();
+        ends.sort_by(f64::total_cmp);
+        let mut store = Store::new(1);
+        // What others have left behind must not count.
+        let relic = Stored::waiting(Window { b1: 0.5, ..window(0.0) });
+        store.replace(0, 0, 0, &[relic; 70], &[]);
+        store.forget(0);
+        let pieces: Vec<Stored> = ends
+            .iter()
+            .map(|&b1| Stored::waiting(Window { b1, ..window(0.0) }))
+            .collect();
+        store.replace(0, 0, 0, &pieces, &[]);
+        let x = f64::from(at);
+        prop_assert_eq!(store.ending_by(0, x), ends.iter().filter(|&&b1| b1 <= x).count());
+    }
+}
+
+#[test]
+fn a_window_that_waits_for_longer_once_it_is_cut_says_so() {
+    let whole = Stored::waiting(Window {
+        px: 0.2,
+        ..window(0.0)
+    });
+    assert_eq!(
+        whole.cut(0.0, 0.8).label,
+        whole.label,
+        "the nearest point is kept"
+    );
+    let right = whole.cut(0.5, 1.0);
+    assert_eq!(right.label, whole.window.distance(0.5));
+    let done = Stored {
+        label: f64::INFINITY,
+        ..whole
+    };
+    assert!(!done.cut(0.5, 1.0).waits(), "it does not wait any more");
+}

@@ -1,4 +1,4 @@
-//! Disciplines between first in first out and a priority queue, for windows taken one by one.
+//! Disciplines between first in first out and a priority queue, for windows taken one by one or list by list.
 //!
 //! What a window algorithm answers does not depend on the order in which it takes its windows
 //! (Xu et al. 2015, proposition 1): every window that provides a shortest path descends from such
@@ -8,14 +8,14 @@
 //! several times as many. The disciplines of this crate pay O(1) and try nearly as few.
 //!
 //! Each is a [`Discipline`](geobench_window::queue::Discipline), and knows nothing of what it
-//! orders. Under the policy of MMP ([`Trimming`]) and that of ICH ([`Splitting`]) it makes two
-//! algorithms, and under [`ByList`], which takes the windows of a half-edge together, one more:
+//! orders. Under MMP, which can take the windows of a half-edge together ([`ByList`]) or one by one
+//! ([`Trimming`]), and under the policy of ICH ([`Splitting`]) it makes these algorithms:
 //!
 //! | discipline | algorithms | source | takes next | memory beside the policy's |
 //! |---|---|---|---|---|
-//! | [`Buckets`] | [`fwp_mmp`], [`fwp_mmp_by_window`], [`fwp_ch`] | Xu et al. 2015, section 4 | the K nearest, roughly, in rounds | 24 bytes for each window that waits, 12 for each bucket that the wavefront spans |
-//! | [`LabelCorrecting`] | [`lc_mmp`], [`lc_mmp_by_window`], [`lc_ch`] | Bertsekas 1993; Xu et al. 2015, section 7.4 | one below the mean, roughly | 16 bytes for each window that waits |
-//! | [`VertexOrder`] | [`vtp_mmp`], [`vtp_ch`] | Qin et al. 2016, section 6.2 | windows around the nearest vertex | 24 bytes for each window that waits, 12 for each half-edge, 4 for each face |
+//! | [`Buckets`] | [`fwp_mmp`], [`fwp_mmp_by_window`], [`fwp_ch`] | Xu et al. 2015, section 4 | the K nearest, roughly, in rounds | 24 bytes for each window or list that waits, 12 for each bucket that the wavefront spans |
+//! | [`LabelCorrecting`] | [`lc_mmp`], [`lc_mmp_by_window`], [`lc_ch`] | Bertsekas 1993; Xu et al. 2015, section 7.4 | one below the mean, roughly | 16 bytes for each window or list that waits |
+//! | [`VertexOrder`] | [`vtp_mmp`], [`vtp_ch`] | Qin et al. 2016, section 6.2 | windows around the nearest vertex | 24 bytes for each window or list that waits, 12 for each half-edge, 4 for each face |
 //!
 //! # Which one to choose
 //!

@@ -3,7 +3,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use geobench_benches::{named, whole_solves};
-use geobench_mmp::{Keep, mmp, mmp_edge};
+use geobench_mmp::{Keep, mmp, mmp_by_list, mmp_edge};
 
 fn solve(criterion: &mut Criterion) {
     whole_solves(criterion, |mesh| {
@@ -11,6 +11,7 @@ fn solve(criterion: &mut Criterion) {
         vec![
             named("mmp", mmp(mesh)),
             named("mmp-keep", mmp(mesh).map_policy(keeping)),
+            named("mmp-by-list", mmp_by_list(mesh, 1.0)),
             named("mmp-edge", mmp_edge(mesh)),
         ]
     });

@@ -12,6 +12,9 @@
 //!
 //! Time is O(n² log n) for n faces in the worst case.
 //!
+//! Nearest first, one window at a time, is [`mmp`]. What comes out depends on the order in nothing but the number of windows tried, so
+//! that where a queue has no opinion the windows of one half-edge can be [taken together](ByList), in half of the time.
+//!
 //! # A limit
 //!
 //! Where vertices lie in one place, joined by faces of no area that are cut into several, distances

@@ -1,12 +1,13 @@
 //! A list at a time: the windows of a half-edge cross its face together.
 //!
-//! Where the order of windows is free within a round, as it is in the fast wavefront propagation framework, those of one list
-//! are best taken together. They lie in one piece of memory and go through the same triangle, what they leave on each of
-//! its exits is nearly in order, and one pass merges that into the list there. A queue of lists is as many times shorter
-//! as there are windows in a turn: two on models of some thousands of faces, six to eight on scans.
+//! Where a queue leaves the order open, as rounds and vertices do, the windows of one list are best taken together. They lie in one
+//! piece of memory and go through the same triangle, what they leave on each of its exits is nearly in order, and one sweep merges
+//! that into the list there. The queue holds lists, and is as many times shorter as there are windows in a turn: two on
+//! models of some thousands of faces, six to eight on scans.
 //!
-//! Which windows there are, how they are trimmed and when they are given up is the same as where they are taken [one
-//! by one](crate::Trimming): what is compared, and how, is one code.
+//! How windows are trimmed and when they are given up is the same as where they are taken [one by one](crate::Trimming), and is one
+//! code. Beside vertex order this needs 0.47 of the time on the horse, beside buckets 0.58, beside label correcting 0.47, and 0.5
+//! where a [priority queue](NearLists) gives some slack; without slack, at one window a turn, it is a fifth slower than one by one.
 
 mod merge;
 mod near;

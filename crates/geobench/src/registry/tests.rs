@@ -199,7 +199,7 @@ fn parameters_are_refused_with_what_would_be_right() {
             name: "mmp".into(),
             key: "k".into(),
             suggestion: None,
-            known: "lists, threshold".into()
+            known: "turn, slack, lists, threshold".into()
         }
     );
     assert!(select("all{k=5}").is_err());

@@ -268,6 +268,7 @@ impl<Q: Discipline> Front<'_, Q> {
         self.merge(h, &rest, probe)
     }
 
+    /// The same for a list that holds windows, and has it queued if something comes to wait there before all else.
     #[inline]
     fn merge<P: Probe>(&mut self, h: HalfEdgeId, run: &Run, probe: &mut P) -> u64 {
         let i = h.index();

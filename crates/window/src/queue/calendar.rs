@@ -31,6 +31,8 @@ pub struct Calendar {
     per_length: f64,
     arena: Arena,
     ring: Ring,
+    /// The place of an event, see [`Calendar::walk`].
+    walker: u32,
     /// Events whose buckets the ring may not reach; all beyond it.
     far: MinHeap<Event>,
 }
@@ -45,6 +47,7 @@ impl Calendar {
             per_length: if usable { per_length } else { 0.0 },
             arena: Arena::default(),
             ring: Ring::new(),
+            walker: 0,
             far: MinHeap::default(),
         }
     }
@@ -136,6 +139,21 @@ impl Calendar {
     pub fn drain(&mut self, bucket: u64, to: &mut Vec<(f64, Event)>) {
         let chain = self.ring.vacate(bucket);
         self.arena.drain(chain, to);
+    }
+
+    /// Finds the bucket that comes after `bucket`, for [`walk`](Self::walk).
+    #[inline]
+    pub(super) fn look_behind(&mut self, bucket: u64) {
+        if let Some(next) = self.ring.next_occupied(bucket + 1) {
+            self.walker = self.ring.chain(next).head;
+        }
+    }
+
+    /// Asks for the memory of one more event of the bucket that was looked for. An event tells where the next one lies, so
+    /// that a bucket whose events are far apart would take long to [drain](Self::drain) otherwise.
+    #[inline]
+    pub(super) fn walk(&mut self) {
+        self.arena.walk(&mut self.walker);
     }
 
     /// Takes all events of a bucket, first in, first out, and puts them behind those of `to`, in constant time.

@@ -76,6 +76,7 @@ impl Priority {
             let place = |label| self.later.place_in(bucket, label);
             append_in_order(&mut self.fresh, &mut self.drained, place);
         }
+        self.later.look_behind(self.current);
         self.fresh.reverse();
         self.fresh.append(&mut self.sorted);
         std::mem::swap(&mut self.fresh, &mut self.sorted);
@@ -119,6 +120,7 @@ impl Discipline for Priority {
         if self.sorted.len() < KNOWN && !self.later.is_empty() {
             self.refill();
         }
+        self.later.walk();
         if let Some((late, _)) = self.late.peek()
             && self.sorted.last().is_none_or(|&(label, _)| late < label)
         {

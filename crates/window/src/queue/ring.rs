@@ -44,6 +44,12 @@ impl Ring {
         &mut self.slots[i]
     }
 
+    /// The events of `bucket`, which has a slot.
+    #[inline]
+    pub(crate) fn chain(&self, bucket: u64) -> Chain {
+        self.slots[self.index(bucket)]
+    }
+
     /// Marks `bucket`, which has a slot, as empty, which its events must then become.
     #[inline]
     pub(crate) fn vacate(&mut self, bucket: u64) -> &mut Chain {

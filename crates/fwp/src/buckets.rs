@@ -63,8 +63,7 @@ impl Default for BucketOptions {
 ///
 /// # Cost
 ///
-/// O(1) for each event, 24 bytes for each, and 12 for each bucket from `P1` to the
-/// furthest; see [`Calendar`].
+/// O(1) for each event, 24 bytes for each, and 12 for each bucket from `P1` to the furthest; see [`Calendar`].
 #[derive(Clone, Debug)]
 pub struct Buckets {
     batch: BatchSize,

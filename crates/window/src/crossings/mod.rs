@@ -1,7 +1,7 @@
 //! Windows crossing triangles several at a time.
 //!
-//! What a window that passes the apex on one side leaves, and what is compared with distances on the way, depends on the
-//! window and its triangle alone. So it can be computed before the window's turn has come, for all [`LANES`] windows
+//! What a window that passes the apex on one side leaves, what one that covers it leaves on the left, and what is compared
+//! with distances on the way, depends on the window and its triangle alone. So it can be computed before the window's turn has come, for all [`LANES`] windows
 //! that come next and in structures of arrays, which lets one instruction do it for two windows or, with AVX2, for four. A
 //! crossing one by one takes 600 instructions for each window, most of them here; [`Crossings`] takes a sixth of
 //! that. The formulas are those of [`Passage`](crate::Passage).

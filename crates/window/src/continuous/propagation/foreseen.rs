@@ -78,12 +78,9 @@ impl<W: Policy, Q: Discipline> Continuous<'_, W, Q> {
             label,
             ..
         } = *offspring;
-        let Some(h) = outlet.half_edge() else {
+        let (Some(h), true) = (outlet.half_edge(), window.b0 < window.b1) else {
             return;
         };
-        if window.b0 >= window.b1 {
-            return;
-        }
         probe.add(Counter::Children, 1);
         if window.b1 - window.b0 < self.threshold {
             probe.add(Counter::Filtered, 1);

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use geobench_mesh::HalfEdgeId;
 use geobench_window::Window;
-use geobench_window::continuous::{Edge, Surface};
+use geobench_window::continuous::Edge;
 
 /// Lists that can be given up.
 pub(crate) trait Past {
@@ -27,7 +27,7 @@ pub(crate) trait Past {
         if !self.is_closed(i) {
             return false;
         }
-        let passed = window.min_distance() > reach(edge);
+        let passed = window.min_distance() > reach([edge.tail, edge.head], edge.length);
         if !passed {
             self.reopen(i);
         }
@@ -74,10 +74,9 @@ impl Forgetting {
         self.takes = 0;
     }
 
-    /// None of the windows of the list of `h` waits any more.
+    /// None of the windows of the list of `h`, all of whose points are [reached](reach) within this distance, waits any more.
     #[inline]
-    pub(crate) fn note(&mut self, h: HalfEdgeId, surface: &Surface) {
-        let within = reach(&surface.edge(h));
+    pub(crate) fn note(&mut self, h: HalfEdgeId, within: f64) {
         if within < f64::INFINITY {
             self.done.push_back((h, within));
         }
@@ -108,8 +107,8 @@ impl Forgetting {
     }
 }
 
-/// The distance within which all points of an edge are known to be reached.
+/// The distance within which all points of an edge are known to be reached, given those of its ends and its length.
 #[inline]
-fn reach(edge: &Edge) -> f64 {
-    0.5 * (edge.tail + edge.head + edge.length) * MARGIN
+pub(crate) fn reach([tail, head]: [f64; 2], length: f64) -> f64 {
+    0.5 * (tail + head + length) * MARGIN
 }

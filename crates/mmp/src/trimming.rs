@@ -4,7 +4,7 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Policy, Surface, Turn};
 use geobench_window::{Counter, Passage, Probe};
 
-use crate::forgetting::{Forgetting, Keep, Past};
+use crate::forgetting::{Forgetting, Keep, Past, reach};
 use crate::insertion::Inserter;
 use crate::lists::{Direction, Lists};
 
@@ -171,7 +171,9 @@ impl Policy for Trimming {
         };
         if self.keep == Keep::Wavefront {
             if !self.lists.is_waited_for(place.index()) {
-                self.forgetting.note(place, surface);
+                let edge = surface.edge(place);
+                let within = reach([edge.tail, edge.head], edge.length);
+                self.forgetting.note(place, within);
             }
             self.forgetting
                 .step(&mut self.lists, 1, || window.min_distance());

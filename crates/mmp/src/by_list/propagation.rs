@@ -10,7 +10,7 @@ use geobench_window::{
 
 use super::merge::{Merger, Run};
 use super::store::Store;
-use crate::forgetting::{Forgetting, Keep, Past};
+use crate::forgetting::{Forgetting, Keep, Past, reach};
 
 /// The counters of the algorithm, beside those of its queue.
 const COUNTERS: &[Counter] = &[
@@ -119,9 +119,6 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
         if taken.windows.is_empty() {
             return;
         }
-        if front.keep == Keep::Wavefront {
-            front.give_up(h, taken.windows.len(), label);
-        }
         probe.enter(Phase::Propagation);
         if P::COUNTS {
             front.waiting -= taken.windows.len();
@@ -131,16 +128,19 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
                 probe.sample(front.store.waiting().map(|stored| stored.label));
             }
         }
-        self.cross(h, probe);
+        self.cross(h, label, probe);
     }
 
-    /// Takes the windows whose turn it is across the face of `h`.
+    /// Takes the windows whose turn it is across the face of `h`; the nearest of them are at the distance `label`.
     #[inline]
-    fn cross<P: Probe>(&mut self, h: HalfEdgeId, probe: &mut P) {
+    fn cross<P: Probe>(&mut self, h: HalfEdgeId, label: f64, probe: &mut P) {
         let front = &mut self.front;
         let entrance = front.surface.faces().entrance(h);
         for target in entrance.exits.into_iter().flatten() {
             front.store.prepare(target.index());
+        }
+        if front.keep == Keep::Wavefront {
+            front.give_up(h, &entrance, self.taken.windows.len(), label);
         }
         let apex = entrance.corners[2];
         let known = front.surface.distance(apex);
@@ -192,11 +192,14 @@ impl<Q: Discipline> Front<'_, Q> {
         }
     }
 
-    /// So many windows of `h` have been taken, the least at this distance: gives up the lists that the wave has passed.
+    /// So many windows have been taken through `h`, the nearest at the distance `label`: gives up the lists that the wave has
+    /// passed.
     #[inline]
-    fn give_up(&mut self, h: HalfEdgeId, windows: usize, label: f64) {
+    fn give_up(&mut self, h: HalfEdgeId, entrance: &Entrance, windows: usize, label: f64) {
         if !self.store.is_waited_for(h.index()) {
-            self.forgetting.note(h, &self.surface);
+            let [tail, head, _] = entrance.corners;
+            let ends = [tail, head].map(|v| self.surface.distance(v));
+            self.forgetting.note(h, reach(ends, entrance.frame.l));
         }
         let windows = u32::try_from(windows).unwrap_or(u32::MAX);
         self.forgetting.step(&mut self.store, windows, || label);

@@ -62,7 +62,7 @@ impl Duel {
     /// The distances at both ends tell it for all cases but those in which there may be two tie points or
     /// the windows are equal at the ends: these are left [open](Duel::Open).
     #[inline(always)]
-    #[allow(clippy::inline_always)]
+    #[allow(clippy::inline_always)] // The windows are not to pass through memory.
     pub(crate) fn between(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
         let (held, offered) = (
             [old.distance(lo), old.distance(hi)],

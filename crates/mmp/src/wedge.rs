@@ -18,7 +18,7 @@ pub(crate) enum Fate {
 impl Fate {
     /// Where `new` is shorter than `behind`, the stored windows from the first on that it may meet.
     #[inline(always)]
-    #[allow(clippy::inline_always)]
+    #[allow(clippy::inline_always)] // The window is not to pass through memory.
     pub(crate) fn of<'a>(behind: impl Iterator<Item = &'a Window>, new: &Window, l: f64) -> Self {
         // What it has won so far: nothing while it has no width.
         let (mut start, mut end) = (new.b0, new.b0);

@@ -24,13 +24,14 @@
 //! edge, and cannot tell which of the two must go on. The CH and VTP families, which do not compare
 //! along the edge, are not affected; nor are single faces of no area.
 
+mod blocks;
 mod by_list;
 mod division;
 mod duel;
 mod forgetting;
 mod insertion;
 mod lists;
-mod rooms;
+
 mod trimming;
 mod wedge;
 

@@ -3,8 +3,8 @@
 use geobench_window::continuous::Turn;
 use geobench_window::{Window, prefetch};
 
+use crate::blocks::{FreeBlocks, GROUP, room, roomier};
 use crate::forgetting::Past;
-use crate::rooms::{GROUP, room};
 
 /// Which way a window crosses the edge of its list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,8 +86,7 @@ struct List {
 pub(crate) struct Lists {
     heads: Vec<List>,
     places: Vec<Place>,
-    /// For each size class the blocks that nobody uses.
-    free_blocks: Vec<Vec<u32>>,
+    free_blocks: FreeBlocks,
     windows: Vec<Window>,
     states: Vec<State>,
     free: Vec<Slot>,
@@ -330,24 +329,14 @@ impl Lists {
     #[inline(never)]
     fn relocate(&mut self, i: usize, len: usize) -> usize {
         let List { start, class, .. } = self.heads[i];
-        let mut larger = class + 1;
-        while room(larger) < len {
-            larger += 1;
-        }
-        if self.free_blocks.len() <= usize::from(larger) {
-            self.free_blocks.resize(usize::from(larger) + 1, Vec::new());
-        }
-        let to = self.free_blocks[usize::from(larger)]
-            .pop()
-            .unwrap_or_else(|| {
-                let to = self.places.len();
-                self.places.resize(to + room(larger), Place::NONE);
-                to as u32
-            });
+        let larger = roomier(class, len);
+        let to = self.free_blocks.take(larger).unwrap_or_else(|| {
+            let to = self.places.len();
+            self.places.resize(to + room(larger), Place::NONE);
+            to as u32
+        });
         self.places[to as usize + len..][..room(larger) - len].fill(Place::NONE);
-        if class > 0 {
-            self.free_blocks[usize::from(class)].push(start);
-        }
+        self.free_blocks.give(class, start);
         let list = &mut self.heads[i];
         (list.start, list.class) = (to, larger);
         to as usize
@@ -380,9 +369,7 @@ impl Past for Lists {
         let places = &self.places[start as usize..][..len as usize];
         self.stored -= places.len();
         self.free.extend(places.iter().map(|place| place.slot));
-        if class > 0 {
-            self.free_blocks[usize::from(class)].push(start);
-        }
+        self.free_blocks.give(class, start);
         self.heads[i] = List {
             closed: true,
             ..List::default()

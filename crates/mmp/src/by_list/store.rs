@@ -2,8 +2,8 @@
 
 use geobench_window::{Window, prefetch};
 
+use crate::blocks::{FreeBlocks, GROUP, room, roomier};
 use crate::forgetting::Past;
-use crate::rooms::{GROUP, room};
 
 /// A window of a list.
 #[derive(Clone, Copy, Debug)]
@@ -91,8 +91,7 @@ pub(super) struct Store {
     /// The level in the sequence tree of each window; empty unless it is to be kept.
     levels: Vec<u32>,
     keeps_levels: bool,
-    /// For each size class the blocks that nobody uses.
-    free_blocks: Vec<Vec<u32>>,
+    free_blocks: FreeBlocks,
     stored: usize,
     forgotten: usize,
 }
@@ -298,26 +297,16 @@ impl Store {
     #[inline(never)]
     fn relocate(&mut self, i: usize, len: usize) -> usize {
         let List { start, class, .. } = self.lists[i];
-        let mut larger = class + 1;
-        while room(larger) < len {
-            larger += 1;
-        }
-        if self.free_blocks.len() <= usize::from(larger) {
-            self.free_blocks.resize(usize::from(larger) + 1, Vec::new());
-        }
-        let to = self.free_blocks[usize::from(larger)]
-            .pop()
-            .unwrap_or_else(|| {
-                let to = self.windows.len();
-                self.windows.resize(to + room(larger), Stored::NONE);
-                if self.keeps_levels {
-                    self.levels.resize(self.windows.len(), 0);
-                }
-                to as u32
-            });
-        if class > 0 {
-            self.free_blocks[usize::from(class)].push(start);
-        }
+        let larger = roomier(class, len);
+        let to = self.free_blocks.take(larger).unwrap_or_else(|| {
+            let to = self.windows.len();
+            self.windows.resize(to + room(larger), Stored::NONE);
+            if self.keeps_levels {
+                self.levels.resize(self.windows.len(), 0);
+            }
+            to as u32
+        });
+        self.free_blocks.give(class, start);
         let list = &mut self.lists[i];
         (list.start, list.class) = (to, larger);
         to as usize
@@ -354,9 +343,7 @@ impl Past for Store {
         } = self.lists[i];
         self.stored -= len as usize;
         self.forgotten += len as usize;
-        if class > 0 {
-            self.free_blocks[usize::from(class)].push(start);
-        }
+        self.free_blocks.give(class, start);
         self.lists[i] = List {
             closed: true,
             ..List::default()

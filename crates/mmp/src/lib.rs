@@ -31,7 +31,6 @@ mod duel;
 mod forgetting;
 mod insertion;
 mod lists;
-
 mod trimming;
 mod wedge;
 

@@ -20,6 +20,8 @@ use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use crate::ledger::{Finding, Ledger, RunId};
 use crate::record::{ModelRecord, Session};
@@ -96,6 +98,26 @@ pub enum JournalError {
     },
 }
 
+/// How long to wait for another process to let go of a journal.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// How often to ask whether it has.
+const PAUSE: Duration = Duration::from_millis(10);
+
+/// Locks a journal, if no other process holds it for long.
+///
+/// A process that is killed while it starts one for a cell leaves its lock with that until it is there; whoever
+/// goes on with the journal at once must not be refused for that.
+fn lock(file: &File) -> Result<(), TryLockError> {
+    let deadline = Instant::now() + PATIENCE;
+    loop {
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) if Instant::now() < deadline => thread::sleep(PAUSE),
+            outcome => return outcome,
+        }
+    }
+}
+
 impl Journal {
     /// Opens the journal of the run that `header` describes, or starts it if there is no such file or
     /// an empty one, and notes that `session` goes on with it.
@@ -125,7 +147,7 @@ impl Journal {
             .truncate(false)
             .open(path)
             .map_err(fail("opened for writing"))?;
-        match file.try_lock() {
+        match lock(&file) {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 return Err(JournalError::Locked {

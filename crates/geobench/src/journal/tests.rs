@@ -2,6 +2,8 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::thread;
+use std::time::Duration;
 
 use super::{Header, Journal, JournalError};
 use crate::benchmark::{Outcome, run};
@@ -392,6 +394,20 @@ fn a_journal_is_written_by_one_process_at_a_time() {
     assert!(matches!(error, JournalError::Locked { .. }), "{error}");
     drop(first);
     assert_eq!(desk.open(&small()).unwrap().sessions().len(), 2);
+}
+
+/// The child of a process that was killed holds the lock for a moment. Whoever went on at once was refused then, once in some
+/// hundred times.
+#[test]
+fn a_journal_that_is_let_go_of_soon_is_waited_for() {
+    let desk = Desk::new();
+    let first = desk.open(&small()).unwrap();
+    let holder = thread::spawn(move || {
+        thread::sleep(Duration::from_millis(50));
+        drop(first);
+    });
+    assert_eq!(desk.open(&small()).unwrap().sessions().len(), 2);
+    holder.join().unwrap();
 }
 
 #[test]

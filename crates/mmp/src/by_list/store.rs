@@ -97,8 +97,8 @@ pub(super) struct Store {
 }
 
 impl Store {
-    /// Bytes of one stored window.
-    pub(super) const WINDOW_BYTES: usize = size_of::<Window>();
+    /// Bytes of one stored window with its label.
+    pub(super) const WINDOW_BYTES: usize = size_of::<Stored>();
 
     pub(super) fn new(count: usize) -> Self {
         Self {

@@ -85,9 +85,11 @@ struct Round {
     size: i64,
     /// The last bucket whose events are taken, `P_end`.
     end: u64,
-    /// Events that came into a bucket up to `end`.
-    near: i64,
-    /// Events that came beyond it.
+    /// The [place](Calendar::place) at which that bucket ends.
+    limit: f64,
+    /// Events that came.
+    came: i64,
+    /// Those of them that came into a bucket beyond `end`.
     beyond: i64,
 }
 
@@ -130,11 +132,8 @@ impl Buckets {
     /// A window, or a vertex, comes to wait in `bucket`.
     #[inline]
     fn welcome(&mut self, bucket: u64) {
-        if bucket > self.round.end {
-            self.round.beyond += 1;
-        } else {
-            self.round.near += 1;
-        }
+        self.round.came += 1;
+        self.round.beyond += i64::from(bucket > self.round.end);
         if let Some(weights) = &mut self.weights {
             weights.add(bucket);
         }
@@ -157,10 +156,12 @@ impl Buckets {
         self.round = Round {
             size: self.next_size(),
             end: first,
-            near: 0,
+            limit: 0.0,
+            came: 0,
             beyond: 0,
         };
         self.empty_buckets(first);
+        self.round.limit = (self.round.end + 1) as f64;
         self.events.clear();
         self.next = 0;
         for _ in 0..KNOWN {
@@ -183,8 +184,9 @@ impl Buckets {
             BatchSize::Adaptive { max } if self.round.size == 0 => (waiting, i64::from(max)),
             BatchSize::Adaptive { max } => {
                 let Round {
-                    size, near, beyond, ..
+                    size, came, beyond, ..
                 } = self.round;
+                let near = came - beyond;
                 (size + beyond - near, i64::from(max))
             }
         };
@@ -265,7 +267,7 @@ impl Discipline for Buckets {
 
     #[inline]
     fn is_due(&self, label: f64) -> bool {
-        self.calendar.bucket(label) <= self.round.end
+        self.calendar.place(label) < self.round.limit
     }
 
     #[inline]

@@ -191,7 +191,11 @@ fn may_tie_twice(old: &Window, new: &Window, lo: f64, hi: f64) -> bool {
     let leading = (a - delta) * (a + delta);
     let b = 0.5 * (leading + (old.py - new.py) * (old.py + new.py));
     let slope = |x: f64| leading * (x - new.px) + a * b;
-    (slope(lo) * slope(hi) <= 0.0) & (delta != 0.0) & (b * b + leading * new.py * new.py >= 0.0)
+    let sides = slope(lo) * slope(hi);
+    let lack = -(b * b + leading * new.py * new.py);
+    // Neither may be positive. Which one is, is chance: a single branch for both.
+    let greater = if sides > lack { sides } else { lack };
+    greater <= 0.0 && delta != 0.0
 }
 
 /// Whether the new one of two windows is shorter on a range without a tie.

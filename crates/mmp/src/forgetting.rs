@@ -51,7 +51,7 @@ pub enum Keep {
 const MARGIN: f64 = 1.0 + 1e-12;
 
 /// How often to look for lists that can be given up: every so many windows.
-const PERIOD: u32 = 16;
+const PERIOD: u32 = 64;
 
 /// Finds the lists that can be given up.
 ///

@@ -351,7 +351,8 @@ fn cross_all<P: Probe>(
         // The bent path is at least as long as the straight one.
         let spare = least - window.sigma;
         let (x, y) = (frame.cx - window.px, frame.cy - window.py);
-        if spare > 0.0 && x * x + y * y < spare * spare {
+        // Not if nothing is to spare either: with its sign, the square tells both at once.
+        if x * x + y * y < spare * spare.abs() {
             least = least.min(passage.bent_distance(&exits[side]));
         }
         put(side, passage.only_child(&exits[side]), k);

@@ -66,9 +66,15 @@ impl Calendar {
     /// The bucket that holds `label`. Labels in order have buckets in order.
     #[inline]
     pub fn bucket(&self, label: f64) -> u64 {
-        let place = less(label * self.per_length, LAST_BUCKET);
+        let place = self.place(label);
         let rounded = place + INTEGERS;
         rounded.to_bits() - INTEGERS.to_bits() - u64::from(rounded - INTEGERS > place)
+    }
+
+    /// Where `label` lies, in widths of a bucket: bucket k holds what is at k or above and below k + 1.
+    #[inline]
+    pub fn place(&self, label: f64) -> f64 {
+        less(label * self.per_length, LAST_BUCKET)
     }
 
     /// How far `label` lies within its bucket: from 0 to 1, up to rounding.

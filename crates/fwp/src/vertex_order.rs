@@ -1,6 +1,6 @@
 //! Vertices by distance: the schedule of VTP for windows that are taken one by one.
 
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
 use geobench_window::queue::{Arena, Chain, Discipline, Event, EventKind, MinHeap};
 use geobench_window::{Counter, Probe};
 
@@ -20,6 +20,8 @@ use geobench_window::{Counter, Probe};
 #[derive(Clone, Debug)]
 pub struct VertexOrder<'m> {
     mesh: &'m Mesh,
+    /// That of the half-edges of events.
+    numbering: Numbering,
     /// All vertices whose distances have improved, those with outdated labels included: such a one
     /// comes after its vertex has had its turn, and changes nothing.
     vertices: MinHeap<VertexId>,
@@ -36,8 +38,11 @@ pub struct VertexOrder<'m> {
 impl<'m> VertexOrder<'m> {
     /// An empty queue for the windows of `mesh`; O(faces).
     pub fn new(mesh: &'m Mesh) -> Self {
+        let mut numbering = Numbering::breadth_first(mesh);
+        numbering.keep_new_faces();
         Self {
             mesh,
+            numbering,
             vertices: MinHeap::default(),
             arena: Arena::default(),
             waiting: vec![Chain::EMPTY; mesh.half_edge_count()],
@@ -51,7 +56,7 @@ impl<'m> VertexOrder<'m> {
     fn pass(&mut self, v: VertexId) {
         self.step = self.step.saturating_add(1);
         for h in self.mesh.outgoing(v) {
-            let face = h.face();
+            let face = self.numbering.new_face(h.face());
             let joined = &mut self.joined[face.index()];
             if *joined == 0 {
                 *joined = self.step;

@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::{Mesh, Numbering, VertexId};
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution, Window};
 
 use crate::crossing::{Carry, Inspect, Least};
@@ -11,7 +11,6 @@ use crate::engine::dispatch;
 use crate::engine::hand::Hand;
 use crate::engine::kernels::{BestPath, Gate, Target};
 use crate::engine::levels::Levels;
-use crate::engine::numbering::Numbering;
 use crate::engine::prefetch::{line, prefetch};
 use crate::engine::store::NO_LIST;
 use crate::engine::surface::{Face, NOBODY, Surface, next, parts, prev};
@@ -49,7 +48,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
     pub fn new(mesh: &'m Mesh) -> Self {
         let mut numbering = Numbering::breadth_first(mesh);
         let surface = Surface::new(mesh, &numbering);
-        numbering.forget_faces();
+        numbering.keep_new_vertices();
         let faces = mesh.face_count();
         Self {
             mesh,
@@ -388,7 +387,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<'_
         probe.add(Counter::WindowBytes, size_of::<Window>() as u64);
         let sources: Vec<u32> = sources
             .iter()
-            .map(|&s| self.numbering.new_vertex(s))
+            .map(|&s| self.numbering.new_vertex(s).raw())
             .collect();
         for &s in &sources {
             self.distances[s as usize] = 0.0;

@@ -171,11 +171,10 @@ fn push_and_trim(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) {
 
 #[cfg(test)]
 mod tests {
-    use geobench_mesh::{Mesh, TriangleSoup};
+    use geobench_mesh::{Mesh, Numbering, TriangleSoup};
 
     use super::*;
     use crate::engine::lanes::Scalar;
-    use crate::engine::numbering::Numbering;
 
     fn window(b0: f64, b1: f64, px: f64, py: f64, sigma: f64) -> Window {
         Window {

@@ -1,6 +1,6 @@
 //! The frame of a half-edge, and the compact table from which frames are read.
 
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
 
 use crate::prefetch::prefetch;
 
@@ -147,7 +147,8 @@ pub(crate) struct HalfEdge {
 }
 
 impl HalfEdge {
-    fn new(mesh: &Mesh, h: HalfEdgeId) -> Self {
+    /// The half-edge `h` of `mesh`, in the numbers of `numbering`.
+    fn new(mesh: &Mesh, numbering: &Numbering, h: HalfEdgeId) -> Self {
         let length = mesh.length(h);
         let first = h.face().half_edge(0);
         // The area of the face is one number, from whichever side it is looked at.
@@ -157,10 +158,10 @@ impl HalfEdge {
             inverse_length: length.recip(),
             apex: [mesh.apex(h)[0], twice_area * length.recip()],
             outlet: Outlet {
-                twin: mesh.twin(h).map_or(u32::MAX, HalfEdgeId::raw),
+                twin: (mesh.twin(h)).map_or(u32::MAX, |twin| numbering.new_half_edge(twin).raw()),
                 corners: [mesh.head(h), mesh.tail(h), mesh.tail(h.prev())],
             },
-            exits: [h.prev(), h.next()],
+            exits: [h.prev(), h.next()].map(|e| numbering.new_half_edge(e)),
         }
     }
 
@@ -183,15 +184,36 @@ impl HalfEdge {
 #[derive(Clone, Debug)]
 pub struct Faces {
     half_edges: Vec<HalfEdge>,
+    /// Where the faces of the mesh are.
+    numbering: Numbering,
 }
 
 impl Faces {
-    /// Lays out the faces of `mesh`; O(faces).
+    /// Lays out the faces of `mesh` in its own order; O(faces).
     pub fn new(mesh: &Mesh) -> Self {
-        let half_edges = mesh.half_edges().map(|h| HalfEdge::new(mesh, h));
-        Self {
-            half_edges: half_edges.collect(),
+        Self::in_order(mesh, Numbering::same())
+    }
+
+    /// Lays out the faces of `mesh` in the order of `numbering`, whose numbers its half-edges then have here and wherever they come
+    /// from here; vertices keep theirs. O(faces).
+    pub fn in_order(mesh: &Mesh, mut numbering: Numbering) -> Self {
+        let mut half_edges = Vec::with_capacity(mesh.half_edge_count());
+        for f in 0..mesh.face_count() as u32 {
+            let face = numbering.old_face(FaceId::new(f));
+            let sides = [0, 1, 2].map(|corner| face.half_edge(corner));
+            half_edges.extend(sides.map(|h| HalfEdge::new(mesh, &numbering, h)));
         }
+        numbering.keep_new_faces();
+        Self {
+            half_edges,
+            numbering,
+        }
+    }
+
+    /// The number here of a half-edge of the mesh.
+    #[inline]
+    pub fn number(&self, h: HalfEdgeId) -> HalfEdgeId {
+        self.numbering.new_half_edge(h)
     }
 
     /// The half-edge `h`.

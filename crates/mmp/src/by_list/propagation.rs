@@ -220,12 +220,14 @@ impl<Q: Discipline> Front<'_, Q> {
         let sigma = self.surface.distance(v);
         let mesh = self.mesh;
         for &h in mesh.outgoing(v) {
+            let h = self.surface.faces().number(h);
             let edges = self.surface.faces().edges_at_tail(h);
             for (neighbour, length) in edges.into_iter().flatten() {
                 self.offer(neighbour, sigma + length, probe);
             }
         }
         for &h in mesh.outgoing(v) {
+            let h = self.surface.faces().number(h);
             if let Some((target, window)) = spawn_window(self.surface.faces(), h, sigma) {
                 probe.add(Counter::Spawned, 1);
                 run.clear();

@@ -7,14 +7,12 @@
 #[doc(hidden)]
 pub mod bench_support;
 pub(crate) mod buckets;
-mod curve;
 pub(crate) mod dispatch;
 pub(crate) mod hand;
 mod instructions;
 pub(crate) mod kernels;
 pub(crate) mod lanes;
 pub(crate) mod levels;
-pub(crate) mod numbering;
 pub(crate) mod prefetch;
 pub(crate) mod sample;
 pub(crate) mod shadow;

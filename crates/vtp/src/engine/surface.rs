@@ -2,10 +2,9 @@
 
 use std::ops::Range;
 
-use geobench_mesh::{HalfEdgeId, Mesh};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
 
 use super::kernels::{Gate, Triangle};
-use super::numbering::Numbering;
 use super::store::NO_LIST;
 
 /// Stands for a neighbour that does not exist.
@@ -14,6 +13,11 @@ pub(crate) const NOBODY: u32 = u32::MAX;
 /// Number 4f + k for corner k of face f, so that the face and the corner are bits of it.
 pub(crate) const fn half_edge(face: u32, corner: usize) -> u32 {
     4 * face + corner as u32
+}
+
+/// The number here of a half-edge of the mesh.
+fn number(numbering: &Numbering, h: HalfEdgeId) -> u32 {
+    half_edge(numbering.new_face(h.face()).raw(), h.corner() as usize)
 }
 
 /// The face of a half-edge, and its corner.
@@ -61,16 +65,13 @@ const _: () = assert!(size_of::<Face>() == 128);
 
 impl Face {
     fn new(mesh: &Mesh, numbering: &Numbering, face: u32) -> Self {
-        let f = numbering.old_face(face);
+        let f = numbering.old_face(FaceId::new(face));
         let sides = [0, 1, 2].map(|corner| f.half_edge(corner));
         let length = sides.map(|h| mesh.length(h));
         Self {
             length,
-            vertex: sides.map(|h| numbering.new_vertex(mesh.tail(h))),
-            twin: sides.map(|h| {
-                mesh.twin(h)
-                    .map_or(NOBODY, |twin| numbering.new_half_edge(twin))
-            }),
+            vertex: sides.map(|h| numbering.new_vertex(mesh.tail(h)).raw()),
+            twin: sides.map(|h| mesh.twin(h).map_or(NOBODY, |twin| number(numbering, twin))),
             list: [NO_LIST; 3],
             joined: 0,
             queued: [false; 3],
@@ -145,8 +146,8 @@ impl Surface {
             libm::atan2(y, x) as f32
         };
         let vertex_of = |v: u32| {
-            let v = numbering.old_vertex(v);
-            rings.extend(mesh.outgoing(v).iter().map(|&h| numbering.new_half_edge(h)));
+            let v = numbering.old_vertex(VertexId::new(v));
+            rings.extend(mesh.outgoing(v).iter().map(|&h| number(numbering, h)));
             angles.extend(mesh.outgoing(v).iter().map(|&h| angle(h)));
             ring_starts.push(rings.len() as u32);
             Vertex {

@@ -1,6 +1,6 @@
 //! The main loop: buckets of vertices have their turns, and lists cross faces until all wait.
 
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::{Mesh, Numbering, VertexId};
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution};
 
 use super::options::Options;
@@ -9,7 +9,6 @@ use crate::engine::dispatch::{self, Program};
 use crate::engine::kernels::{self, BestPath, Cuts, Gate, Measured, Target};
 use crate::engine::lanes::Lanes;
 use crate::engine::levels::Levels;
-use crate::engine::numbering::Numbering;
 use crate::engine::prefetch::{line, prefetch};
 use crate::engine::sample::Sample;
 use crate::engine::shadow::Origin;
@@ -74,7 +73,7 @@ impl<'m> VtpFast<'m> {
             Numbering::same()
         };
         let surface = Surface::new(mesh, &numbering);
-        numbering.forget_faces();
+        numbering.keep_new_vertices();
         let vertices = mesh.vertex_count();
         Self {
             mesh,
@@ -439,7 +438,7 @@ impl Propagate for VtpFast<'_> {
         probe.add(Counter::WindowBytes, 40);
         let sources: Vec<u32> = sources
             .iter()
-            .map(|&s| self.numbering.new_vertex(s))
+            .map(|&s| self.numbering.new_vertex(s).raw())
             .collect();
         for &s in &sources {
             self.distances[s as usize] = 0.0;

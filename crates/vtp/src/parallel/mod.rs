@@ -16,7 +16,7 @@ mod worker;
 use std::panic::resume_unwind;
 use std::thread;
 
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::{Mesh, Numbering, VertexId};
 use geobench_window::{Counter, Probe, Propagate, Solution};
 
 use self::barrier::{BreakOnPanic, Broken};
@@ -24,7 +24,6 @@ use self::field::{Field, MOST_THREADS};
 use self::worker::Worker;
 use crate::engine::dispatch::{self, Program};
 use crate::engine::lanes::Lanes;
-use crate::engine::numbering::Numbering;
 use crate::engine::sample::Sample;
 use crate::engine::surface::Surface;
 use crate::fast::Options;
@@ -55,7 +54,7 @@ impl<'m> Pvtp<'m> {
             Numbering::same()
         };
         let surface = Surface::new(mesh, &numbering);
-        numbering.forget_faces();
+        numbering.keep_new_vertices();
         let bucket = options.bucket * surface.mean_length;
         let compared = Sample::new(options.pairs);
         Self {
@@ -112,7 +111,7 @@ impl<P: Probe> Program for Part<'_, P> {
             .start;
         for (i, distance) in self.distances.iter_mut().enumerate() {
             let v = self.numbering.new_vertex(VertexId::new((first + i) as u32));
-            *distance = self.field.distance(v);
+            *distance = self.field.distance(v.raw());
         }
         Ok(())
     }
@@ -144,7 +143,7 @@ impl Propagate for Pvtp<'_> {
         probe.add(Counter::WindowBytes, 40);
         let sources: Vec<u32> = sources
             .iter()
-            .map(|&s| self.numbering.new_vertex(s))
+            .map(|&s| self.numbering.new_vertex(s).raw())
             .collect();
         let vertices = self.mesh.vertex_count();
         let mut distances = vec![0.0; vertices];

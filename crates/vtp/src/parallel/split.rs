@@ -139,9 +139,8 @@ impl Split {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::numbering::Numbering;
-    use geobench_mesh::Mesh;
     use geobench_mesh::generate::generate;
+    use geobench_mesh::{Mesh, Numbering};
 
     fn surface() -> Surface {
         let soup = generate(&"gen:terrain,n=60,seed=2".parse().unwrap()).unwrap();

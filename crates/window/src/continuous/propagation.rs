@@ -105,6 +105,7 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         let sigma = self.surface.distance(v);
         let mesh = self.mesh;
         for &h in mesh.outgoing(v) {
+            let h = self.surface.faces().number(h);
             let edges = self.surface.faces().edges_at_tail(h);
             for (neighbour, length) in edges.into_iter().flatten() {
                 self.offer(neighbour, sigma + length, probe);
@@ -112,6 +113,7 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         }
         let lineage = self.policy.root(v, &self.surface);
         for &h in mesh.outgoing(v) {
+            let h = self.surface.faces().number(h);
             if let Some((target, window)) = spawn_window(self.surface.faces(), h, sigma) {
                 probe.add(Counter::Spawned, 1);
                 let edge = self.surface.edge(target);

@@ -1,6 +1,6 @@
 //! The faces and what is known of the vertices during a run.
 
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
 
 use super::edge::{Behind, Edge};
 use crate::frame::Faces;
@@ -14,10 +14,11 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The faces of `mesh`; O(faces).
+    /// The faces of `mesh`, laid out [breadth first](Numbering::breadth_first): half-edges have the numbers of that order, from
+    /// [`Faces::number`]; O(faces).
     pub fn new(mesh: &Mesh) -> Self {
         Self {
-            faces: Faces::new(mesh),
+            faces: Faces::in_order(mesh, Numbering::breadth_first(mesh)),
             distances: Vec::new(),
         }
     }

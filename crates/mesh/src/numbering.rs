@@ -1,14 +1,20 @@
 //! An order of vertices and faces in which neighbours are near each other in memory.
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
+mod curve;
 
-use super::curve;
-use super::surface::half_edge;
+use crate::{FaceId, HalfEdgeId, Mesh, VertexId};
 
-/// From the mesh's numbers to the solver's and back.
+/// From a mesh's numbers of vertices and faces to others, the *new* ones, and back.
+///
+/// A solver that lays the mesh out for itself does so in an order in which a wavefront meets its parts, whatever the
+/// order of the file: the numbers that are its own stay inside it. The corners of a face keep their order.
+///
+/// # Panics
+///
+/// All methods, if they are given the number of a vertex or of a face that the mesh does not have.
 #[derive(Clone, Debug)]
-pub(crate) struct Numbering {
-    /// Empty if the numbers are the same.
+pub struct Numbering {
+    /// All empty if the numbers are the same.
     old_vertices: Vec<u32>,
     new_vertices: Vec<u32>,
     old_faces: Vec<u32>,
@@ -20,7 +26,7 @@ const NONE: u32 = u32::MAX;
 
 impl Numbering {
     /// The mesh's own order.
-    pub(crate) fn same() -> Self {
+    pub fn same() -> Self {
         Self {
             old_vertices: vec![],
             new_vertices: vec![],
@@ -31,7 +37,7 @@ impl Numbering {
 
     /// Breadth first from the first vertex of each component: close to the order in which a wavefront
     /// meets them, wherever it starts. O(faces).
-    pub(crate) fn breadth_first(mesh: &Mesh) -> Self {
+    pub fn breadth_first(mesh: &Mesh) -> Self {
         let mut numbering = Self::none(mesh);
         for start in mesh.vertices() {
             let mut place = numbering.old_vertices.len();
@@ -51,7 +57,7 @@ impl Numbering {
     /// Along a space-filling curve through the positions of the vertices, so that a range of numbers is a part
     /// of the surface in one piece or a few; breadth first for a mesh without positions. O(n log n) for n
     /// vertices.
-    pub(crate) fn along_curve(mesh: &Mesh) -> Self {
+    pub fn along_curve(mesh: &Mesh) -> Self {
         let mut order: Vec<_> = curve::places(mesh.positions())
             .into_iter()
             .zip(mesh.vertices())
@@ -97,32 +103,54 @@ impl Numbering {
         }
     }
 
-    pub(crate) fn old_vertex(&self, v: u32) -> VertexId {
-        VertexId::new(self.old_vertices.get(v as usize).copied().unwrap_or(v))
+    /// The vertex of the mesh whose new number is `v`.
+    #[inline]
+    pub fn old_vertex(&self, v: VertexId) -> VertexId {
+        self.old_vertices
+            .get(v.index())
+            .map_or(v, |&v| VertexId::new(v))
     }
 
-    pub(crate) fn new_vertex(&self, v: VertexId) -> u32 {
-        self.new_vertices.get(v.index()).copied().unwrap_or(v.raw())
+    /// The new number of a vertex of the mesh.
+    #[inline]
+    pub fn new_vertex(&self, v: VertexId) -> VertexId {
+        self.new_vertices
+            .get(v.index())
+            .map_or(v, |&v| VertexId::new(v))
     }
 
-    pub(crate) fn old_face(&self, f: u32) -> FaceId {
-        FaceId::new(self.old_faces.get(f as usize).copied().unwrap_or(f))
+    /// The face of the mesh whose new number is `f`.
+    #[inline]
+    pub fn old_face(&self, f: FaceId) -> FaceId {
+        self.old_faces.get(f.index()).map_or(f, |&f| FaceId::new(f))
     }
 
-    pub(crate) fn new_half_edge(&self, h: HalfEdgeId) -> u32 {
-        let face = self.new_faces.get(h.face().index()).copied();
-        half_edge(face.unwrap_or(h.face().raw()), h.corner() as usize)
+    /// The new number of a face of the mesh.
+    #[inline]
+    pub fn new_face(&self, f: FaceId) -> FaceId {
+        self.new_faces.get(f.index()).map_or(f, |&f| FaceId::new(f))
     }
 
-    /// Drops what only setting up needs.
-    pub(crate) fn forget_faces(&mut self) {
-        self.old_faces = Vec::new();
-        self.new_faces = Vec::new();
+    /// The new number of a half-edge of the mesh: the same corner of its face.
+    #[inline]
+    pub fn new_half_edge(&self, h: HalfEdgeId) -> HalfEdgeId {
+        self.new_face(h.face()).half_edge(h.corner())
+    }
+
+    /// Keeps the new numbers of vertices and drops all else, which only setting up needs.
+    pub fn keep_new_vertices(&mut self) {
+        (self.old_faces, self.new_faces) = (Vec::new(), Vec::new());
         self.old_vertices = Vec::new();
     }
 
-    /// `values` of the vertices in the mesh's order.
-    pub(crate) fn restore(&self, values: &[f64]) -> Vec<f64> {
+    /// Keeps the new numbers of faces and drops all else.
+    pub fn keep_new_faces(&mut self) {
+        (self.old_vertices, self.new_vertices) = (Vec::new(), Vec::new());
+        self.old_faces = Vec::new();
+    }
+
+    /// `values` of the vertices, in the order of their new numbers, in the mesh's order.
+    pub fn restore(&self, values: &[f64]) -> Vec<f64> {
         if self.new_vertices.is_empty() {
             return values.to_vec();
         }
@@ -133,9 +161,8 @@ impl Numbering {
 
 #[cfg(test)]
 mod tests {
-    use geobench_mesh::TriangleSoup;
-
     use super::*;
+    use crate::TriangleSoup;
 
     #[test]
     fn every_vertex_and_face_has_one_number_and_neighbours_are_near() {
@@ -146,7 +173,7 @@ mod tests {
         let triangles = vec![[0, 5, 7], [7, 5, 2], [1, 3, 4]];
         let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, triangles)).unwrap();
         let numbering = Numbering::breadth_first(&mesh);
-        let mut component = [0, 5, 7, 2].map(|v| numbering.new_vertex(VertexId::new(v)));
+        let mut component = [0, 5, 7, 2].map(|v| numbering.new_vertex(VertexId::new(v)).raw());
         component.sort_unstable();
         assert_eq!(component, [0, 1, 2, 3]);
         check(&mesh, &numbering);
@@ -160,11 +187,11 @@ mod tests {
             assert_eq!(numbering.old_vertex(numbering.new_vertex(v)), v);
         }
         for h in mesh.half_edges() {
-            let (f, k) = super::super::surface::parts(numbering.new_half_edge(h));
-            assert_eq!(numbering.old_face(f as u32).half_edge(k as u32), h);
+            let new = numbering.new_half_edge(h);
+            assert_eq!(numbering.old_face(new.face()).half_edge(new.corner()), h);
         }
         let values: Vec<f64> = (0..8)
-            .map(|v| f64::from(numbering.old_vertex(v).raw()))
+            .map(|v| f64::from(numbering.old_vertex(VertexId::new(v)).raw()))
             .collect();
         let restored = numbering.restore(&values);
         assert_eq!(restored, (0..8).map(f64::from).collect::<Vec<_>>());

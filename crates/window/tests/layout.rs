@@ -1,0 +1,30 @@
+//! Faces laid out in an order of their own are the faces of the mesh.
+
+use geobench_mesh::generate::generate;
+use geobench_mesh::{Mesh, Numbering};
+use geobench_window::{Entrance, Faces};
+
+#[test]
+fn faces_in_another_order_are_the_same_faces() {
+    // With a boundary, and numbered by rows, which neither order follows.
+    let spec = "plate".parse().expect("the name of a generator");
+    let soup = generate(&spec).expect("its parameters have defaults");
+    let (mesh, _) = Mesh::from_soup(soup).expect("what is generated is valid");
+    let plain = Faces::new(&mesh);
+    for (numbering, is_other) in [
+        (Numbering::same(), false),
+        (Numbering::breadth_first(&mesh), true),
+        (Numbering::along_curve(&mesh), true),
+    ] {
+        let faces = Faces::in_order(&mesh, numbering);
+        assert_eq!(mesh.half_edges().any(|h| faces.number(h) != h), is_other);
+        for h in mesh.half_edges() {
+            let expected = plain.entrance(h);
+            let expected = Entrance {
+                exits: expected.exits.map(|exit| exit.map(|e| faces.number(e))),
+                ..expected
+            };
+            assert_eq!(faces.entrance(faces.number(h)), expected, "{h:?}");
+        }
+    }
+}

@@ -69,6 +69,14 @@ fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
             ),
         });
     }
+    // Less than a triangle may follow, as padding does; whole ones would be lost without a word.
+    let more = there as u64 - u64::from(count);
+    if more > 0 {
+        return Err(Flaw::file(format!(
+            "the header declares {count} triangles, but the file has room for {more} more after \
+             them; correct the count in bytes 80 to 83, or cut off what follows"
+        )));
+    }
     // `stl_io` takes anything that starts with "solid " for text.
     let mut blank = bytes.to_vec();
     blank[..HEADER - 4].fill(0);

@@ -332,6 +332,24 @@ fn broken_binary_ply() {
 }
 
 #[test]
+fn faces_that_a_binary_ply_header_does_not_count_are_not_lost_in_silence() {
+    let mut file = ply_header("binary_little_endian", "3", "1");
+    file.extend_from_slice(&[0; 36]);
+    let face = [3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0];
+    file.extend_from_slice(&face);
+    file.extend_from_slice(b"\n\0");
+    assert_eq!(parse(Format::Ply, &file).unwrap().triangles, [[0, 1, 2]]);
+    file.truncate(file.len() - 2);
+    file.extend_from_slice(&face);
+    fails(
+        Format::Ply,
+        &file,
+        "13 bytes come after all the elements that the header declares; correct its counts, or \
+         cut them off",
+    );
+}
+
+#[test]
 fn lying_headers_reserve_nothing() {
     // With any of these counts taken at its word the test would need gigabytes or hours.
     for count in ["4000000000", "18446744073709551615"] {
@@ -408,6 +426,27 @@ fn broken_stl() {
         "triangle 1 (byte 134): the file ends within it, though the header declares 2 triangles; \
          fetch it again",
     );
+}
+
+#[test]
+fn triangles_that_a_binary_stl_header_does_not_count_are_not_lost_in_silence() {
+    let mut file = samples::all()[6].2.clone();
+    for count in [0, 1] {
+        file[80] = count;
+        fails(
+            Format::Stl,
+            &file,
+            &format!(
+                "the header declares {count} triangles, but the file has room for {} more after \
+                 them; correct the count in bytes 80 to 83, or cut off what follows",
+                2 - count
+            ),
+        );
+    }
+    // Padding that is shorter than a triangle.
+    file[80] = 2;
+    file.extend_from_slice(&[7; 49]);
+    assert_eq!(parse(Format::Stl, &file).unwrap().triangles.len(), 2);
 }
 
 #[test]

@@ -10,8 +10,9 @@ use super::header::Header;
 use super::row::{FaceRow, Skipped, VertexRow};
 use crate::io::error::{Flaw, Place};
 
-/// Reads the payload `bytes`, which ends a file of `file_size` bytes. What follows the declared
-/// elements is ignored.
+/// Reads the payload `bytes`, which ends a file of `file_size` bytes. Blanks and
+/// zero bytes may follow the declared elements, and nothing else: elements that the header does not count would be lost
+/// without a word.
 pub(super) fn read(header: &Header, bytes: &[u8], file_size: usize) -> Result<Contents, Flaw> {
     let smallest = |name| {
         let element = header.elements.iter().find(|e| e.name == name);
@@ -44,7 +45,14 @@ pub(super) fn read(header: &Header, bytes: &[u8], file_size: usize) -> Result<Co
             _ => input.each::<Skipped>("skipped element", element, |_| Ok(()))?,
         }
     }
-    Ok(contents)
+    let filling = |byte: &u8| *byte == 0 || byte.is_ascii_whitespace();
+    match input.rest.len() {
+        more if !input.rest.iter().all(filling) => Err(Flaw::file(format!(
+            "{more} bytes come after all the elements that the header declares; correct its \
+             counts, or cut them off"
+        ))),
+        _ => Ok(contents),
+    }
 }
 
 /// The bytes that an element takes if all its lists are empty.

@@ -218,7 +218,6 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     Ok(plans)
 }
 
-/// Takes limits away that nobody would keep, and says so where somebody asked for them.
 /// What is wanted as far as it can be had, with notes on what cannot.
 fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let Plans {
@@ -228,8 +227,20 @@ fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     if plans.is_empty() {
         bail!("there is nothing to run: {}", notes.join("; "));
     }
-    let algorithms = plans.iter().flat_map(|plan| &plan.algorithms);
-    notes.extend(options.isolation.crowding(algorithms));
+    let algorithms = || plans.iter().flat_map(|plan| &plan.algorithms);
+    let runs = |name: &str| algorithms().any(|algorithm| algorithm.label() == name);
+    for base in plans.iter().filter_map(|p| p.group.ratios_to.as_deref()) {
+        let problem = format!("no ratios to `{base}`, for it is not among the algorithms that run");
+        if runs(base) || notes.contains(&problem) {
+            continue;
+        }
+        if options.ratios_to.is_some() {
+            bail!("{problem}; name it in --algo");
+        }
+        // The suite wants them, but not with the algorithms that the options ask for.
+        notes.push(problem);
+    }
+    notes.extend(options.isolation.crowding(algorithms()));
     if !options.isolation.keeps_limits() {
         drop_limits(&mut plans, &mut notes);
     }
@@ -244,6 +255,7 @@ fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     Ok(Plans { plans, notes })
 }
 
+/// Takes limits away that nobody would keep, and says so where somebody asked for them.
 fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
     for plan in plans {
         let Limits { timeout, memory } = plan.limits;

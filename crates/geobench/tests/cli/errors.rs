@@ -210,3 +210,21 @@ fn files_that_cannot_be_written_are_found_before_the_work() {
         "{found}"
     );
 }
+
+#[test]
+fn ratios_to_an_algorithm_that_does_not_run_are_not_left_out_in_silence() {
+    let sandbox = Sandbox::with_square();
+    sandbox.write(
+        "s.toml",
+        "ratios_to = \"ich\"\n[[group]]\nname = \"a\"\nmodels = [\"square.off\"]\nalgorithms = [\"mmp\"]\n",
+    );
+    let problem = "no ratios to `ich`, for it is not among the algorithms that run";
+    assert_eq!(
+        sandbox.refuse("run square.off --algo mmp,vtp --ratios-to ich"),
+        format!("{problem}; name it in --algo")
+    );
+    let outcome = sandbox.call("run --config s.toml --repeat 1");
+    assert_eq!(outcome.code, 0);
+    let warning = format!("geobench: warning: {problem}\n");
+    assert_eq!(outcome.stderr.matches(&warning).count(), 1);
+}

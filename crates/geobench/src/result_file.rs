@@ -93,16 +93,41 @@ pub fn parse(path: &Path, text: &str) -> Result<ResultFile, ReadError> {
         }
     }
     let mut json = serde_json::Deserializer::from_str(text);
-    serde_path_to_error::deserialize(&mut json).map_err(|error| ReadError::Field {
-        path,
-        field: error.path().to_string(),
-        problem: error.into_inner().to_string(),
-    })
+    match serde_path_to_error::deserialize(&mut json) {
+        Ok(file) => match negative_time(&file) {
+            Some((field, problem)) => Err(ReadError::Field {
+                path,
+                field,
+                problem,
+            }),
+            None => Ok(file),
+        },
+        Err(error) => Err(ReadError::Field {
+            path,
+            field: error.path().to_string(),
+            problem: error.into_inner().to_string(),
+        }),
+    }
+}
+
+/// The first sample that is no time, and why.
+fn negative_time(file: &ResultFile) -> Option<(String, String)> {
+    let cells = file.cells.iter().enumerate();
+    let mut samples = cells.flat_map(|(cell, of)| {
+        let samples = of.time.samples.iter().enumerate();
+        samples.map(move |(sample, &seconds)| (cell, sample, seconds))
+    });
+    let (cell, sample, seconds) = samples.find(|&(_, _, seconds)| seconds < 0.0)?;
+    Some((
+        format!("cells[{cell}].time.samples[{sample}]"),
+        format!("{seconds} is no time: it is below 0"),
+    ))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rehearsal::{self, Rehearsal};
 
     fn refused(text: &str) -> String {
         parse(Path::new("r.json"), text).unwrap_err().to_string()
@@ -125,6 +150,13 @@ mod tests {
         }
     }
 
+    /// The text of a made-up result file.
+    fn rehearsed() -> String {
+        let plan = rehearsal::plan(&["cow"], "mmp,vtp", "0");
+        let file = rehearsal::result(rehearsal::rehearse(&plan, &mut Rehearsal::default()));
+        serde_json::to_string(&file).unwrap()
+    }
+
     #[test]
     fn a_bad_field_is_named() {
         let error = refused(
@@ -133,6 +165,12 @@ mod tests {
         assert!(
             error.starts_with("r.json: field `tool.commit`: invalid type: integer `3`"),
             "{error}"
+        );
+        let mut file: serde_json::Value = serde_json::from_str(&rehearsed()).unwrap();
+        file["cells"][1]["time"]["samples"][2] = (-0.5).into();
+        assert_eq!(
+            refused(&file.to_string()),
+            "r.json: field `cells[1].time.samples[2]`: -0.5 is no time: it is below 0"
         );
         let error = refused(r#"{"schema": "geobench/1"}"#);
         assert!(error.contains("missing field `tool`"), "{error}");

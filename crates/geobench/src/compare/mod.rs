@@ -195,12 +195,12 @@ fn change(cell: Key, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> Cel
     }
     let both_ok = old.status == Status::Ok && new.status == Status::Ok;
     let time = TimeChange::between(&old.time, &new.time, paired).filter(|_| both_ok);
-    if let (Some(time), Some(rule)) = (&time, rules.on(None))
-        && time.is_above(rule.limit)
+    if let Some(rule) = rules.on(None).filter(|_| both_ok)
+        && let Some(what) = worse_time(time.as_ref(), old, new, rule)
     {
         regressions.push(Regression {
             rule: Some(rule.to_string()),
-            what: format!("time {}", time.in_words()),
+            what,
         });
     }
     let mut figures = Vec::new();
@@ -237,6 +237,20 @@ fn change(cell: Key, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> Cel
         time,
         figures,
         regressions,
+    }
+}
+
+/// In what a cell that ends well breaks the rule on times, if it does.
+fn worse_time(time: Option<&TimeChange>, old: &Cell, new: &Cell, rule: &Rule) -> Option<String> {
+    match (time, old.time.median) {
+        (Some(time), _) => time
+            .is_above(rule.limit)
+            .then(|| format!("time {}", time.in_words())),
+        // As with the other figures: a gate must not fall silent.
+        (None, Some(median)) if new.time.samples.is_empty() => {
+            Some(format!("time {median} s -> none"))
+        }
+        (None, _) => None,
     }
 }
 
@@ -295,17 +309,31 @@ fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
         .filter(|c| c.status == [Status::Ok; 2])
         .collect();
     let mut notes = Vec::new();
+    let rule_on_time = rules.on(None).map(Rule::to_string);
+    let without_effect = rule_on_time.as_ref().map_or_else(String::new, |rule| {
+        format!(", so that the rule {rule} cannot be broken there")
+    });
+    let mut note_on_times = |cells: usize, what: &str| {
+        if cells > 0 {
+            let all = well.len();
+            notes.push(format!("{cells} of {all} cells {what}{without_effect}"));
+        }
+    };
     let times = well.iter().filter_map(|c| c.time.as_ref());
-    let without = times.filter(|time| time.ci95.is_none()).count();
-    if without > 0 {
-        let rule = rules.on(None).map_or_else(String::new, |rule| {
-            format!(", so that the rule {rule} cannot be broken there")
-        });
-        notes.push(format!(
-            "{without} of {} cells have too few samples for an interval of the time{rule}",
-            well.len()
-        ));
-    }
+    note_on_times(
+        times.filter(|time| time.ci95.is_none()).count(),
+        "have too few samples for an interval of the time",
+    );
+    let broken = |c: &CellChange| {
+        let mut rules = c.regressions.iter().filter_map(|r| r.rule.as_ref());
+        rules.any(|rule| Some(rule) == rule_on_time.as_ref())
+    };
+    note_on_times(
+        well.iter()
+            .filter(|c| c.time.is_none() && !broken(c))
+            .count(),
+        "lack times above 0 in one of the files",
+    );
     for rule in rules.iter() {
         let Some(measure) = rule.measure else {
             continue;

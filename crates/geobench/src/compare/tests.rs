@@ -212,6 +212,34 @@ fn a_figure_that_is_gone_breaks_its_rule_and_a_new_one_does_not() {
 }
 
 #[test]
+fn times_that_are_gone_or_0_do_not_pass_a_rule_on_time_in_silence() {
+    let (old, mut new) = (file(), file());
+    cell(&mut new, "horse", "vtp").time = crate::record::Time::default();
+    scale(cell(&mut new, "cow|2", "ich"), 0.0);
+    let comparison = compared(&old, &new, "time=10%");
+    let median = old.cells.last().unwrap().time.median.unwrap();
+    assert_eq!(
+        worse(&comparison),
+        [format!("horse, vtp, source 0: time {median} s -> none")]
+    );
+    assert_eq!(
+        comparison.notes,
+        [
+            "1 of 6 cells lack times above 0 in one of the files, so that the rule time=10% cannot be broken there"
+        ]
+    );
+    let shown = ComparisonFormat::Table.render(&comparison, false).unwrap();
+    assert!(shown.contains("gone !"), "{shown}");
+    // Without a rule it is said as well.
+    let comparison = compared(&old, &new, "propagated=0");
+    assert_eq!(worse(&comparison), [""; 0]);
+    assert_eq!(
+        comparison.notes,
+        ["2 of 6 cells lack times above 0 in one of the files"]
+    );
+}
+
+#[test]
 fn cells_are_matched_by_what_they_are_and_not_by_their_names() {
     let (mut old, mut new) = (file(), file());
     // The model has another name, and its cells are in another order.

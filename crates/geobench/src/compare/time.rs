@@ -35,7 +35,7 @@ pub struct TimeChange {
 }
 
 impl TimeChange {
-    /// How `new` compares with `old`; none if one of them has no samples.
+    /// How `new` compares with `old`; none if one of them has no samples, or one of 0.
     pub(super) fn between(old: &Time, new: &Time, paired: bool) -> Option<Self> {
         let pairs = paired_ratio(&new.samples, &old.samples).filter(|_| paired);
         let (method, ratio) = match pairs {

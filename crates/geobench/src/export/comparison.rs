@@ -243,6 +243,9 @@ fn time(change: &CellChange) -> Entry {
             };
             marked(text, is_broken(change, "time"))
         }
+        (None, [Status::Ok, Status::Ok]) if is_broken(change, "time") => {
+            marked("gone".to_owned(), true)
+        }
         (None, [Status::Ok, Status::Ok]) => Entry::plain("-"),
         (None, [old, new]) => {
             let [from, to] = [old, new].map(Status::in_words);

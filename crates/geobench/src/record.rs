@@ -402,6 +402,10 @@ pub struct Check {
     pub max_rel: Option<f64>,
     /// Vertices that no path reaches.
     pub unreachable: Option<u64>,
+    /// Vertices that were compared, which are not all if the reference is a file that holds some only;
+    /// null if nothing was compared.
+    #[serde(default)]
+    pub compared: Option<u64>,
 }
 
 /// Counters as a map from name to count or `null`, in the order of their table.

@@ -196,7 +196,13 @@ impl Session<'_> {
                     if let Some(field) = stored.as_ref().filter(|_| found.len() == vertices) {
                         let expected = field.distances.iter().copied();
                         let comparison = check::compare_some(&found, expected, tolerance);
-                        verdict.judge(&field.path.display().to_string(), &comparison);
+                        let reference = match (comparison.compared, field.path.display()) {
+                            (some, file) if some < vertices => {
+                                format!("{file} at {some} of {vertices} vertices")
+                            }
+                            (_, file) => file.to_string(),
+                        };
+                        verdict.judge(&reference, &comparison);
                     }
                     if algorithm.label() == REFERENCE {
                         reference = Some(found);

@@ -76,6 +76,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             ("check_max_abs", text(cell.check.max_abs)),
             ("check_max_rel", text(cell.check.max_rel)),
             ("check_unreachable", text(cell.check.unreachable)),
+            ("check_compared", text(cell.check.compared)),
             ("group", text(cell.group.as_ref())),
             ("instructions", text(cell.instructions)),
             ("shard", text(cell.shard)),

@@ -109,7 +109,7 @@ impl<'r> ModelView<'r> {
             .into_iter()
             .map(|figure| Row::new(figure, &columns, model.vertices))
             .collect();
-        let mut notes = notes(&cells);
+        let mut notes = notes(&cells, model.vertices);
         if let Some((row, note)) = ratios::times(group, &algorithms, &columns) {
             rows.push(row);
             notes.extend(note);
@@ -250,8 +250,8 @@ fn notes_on_times(cells: &[&Cell]) -> Vec<String> {
     notes
 }
 
-/// What the checks said, and every failure.
-fn notes(cells: &[&Cell]) -> Vec<String> {
+/// What the checks said, and every failure, of a model of so many vertices.
+fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<String> {
     let mut notes = Vec::new();
     let mut references: Vec<&str> = Vec::new();
     for cell in cells {
@@ -277,8 +277,15 @@ fn notes(cells: &[&Cell]) -> Vec<String> {
             .iter()
             .filter_map(|c| c.check.max_rel)
             .fold(0.0, f64::max);
+        let compared = others.iter().filter_map(|c| c.check.compared).min();
+        let sample = match (compared, vertices) {
+            (Some(some), Some(all)) if some < all => {
+                format!(" at {} of {} vertices", grouped(some), grouped(all))
+            }
+            _ => String::new(),
+        };
         notes.push(format!(
-            "checked against {reference}: largest relative difference {}",
+            "checked against {reference}{sample}: largest relative difference {}",
             scientific(largest)
         ));
     }

@@ -82,5 +82,6 @@ fn record(reference: Option<&str>, comparison: &Comparison) -> Check {
         max_abs: finite(comparison.max_abs),
         max_rel: finite(comparison.max_rel),
         unreachable: Some(comparison.unreachable as u64),
+        compared: reference.map(|_| comparison.compared as u64),
     }
 }

@@ -130,6 +130,11 @@ pub enum Defect {
         /// The face.
         face: u32,
     },
+    /// Noted: a face has fewer than three corners, as a line that was cut off may; it is left out.
+    ShortFace {
+        /// The face.
+        face: u32,
+    },
     /// Noted: the corners of a face lie on a line, within rounding errors. Its edges keep their
     /// lengths, and paths may run along them.
     FlatFace {
@@ -177,6 +182,7 @@ pub enum DefectKind {
     NotOrientable,
     DuplicateFace,
     FlippedFace,
+    ShortFace,
     FlatFace,
     PinchedVertex,
     SeveralComponents,
@@ -202,6 +208,7 @@ impl Defect {
             Self::NotOrientable { .. } => DefectKind::NotOrientable,
             Self::DuplicateFace { .. } => DefectKind::DuplicateFace,
             Self::FlippedFace { .. } => DefectKind::FlippedFace,
+            Self::ShortFace { .. } => DefectKind::ShortFace,
             Self::FlatFace { .. } => DefectKind::FlatFace,
             Self::PinchedVertex { .. } => DefectKind::PinchedVertex,
             Self::SeveralComponents { .. } => DefectKind::SeveralComponents,
@@ -233,6 +240,7 @@ impl Defect {
             Self::DuplicateFace { face, first } => [face, first],
             Self::TriangleInequality { face, .. }
             | Self::FlippedFace { face }
+            | Self::ShortFace { face }
             | Self::FlatFace { face } => [face, 0],
             Self::NonFiniteCoordinate { vertex }
             | Self::PinchedVertex { vertex, .. }
@@ -261,6 +269,7 @@ impl DefectKind {
             | Self::NotOrientable => Severity::Fatal,
             Self::FlippedFace => Severity::Repaired,
             Self::DuplicateFace
+            | Self::ShortFace
             | Self::FlatFace
             | Self::PinchedVertex
             | Self::SeveralComponents
@@ -286,6 +295,7 @@ impl DefectKind {
             Self::NotOrientable => "not-orientable",
             Self::DuplicateFace => "duplicate-face",
             Self::FlippedFace => "flipped-face",
+            Self::ShortFace => "short-face",
             Self::FlatFace => "flat-face",
             Self::PinchedVertex => "pinched-vertex",
             Self::SeveralComponents => "several-components",
@@ -340,7 +350,9 @@ impl fmt::Display for Defect {
                 write!(f, "at {} in {}", Ends(vertices), Faces(faces))
             }
             Self::DuplicateFace { face, first } => write!(f, "face {face} repeats face {first}"),
-            Self::FlippedFace { face } | Self::FlatFace { face } => write!(f, "face {face}"),
+            Self::FlippedFace { face } | Self::ShortFace { face } | Self::FlatFace { face } => {
+                write!(f, "face {face}")
+            }
             Self::PinchedVertex { vertex, fans } => write!(f, "vertex {vertex}: {fans} fans"),
             Self::SeveralComponents { triangles } => {
                 f.write_str("of ")?;

@@ -172,6 +172,10 @@ fn headline(kind: DefectKind, count: usize) -> String {
             "face was wound against its neighbours and is used turned over",
             "faces were wound against their neighbours and are used turned over",
         ),
+        DefectKind::ShortFace => (
+            "face has fewer than three corners and is left out",
+            "faces have fewer than three corners and are left out",
+        ),
         DefectKind::FlatFace => ("face has no area", "faces have no area"),
         DefectKind::PinchedVertex => (
             "vertex joins several fans of faces",
@@ -188,7 +192,7 @@ fn headline(kind: DefectKind, count: usize) -> String {
 /// What a user can do about defects of this kind.
 fn advice(kind: DefectKind) -> String {
     match kind {
-        DefectKind::NoVertices => "check that the file is complete",
+        DefectKind::NoVertices | DefectKind::ShortFace => "check that the file is complete",
         DefectKind::NoFaces => "distances need a surface: triangulate the points first",
         DefectKind::TooLarge => "split or simplify the model",
         DefectKind::LengthCount => "give three lengths for each triangle",

@@ -14,6 +14,8 @@ pub struct TriangleSoup {
     /// For each triangle the number of the file's face it was cut from, where some face had more
     /// than three corners; empty when triangles and the file's faces are the same.
     pub file_faces: Vec<u32>,
+    /// The file's faces with fewer than three corners, which have no triangle.
+    pub short_faces: Vec<u32>,
 }
 
 impl TriangleSoup {
@@ -23,6 +25,7 @@ impl TriangleSoup {
             positions,
             triangles,
             file_faces: Vec::new(),
+            short_faces: Vec::new(),
         }
     }
 

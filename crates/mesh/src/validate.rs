@@ -26,12 +26,18 @@ impl Mesh {
     /// Where the model cannot be used, with every [`Defect`] found and its elements.
     pub fn from_soup(mut soup: TriangleSoup) -> Result<(Self, Report), InvalidMesh> {
         let file_faces = std::mem::take(&mut soup.file_faces);
-        let checked = check(
+        let short_faces = std::mem::take(&mut soup.short_faces);
+        let mut checked = check(
             soup.positions.len(),
             &soup.triangles,
             Metric::Positions(&soup.positions),
             &file_faces,
         )?;
+        if !short_faces.is_empty() {
+            let short = short_faces.iter().map(|&face| Defect::ShortFace { face });
+            let found = std::mem::take(&mut checked.report.defects);
+            checked.report = Report::new(found.into_iter().chain(short).collect());
+        }
         Ok(checked.into_mesh(soup.positions, soup.triangles))
     }
 

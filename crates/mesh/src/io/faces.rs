@@ -46,7 +46,7 @@ impl FaceList {
     }
 
     /// Cuts every face into triangles. Faces with fewer than three corners bound no area and are
-    /// left out; `file_faces` still counts them.
+    /// left out; `file_faces` still counts them, and `short_faces` has their numbers.
     pub(super) fn into_soup(self, positions: Vec<[f64; 3]>) -> Result<TriangleSoup, Flaw> {
         let mut soup = TriangleSoup::new(positions, Vec::new());
         if self.arities.is_empty() {
@@ -56,6 +56,9 @@ impl FaceList {
             for (face, &arity) in self.arities.iter().enumerate() {
                 let (corners, next) = rest.split_at(arity as usize);
                 rest = next;
+                if arity < 3 {
+                    soup.short_faces.push(face as u32);
+                }
                 triangulate(&soup.positions, corners, &mut soup.triangles);
                 soup.file_faces.resize(soup.triangles.len(), face as u32);
             }
@@ -64,6 +67,10 @@ impl FaceList {
             (0, 0) => Err(Flaw::file(
                 "there is neither a vertex nor a face in it; is it a file of this format?",
             )),
+            (_, 0) if !soup.short_faces.is_empty() => Err(Flaw::file(format!(
+                "no face in it has three corners or more ({} have fewer); a surface is needed",
+                soup.short_faces.len()
+            ))),
             (vertices, 0) => Err(Flaw::file(format!(
                 "there is no face in it, only vertices ({vertices}); a surface is needed"
             ))),
@@ -102,6 +109,7 @@ mod tests {
         let soup = faces.into_soup(square).unwrap();
         assert_eq!(soup.triangles, [[0, 1, 2], [0, 1, 2], [0, 2, 3], [3, 2, 1]]);
         assert_eq!(soup.file_faces, [0, 2, 2, 3]);
+        assert_eq!(soup.short_faces, [1]);
     }
 
     #[test]

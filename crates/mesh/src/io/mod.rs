@@ -4,7 +4,7 @@
 //! vertices in the file's own order, counted from 0, at full `f64` precision. Polygons are cut
 //! into triangles: a fan from the first corner where that does not fold, else ears; the soup then
 //! knows which face of the file each triangle is from. Faces with fewer than three corners are
-//! left out.
+//! left out, and the soup knows which.
 //!
 //! A reader checks what the format says, not what the mesh is: a face may name a vertex that does
 //! not exist, and a coordinate may be `nan`. [`Mesh::from_soup`](crate::Mesh::from_soup) finds all

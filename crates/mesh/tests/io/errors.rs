@@ -429,6 +429,25 @@ fn broken_stl() {
 }
 
 #[test]
+fn a_face_that_a_cut_file_ends_within_is_not_lost_in_silence() {
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let soup = parse(Format::Obj, format!("{vertices}f 1 2 3\nf 3 2")).unwrap();
+    assert_eq!(soup.triangles, [[0, 1, 2]]);
+    let (_, report) = geobench_mesh::Mesh::from_soup(soup).unwrap();
+    let summaries = report.summaries();
+    assert_eq!(summaries.len(), 1);
+    assert_eq!(
+        summaries[0].text,
+        "1 face has fewer than three corners and is left out (face 1)"
+    );
+    fails(
+        Format::Obj,
+        format!("{vertices}f 1 2"),
+        "no face in it has three corners or more (1 have fewer); a surface is needed",
+    );
+}
+
+#[test]
 fn triangles_that_a_binary_stl_header_does_not_count_are_not_lost_in_silence() {
     let mut file = samples::all()[6].2.clone();
     for count in [0, 1] {

@@ -166,8 +166,9 @@ impl Merger {
                         b1: end,
                         ..*new
                     });
-                    weigh(piece.label);
-                    merged.least = merged.least.min(piece.label);
+                    let label = piece.window.min_distance();
+                    weigh(label);
+                    merged.least = merged.least.min(label);
                     (piece, level)
                 }
                 Owner::Old(k) => {
@@ -175,7 +176,7 @@ impl Merger {
                     if k < next_old {
                         // A further part of a window that stays in front as well.
                         if piece.waits() {
-                            weigh(piece.label);
+                            weigh(piece.window.min_distance());
                             probe.add(Counter::Reinserted, 1);
                         }
                     } else {
@@ -204,8 +205,8 @@ impl Merger {
 /// A stored window has been cut: it may have to wait for longer.
 #[inline(always)]
 fn report_growth<P: Probe>(old: &Stored, cut: &Stored, weigh: &mut impl FnMut(f64), probe: &mut P) {
-    if cut.label != old.label {
-        weigh(cut.label);
+    if let Some(label) = old.later(cut) {
+        weigh(label);
         probe.add(Counter::Reinserted, 1);
     }
 }
@@ -296,9 +297,10 @@ impl<'a> Sweep<'a> {
             b1: end,
             ..*new
         });
-        weigh(piece.label);
-        if piece.label < merged.least {
-            merged.least = piece.label;
+        let label = piece.window.min_distance();
+        weigh(label);
+        if label < merged.least {
+            merged.least = label;
         }
         self.pieces.windows.push(piece);
         if P::COUNTS {
@@ -322,7 +324,7 @@ impl<'a> Sweep<'a> {
                 if kept == 1 && self.next == first {
                     // A further part of the window that stays in front as well.
                     if piece.waits() {
-                        weigh(piece.label);
+                        weigh(piece.window.min_distance());
                         probe.add(Counter::Reinserted, 1);
                     }
                 } else {

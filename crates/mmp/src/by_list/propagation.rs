@@ -125,7 +125,7 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
             let parents = taken.windows.len() as u64;
             probe.add(Counter::Parents, parents);
             if probe.wants_sample(parents) {
-                probe.sample(front.store.waiting().map(|stored| stored.label));
+                probe.sample(front.store.waiting().map(Window::min_distance));
             }
         }
         self.cross(h, label, probe);

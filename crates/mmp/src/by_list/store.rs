@@ -5,12 +5,13 @@ use geobench_window::{Window, prefetch};
 use crate::blocks::{FreeBlocks, GROUP, room, roomier};
 use crate::forgetting::Past;
 
-/// A window of a list.
+/// A window of a list, in no more than its 40 bytes.
+///
+/// Whether it waits is told by the side on which its source lies: below the edge, where it belongs, until it has been propagated, and above
+/// from then on. The distances on the edge are the same.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stored {
     pub(super) window: Window,
-    /// Its least distance while it waits; infinite once it has been propagated.
-    pub(super) label: f64,
 }
 
 impl Stored {
@@ -23,35 +24,46 @@ impl Stored {
             py: 0.0,
             sigma: 0.0,
         },
-        label: f64::INFINITY,
     };
 
     /// A window that is to be propagated.
     #[inline]
     pub(super) fn waiting(window: Window) -> Self {
-        let label = window.min_distance();
-        Self { window, label }
+        let py = -window.py.abs();
+        Self {
+            window: Window { py, ..window },
+        }
+    }
+
+    /// It has been propagated.
+    #[inline]
+    fn settle(&mut self) {
+        self.window.py = self.window.py.abs();
     }
 
     /// Whether it is to be propagated.
     #[inline]
     pub(super) fn waits(&self) -> bool {
-        self.label < f64::INFINITY
+        self.window.py.is_sign_negative()
     }
 
     /// What is left of it between `b0` and `b1`.
     #[inline]
     pub(super) fn cut(&self, b0: f64, b1: f64) -> Self {
-        let window = Window {
-            b0,
-            b1,
-            ..self.window
-        };
-        if self.waits() {
-            Self::waiting(window)
-        } else {
-            Self { window, ..*self }
+        Self {
+            window: Window {
+                b0,
+                b1,
+                ..self.window
+            },
         }
+    }
+
+    /// The label for which `cut`, a part of it, waits, if that is another one than its own.
+    #[inline]
+    pub(super) fn later(&self, cut: &Self) -> Option<f64> {
+        let grows = cut.window.nearest_abscissa() != self.window.nearest_abscissa();
+        (grows && self.waits()).then(|| cut.window.min_distance())
     }
 }
 
@@ -82,7 +94,7 @@ impl Default for List {
 
 /// The windows of all half-edges. Those of one list are in ascending order and have disjoint intervals; gaps are normal.
 ///
-/// A list is a block of 4, 8, 12, 16, 24 ... windows with their labels, 48 bytes each. Blocks that were given back are the first to be
+/// A list is a block of 4, 8, 12, 16, 24 ... windows of 40 bytes each. Blocks that were given back are the first to be
 /// taken again.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Store {
@@ -97,7 +109,7 @@ pub(super) struct Store {
 }
 
 impl Store {
-    /// Bytes of one stored window with its label.
+    /// Bytes of one stored window.
     pub(super) const WINDOW_BYTES: usize = size_of::<Stored>();
 
     pub(super) fn new(count: usize) -> Self {
@@ -154,10 +166,11 @@ impl Store {
     }
 
     /// All windows that wait.
-    pub(super) fn waiting(&self) -> impl Iterator<Item = &Stored> {
+    pub(super) fn waiting(&self) -> impl Iterator<Item = &Window> {
         let queued = |i: &usize| self.lists[*i].queued < f64::INFINITY;
         let lists = (0..self.lists.len()).filter(queued);
-        lists.flat_map(|i| self.windows(i)).filter(|w| w.waits())
+        let waiting = lists.flat_map(|i| self.windows(i)).filter(|w| w.waits());
+        waiting.map(|stored| &stored.window)
     }
 
     /// Number of windows of list `i` that wait.
@@ -221,14 +234,15 @@ impl Store {
             if !stored.waits() {
                 continue;
             }
-            if is_due(stored.label) {
-                stored.label = f64::INFINITY;
+            let label = stored.window.min_distance();
+            if is_due(label) {
                 taken.push(stored.window);
+                stored.settle();
                 if self.keeps_levels {
                     levels.push(self.levels[k]);
                 }
-            } else if stored.label < rest {
-                rest = stored.label;
+            } else if label < rest {
+                rest = label;
             }
         }
         rest

@@ -3,14 +3,22 @@ use proptest::sample::Index;
 
 use super::*;
 
-fn window(number: f64) -> Window {
+/// A window whose least distance is `label`.
+fn window(number: f64, label: f64) -> Window {
     Window {
         b0: 0.0,
-        b1: 1.0,
-        px: number,
-        py: -1.0,
-        sigma: 0.0,
+        b1: number,
+        px: 0.0,
+        py: 0.0,
+        sigma: label,
     }
+}
+
+/// Its number, and its label while it waits.
+fn described(stored: &Stored) -> (f64, f64) {
+    let label = stored.window.min_distance();
+    let label = if stored.waits() { label } else { f64::INFINITY };
+    (stored.window.b1, label)
 }
 
 #[derive(Clone, Debug)]
@@ -54,7 +62,7 @@ proptest! {
                         .collect();
                     let pieces: Vec<Stored> = new
                         .iter()
-                        .map(|&(number, label)| Stored { window: window(number), label })
+                        .map(|&(number, label)| Stored::waiting(window(number, label)))
                         .collect();
                     let levels: Vec<u32> = (serial - new.len() as u32..serial).map(|n| n + 1).collect();
                     store.replace(i, first, old, &pieces, &levels);
@@ -71,7 +79,7 @@ proptest! {
                             expected.push(*number);
                         }
                     }
-                    let taken: Vec<f64> = taken.iter().map(|w| w.px).collect();
+                    let taken: Vec<f64> = taken.iter().map(|w| w.b1).collect();
                     prop_assert_eq!(&taken, &expected);
                     let numbers: Vec<f64> = levels.iter().map(|&level| f64::from(level)).collect();
                     prop_assert_eq!(numbers, if keeps_levels { expected } else { Vec::new() });
@@ -87,7 +95,7 @@ proptest! {
                 }
             }
             for (i, held) in model.iter().enumerate() {
-                let stored: Vec<_> = store.windows(i).iter().map(|s| (s.window.px, s.label)).collect();
+                let stored: Vec<_> = store.windows(i).iter().map(described).collect();
                 prop_assert_eq!(&stored, held);
                 if keeps_levels {
                     let levels: Vec<_> = store.levels(i).iter().map(|&l| f64::from(l)).collect();
@@ -110,12 +118,12 @@ proptest! {
         ends.sort_by(f64::total_cmp);
         let mut store = Store::new(1);
         // What others have left behind must not count.
-        let relic = Stored::waiting(Window { b1: 0.5, ..window(0.0) });
+        let relic = Stored::waiting(window(0.5, 0.0));
         store.replace(0, 0, 0, &[relic; 70], &[]);
         store.forget(0);
         let pieces: Vec<Stored> = ends
             .iter()
-            .map(|&b1| Stored::waiting(Window { b1, ..window(0.0) }))
+            .map(|&b1| Stored::waiting(window(b1, 0.0)))
             .collect();
         store.replace(0, 0, 0, &pieces, &[]);
         let x = f64::from(at);
@@ -125,20 +133,17 @@ proptest! {
 
 #[test]
 fn a_window_that_waits_for_longer_once_it_is_cut_says_so() {
-    let whole = Stored::waiting(Window {
+    let mut whole = Stored::waiting(Window {
         px: 0.2,
-        ..window(0.0)
+        py: -1.0,
+        ..window(1.0, 3.0)
     });
-    assert_eq!(
-        whole.cut(0.0, 0.8).label,
-        whole.label,
-        "the nearest point is kept"
-    );
+    let left = whole.cut(0.0, 0.8);
+    assert_eq!(whole.later(&left), None, "the nearest point is kept");
     let right = whole.cut(0.5, 1.0);
-    assert_eq!(right.label, whole.window.distance(0.5));
-    let done = Stored {
-        label: f64::INFINITY,
-        ..whole
-    };
-    assert!(!done.cut(0.5, 1.0).waits(), "it does not wait any more");
+    assert_eq!(whole.later(&right), Some(whole.window.distance(0.5)));
+    whole.settle();
+    let right = whole.cut(0.5, 1.0);
+    assert!(!right.waits(), "it does not wait any more");
+    assert_eq!(whole.later(&right), None);
 }

@@ -87,9 +87,9 @@ struct Round {
     end: u64,
     /// The [place](Calendar::place) at which that bucket ends.
     limit: f64,
-    /// Events that came.
-    came: i64,
-    /// Those of them that came into a bucket beyond `end`.
+    /// Events that came into a bucket up to `end`.
+    near: i64,
+    /// Events that came beyond it.
     beyond: i64,
 }
 
@@ -132,8 +132,11 @@ impl Buckets {
     /// A window, or a vertex, comes to wait in `bucket`.
     #[inline]
     fn welcome(&mut self, bucket: u64) {
-        self.round.came += 1;
-        self.round.beyond += i64::from(bucket > self.round.end);
+        if bucket > self.round.end {
+            self.round.beyond += 1;
+        } else {
+            self.round.near += 1;
+        }
         if let Some(weights) = &mut self.weights {
             weights.add(bucket);
         }
@@ -157,7 +160,7 @@ impl Buckets {
             size: self.next_size(),
             end: first,
             limit: 0.0,
-            came: 0,
+            near: 0,
             beyond: 0,
         };
         self.empty_buckets(first);
@@ -184,9 +187,8 @@ impl Buckets {
             BatchSize::Adaptive { max } if self.round.size == 0 => (waiting, i64::from(max)),
             BatchSize::Adaptive { max } => {
                 let Round {
-                    size, came, beyond, ..
+                    size, near, beyond, ..
                 } = self.round;
-                let near = came - beyond;
                 (size + beyond - near, i64::from(max))
             }
         };

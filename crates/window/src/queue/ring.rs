@@ -122,9 +122,11 @@ impl BitSet {
 
     #[inline]
     fn insert(&mut self, i: usize) {
-        // Whether the word was empty is chance: no branch depends on it.
-        self.summary[i / 4096] |= 1 << (i / 64 % 64);
-        self.words[i / 64] |= 1 << (i % 64);
+        let word = &mut self.words[i / 64];
+        if *word == 0 {
+            self.summary[i / 4096] |= 1 << (i / 64 % 64);
+        }
+        *word |= 1 << (i % 64);
     }
 
     #[inline]

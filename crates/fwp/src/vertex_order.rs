@@ -1,6 +1,7 @@
 //! Vertices by distance: the schedule of VTP for windows that are taken one by one.
 
 use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
+use geobench_window::continuous::Surface;
 use geobench_window::queue::{Arena, Chain, Discipline, Event, EventKind, MinHeap};
 use geobench_window::{Counter, Probe};
 
@@ -20,7 +21,7 @@ use geobench_window::{Counter, Probe};
 #[derive(Clone, Debug)]
 pub struct VertexOrder<'m> {
     mesh: &'m Mesh,
-    /// That of the half-edges of events.
+    /// From the mesh's faces to those of events.
     numbering: Numbering,
     /// All vertices whose distances have improved, those with outdated labels included: such a one
     /// comes after its vertex has had its turn, and changes nothing.
@@ -38,7 +39,7 @@ pub struct VertexOrder<'m> {
 impl<'m> VertexOrder<'m> {
     /// An empty queue for the windows of `mesh`; O(faces).
     pub fn new(mesh: &'m Mesh) -> Self {
-        let mut numbering = Numbering::breadth_first(mesh);
+        let mut numbering = Surface::order(mesh);
         numbering.keep_new_faces();
         Self {
             mesh,

@@ -9,9 +9,7 @@ use crate::{FaceId, HalfEdgeId, Mesh, VertexId};
 /// A solver that lays the mesh out for itself does so in an order in which a wavefront meets its parts, whatever the
 /// order of the file: the numbers that are its own stay inside it. The corners of a face keep their order.
 ///
-/// # Panics
-///
-/// All methods, if they are given the number of a vertex or of a face that the mesh does not have.
+/// What has no other number keeps its own, and so does what is asked for after it has been dropped.
 #[derive(Clone, Debug)]
 pub struct Numbering {
     /// All empty if the numbers are the same.
@@ -150,6 +148,10 @@ impl Numbering {
     }
 
     /// `values` of the vertices, in the order of their new numbers, in the mesh's order.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer values than vertices.
     pub fn restore(&self, values: &[f64]) -> Vec<f64> {
         if self.new_vertices.is_empty() {
             return values.to_vec();

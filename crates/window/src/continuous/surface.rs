@@ -14,11 +14,15 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The faces of `mesh`, laid out [breadth first](Numbering::breadth_first): half-edges have the numbers of that order, from
-    /// [`Faces::number`]; O(faces).
+    /// The order in which faces are laid out, whose numbers half-edges have during a run: breadth first. O(faces).
+    pub fn order(mesh: &Mesh) -> Numbering {
+        Numbering::breadth_first(mesh)
+    }
+
+    /// The faces of `mesh`, laid out in their [order](Self::order); O(faces).
     pub fn new(mesh: &Mesh) -> Self {
         Self {
-            faces: Faces::in_order(mesh, Numbering::breadth_first(mesh)),
+            faces: Faces::in_order(mesh, Self::order(mesh)),
             distances: Vec::new(),
         }
     }

@@ -61,7 +61,7 @@ pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> ByList<'_, Buckets> {
     ByList::new(mesh, Buckets::new(mesh, options).of_lists())
 }
 
-/// FWP-MMP with windows taken one by one, first in first out, as [`mmp`](geobench_mmp::mmp) takes them from another queue; O(faces).
+/// FWP-MMP with windows taken one by one, first in first out, as [`mmp_by_window`](geobench_mmp::mmp_by_window) takes them from another queue; O(faces).
 pub fn fwp_mmp_by_window(mesh: &Mesh, options: BucketOptions) -> Continuous<'_, Trimming, Buckets> {
     Continuous::new(mesh, trimming(mesh), Buckets::new(mesh, options))
 }

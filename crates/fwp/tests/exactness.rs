@@ -15,7 +15,7 @@ use geobench_fwp::{
 use geobench_ich::ich;
 use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, TriangleSoup, VertexId, io};
-use geobench_mmp::{mmp, mmp_by_list};
+use geobench_mmp::{mmp_by_window, mmp_with_slack};
 use geobench_oracle::{Geometry, Model, zoo};
 use geobench_window::{Counter, Solver};
 use proptest::prelude::*;
@@ -74,7 +74,7 @@ fn vertex_order() -> Vec<Recipe> {
 fn nearest_lists(slack: f64) -> Vec<Recipe> {
     vec![(
         format!("mmp by list {slack}"),
-        Box::new(move |mesh| Box::new(mmp_by_list(mesh, slack))),
+        Box::new(move |mesh| Box::new(mmp_with_slack(mesh, slack))),
     )]
 }
 
@@ -121,7 +121,7 @@ fn generated(spec: &str) -> Mesh {
 /// Runs `recipes` from `source` and complains of every one that differs from MMP.
 fn compare(model: &str, mesh: &Mesh, source: u32, recipes: &[Recipe]) {
     let sources = [VertexId::new(source)];
-    let expected = mmp(mesh).solve(&sources).unwrap().distances;
+    let expected = mmp_by_window(mesh).solve(&sources).unwrap().distances;
     let furthest = expected.iter().copied().filter(|d| d.is_finite());
     let floor = 1e-15 * furthest.fold(0.0, f64::max);
     let mut failures = Vec::new();
@@ -314,7 +314,7 @@ fn windows_are_nearly_as_few_as_nearest_first() {
         let (_, counters) = solver.count(&[VertexId::new(0)]).unwrap();
         counters.get(Counter::Parents).unwrap() as f64
     };
-    let [mmp, ich] = [parents(&mut mmp(&mesh)), parents(&mut ich(&mesh))];
+    let [mmp, ich] = [parents(&mut mmp_by_window(&mesh)), parents(&mut ich(&mesh))];
     let nearest = [mmp, ich, mmp];
     let default = [
         (with_buckets(BucketOptions::default()), 1.2),

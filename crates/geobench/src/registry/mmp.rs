@@ -1,6 +1,6 @@
 //! Algorithms that keep windows on edges and trim them against each other.
 
-use geobench_mmp::{Keep, mmp, mmp_by_list, mmp_edge};
+use geobench_mmp::{Keep, NearLists, mmp_by_window, mmp_edge, mmp_with_slack};
 use geobench_window::Counter;
 
 use super::threshold::{self, THRESHOLD};
@@ -24,13 +24,13 @@ pub(super) fn keep(values: &Values) -> Keep {
 /// What is propagated at a time.
 const TURN: Parameter = Parameter::word(
     "turn",
-    &["window", "list"],
-    "`window` takes the nearest window, as in the paper; `list` takes with it others of its half-edge, in about half of the time",
+    &["list", "window"],
+    "`list` takes the nearest window and others of its half-edge with it; `window` one at a time, strictly nearest first, as in the paper",
 );
 
 const SLACK: Parameter = Parameter::real(
     "slack",
-    1.0,
+    NearLists::SLACK,
     0.0..=1e6,
     "with turn=list, how much further than the nearest one these may be, in mean edge lengths",
 );
@@ -44,17 +44,18 @@ pub(super) const FAMILY: &[Algorithm] = &[
         summary: "windows kept on half-edges, overlaps trimmed at tie points, nearest first",
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "the windows around the wavefront; with lists=keep every window until the end, about n^1.5 of them",
-        choose: "as the reference; with lists=keep it stores as much as the papers' programs do, with turn=list it is faster",
+        choose: "as the reference; with lists=keep it stores as much as the papers' programs do, with turn=window it keeps to their order",
         memory_counter: Counter::StoredWindows,
         comfortable_faces: None,
         parameters: &[TURN, SLACK, LISTS, THRESHOLD],
         build: |mesh, values| {
-            if values.word(&TURN) == Some("list") {
-                let solver = mmp_by_list(mesh, values.real(&SLACK)).keeping(keep(values));
-                return Box::new(solver.with_threshold(threshold::width(mesh, values)));
+            let threshold = threshold::width(mesh, values);
+            if values.word(&TURN) == Some("window") {
+                let solver = mmp_by_window(mesh).map_policy(|policy| policy.keeping(keep(values)));
+                return Box::new(solver.with_threshold(threshold));
             }
-            let solver = mmp(mesh).map_policy(|policy| policy.keeping(keep(values)));
-            Box::new(solver.with_threshold(threshold::width(mesh, values)))
+            let solver = mmp_with_slack(mesh, values.real(&SLACK)).keeping(keep(values));
+            Box::new(solver.with_threshold(threshold))
         },
     },
     Algorithm {
@@ -65,7 +66,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         summary: "MMP with the windows of both sides of an edge trimmed against each other",
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "as mmp; of all windows there are a tenth to a half fewer",
-        choose: "instead of mmp where few windows matter more than time",
+        choose: "instead of mmp where few windows matter more than time; it takes them one by one, so compare it with mmp{turn=window}",
         memory_counter: Counter::StoredWindows,
         comfortable_faces: None,
         parameters: &[LISTS, THRESHOLD],

@@ -17,11 +17,11 @@ pub(crate) const AGREEMENT: f64 = 1e-9;
 
 /// The algorithms that claim to be exact, and other programs of those that have several.
 const EXACT: &str = "exact,vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pairs=1},\
-    pvtp{threads=2},mmp{turn=list},fwp-mmp{turn=window}";
+    pvtp{threads=2},mmp{turn=window},fwp-mmp{turn=window}";
 
 /// What small meshes are solved with besides.
 const ON_SMALL: &str = "mmp{lists=keep},mmp-edge{lists=keep},fwp-mmp{lists=keep},\
-    mmp{turn=list,slack=0.1},lc-mmp{turn=window}";
+    mmp{turn=window,lists=keep},mmp{slack=0.1},lc-mmp{turn=window}";
 
 /// The exact algorithms, ready to be built.
 pub(crate) fn exact_algorithms() -> Vec<Selection> {

@@ -15,6 +15,11 @@ pub struct NearLists {
 }
 
 impl NearLists {
+    /// How much further than the nearest window others of its half-edge usually may be, in mean edge lengths.
+    ///
+    /// With more, nearly all that waits in a list goes already; with less, turns come to hold single windows.
+    pub const SLACK: f64 = 1.0;
+
     /// An empty queue for the lists of `mesh`, of which a turn takes windows that are further than the nearest one by up to `slack`
     /// mean edge lengths; O(edges).
     pub fn new(mesh: &Mesh, slack: f64) -> Self {

@@ -17,6 +17,8 @@
 //! | [`LabelCorrecting`] | [`lc_mmp`], [`lc_mmp_by_window`], [`lc_ch`] | Bertsekas 1993; Xu et al. 2015, section 7.4 | one below the mean, roughly | 16 bytes for each window or list that waits |
 //! | [`VertexOrder`] | [`vtp_mmp`], [`vtp_ch`] | Qin et al. 2016, section 6.2 | windows around the nearest vertex | 24 bytes for each window or list that waits, 12 for each half-edge, 4 for each face |
 //!
+//! Nearest first by lists is [`NearLists`](geobench_mmp::NearLists).
+//!
 //! # Which one to choose
 //!
 //! * Buckets are the authors' choice where windows are taken one by one, and have the bound to show
@@ -55,8 +57,8 @@ pub use vertex_order::VertexOrder;
 /// together; O(faces).
 ///
 /// Time O(n² log n), space O(n²) (proposition 2 of Xu et al. 2015). The rounds are the same as with
-/// [windows one by one](fwp_mmp_by_window), up to windows that come to a list before its turn; within a round the paper leaves the
-/// order open.
+/// [windows one by one](fwp_mmp_by_window), up to windows that come to a list before its turn, which make three
+/// tenths more of them on the horse; within a round the paper leaves the order open.
 pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> ByList<'_, Buckets> {
     ByList::new(mesh, Buckets::new(mesh, options).of_lists())
 }

@@ -1,11 +1,11 @@
-//! Vertices by distance: the schedule of VTP for windows that are taken one by one.
+//! Vertices by distance: the schedule of VTP for windows that are taken one by one or list by list.
 
 use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
 use geobench_window::continuous::Surface;
 use geobench_window::queue::{Arena, Chain, Discipline, Event, EventKind, MinHeap};
 use geobench_window::{Counter, Probe};
 
-/// The vertex-sorted queue of VTP (Qin et al. 2016, sections 5.2 and 6.2), for windows one by one.
+/// The vertex-sorted queue of VTP (Qin et al. 2016, sections 5.2 and 6.2), for windows one by one or lists of them.
 ///
 /// Vertices are taken by distance. Each puts the faces around it into the *traversed area*. A
 /// window waits on its half-edge until the face that it is about to enter belongs to the area;

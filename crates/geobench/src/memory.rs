@@ -5,7 +5,7 @@
 //!
 //! The allocator counts in timed runs too, since a program has but one. What that costs was measured
 //! with Valgrind, as instructions of a solve of `gen:torus,faces=5000,bump=0.1,seed=7` in two builds
-//! that differ in nothing else: mmp 0.29 %, fwp-mmp 0.26 %, vtp 0.04 %, ich and fwp-ch 0.001 %
+//! that differ in nothing else: mmp{turn=window} 0.29 %, fwp-mmp{turn=window} 0.26 %, vtp 0.04 %, ich and fwp-ch 0.001 %
 //! more than without it. The least of 360 times of each, of alternating calls of both builds with
 //! 2,000 faces, is between 2.7 % less and 2.0 % more with it, less for four of the five: noise.
 //! The solvers allocate seldom, because their buffers live on from run to run.

@@ -40,8 +40,8 @@ pub(crate) trait Past {
 pub enum Keep {
     /// All, until the end of the run, as in the paper: the distance is then known along every edge.
     All,
-    /// Those on edges that the wave has not passed yet. Distances of vertices, and the windows that are
-    /// propagated for them, are the same in the order of distance.
+    /// Those on edges that the wave has not passed yet. Distances of vertices are the same; the windows propagated for them
+    /// are, but for one in a thousand on the horse.
     #[default]
     Wavefront,
 }

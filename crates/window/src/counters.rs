@@ -46,7 +46,8 @@ counters! {
     Kept = "kept",
     /// Windows with which sources and pseudo-sources started.
     Spawned = "spawned",
-    /// Windows queued again because trimming changed their smallest distance.
+    /// Windows that wait for another turn because trimming changed their smallest distance; where they are queued one by one,
+    /// each of them is queued again.
     Reinserted = "reinserted",
     /// Windows that lost a part of their interval to another window.
     Trimmed = "trimmed",
@@ -73,7 +74,7 @@ counters! {
     QueuePeak = "queue_peak",
     /// Rounds of a queue that works in batches.
     Iterations = "iterations",
-    /// Most events that one such round was told to take: the greatest K of Xu et al. 2015.
+    /// Most windows, or other events, that one such round was told to take: the greatest K of Xu et al. 2015.
     KPeak = "k_peak",
     /// Depth of the sequence tree: the most triangles that one window's line of ancestors crossed.
     Levels = "levels",

@@ -1,4 +1,4 @@
-//! Algorithms that take windows one by one, in an order that costs less than a priority queue.
+//! Algorithms that take windows, or lists of them, in an order that costs less than a priority queue.
 
 use geobench_fwp::{
     BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_by_window, lc_ch,
@@ -83,7 +83,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         summary: "mmp with its windows in narrow buckets, some thousands of the nearest taken in each round",
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "as mmp; of the queue the windows that wait and the buckets they span",
-        choose: "instead of mmp: nearly the same windows in less time, since a round takes those of a half-edge together",
+        choose: "to see what buckets gain over the queue of mmp, with nearly the same windows; with turn=window its rounds are those of the paper",
         memory_counter: Counter::StoredWindows,
         comfortable_faces: None,
         parameters: BUCKET_AND_LIST_PARAMETERS,

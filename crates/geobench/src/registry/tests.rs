@@ -86,6 +86,10 @@ fn names_families_and_groups_in_any_case() {
     assert_eq!(names("ich,all").len(), algorithms().len());
     assert_eq!(names("ich,all")[0], "ich");
     assert_eq!(names("mmp,MMP,mmp{}"), ["mmp"]);
+    assert_eq!(
+        names("mmp{turn=list,slack=1},fwp-mmp{turn=list},lc-mmp{turn=list}"),
+        ["mmp", "fwp-mmp", "lc-mmp"]
+    );
     assert!(matches!(
         select_one("mmp,vtp"),
         Err(SelectError::Several { count: 2, .. })

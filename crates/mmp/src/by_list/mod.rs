@@ -1,7 +1,7 @@
 //! A list at a time: the windows of a half-edge cross its face together.
 //!
-//! No answer depends on the order in which windows are taken, and rounds and vertices leave it open within what they take: so the
-//! windows of one list are best taken together. They lie in one
+//! No answer depends on the order in which windows are taken. Rounds and vertices leave it open within what they take, and a queue by
+//! distance can be given some slack; then the windows of one list are best taken together. They lie in one
 //! piece of memory and go through the same triangle, what they leave on each of its exits is nearly in order, and one sweep merges
 //! that into the list there. The queue holds lists, and is as many times shorter as there are windows in a turn: two on
 //! models of some thousands of faces, six to eight on scans.

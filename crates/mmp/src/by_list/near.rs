@@ -5,6 +5,10 @@ use geobench_window::queue::{Discipline, Event, Priority, mean_edge_length};
 use geobench_window::{Counter, Probe};
 
 /// A [`Priority`] queue of lists: the one with the nearest window has its turn, and what is not much further goes with it.
+///
+/// # Cost
+///
+/// That of [`Priority`], for each time that a list is queued.
 #[derive(Clone, Debug)]
 pub struct NearLists {
     queue: Priority,
@@ -15,17 +19,17 @@ pub struct NearLists {
 }
 
 impl NearLists {
-    /// How much further than the nearest window others of its half-edge usually may be, in mean edge lengths.
+    /// How much further than the nearest window others of its half-edge may be by default, in mean edge lengths: a choice of ours.
     ///
-    /// With more, nearly all that waits in a list goes already; with less, turns come to hold single windows.
+    /// Nearly all that waits in a list goes at once then, so that more gains little; with less, turns shrink to single windows.
     pub const SLACK: f64 = 1.0;
 
     /// An empty queue for the lists of `mesh`, of which a turn takes windows that are further than the nearest one by up to `slack`
-    /// mean edge lengths; O(edges).
+    /// mean edge lengths; O(edges). A negative slack and NaN count as 0.
     pub fn new(mesh: &Mesh, slack: f64) -> Self {
         Self {
             queue: Priority::new(mesh),
-            slack: slack * mean_edge_length(mesh),
+            slack: (slack * mean_edge_length(mesh)).max(0.0),
             label: 0.0,
         }
     }
@@ -94,5 +98,21 @@ mod tests {
         assert!(lists.is_due(4.5) && !lists.is_due(5.0));
         lists.clear();
         assert_eq!(lists.pop(&mut ()), None);
+    }
+
+    /// A list of which nothing is due would have its turn again and again.
+    #[test]
+    fn whatever_the_slack_the_nearest_window_is_due() {
+        let soup = TriangleSoup::new(
+            vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]],
+            vec![[0, 1, 2]],
+        );
+        let mesh = Mesh::from_soup(soup).expect("a triangle is a mesh").0;
+        for slack in [-1.0, f64::NAN, f64::NEG_INFINITY, 0.0, f64::INFINITY] {
+            let mut lists = NearLists::new(&mesh, slack);
+            lists.push_list(2.0, Event::window(HalfEdgeId::new(0), 0), &mut ());
+            lists.pop(&mut ());
+            assert!(lists.is_due(2.0), "{slack}");
+        }
     }
 }

@@ -131,7 +131,7 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
         self.cross(h, label, probe);
     }
 
-    /// Takes the windows whose turn it is across the face of `h`; the nearest of them are at the distance `label`.
+    /// Takes the windows whose turn it is across the face of `h`; none of them is nearer than `label`.
     #[inline]
     fn cross<P: Probe>(&mut self, h: HalfEdgeId, label: f64, probe: &mut P) {
         let front = &mut self.front;
@@ -192,7 +192,7 @@ impl<Q: Discipline> Front<'_, Q> {
         }
     }
 
-    /// So many windows have been taken through `h`, the nearest at the distance `label`: gives up the lists that the wave has
+    /// So many windows have been taken through `h`, none of them nearer than `label`: gives up the lists that the wave has
     /// passed.
     #[inline]
     fn give_up(&mut self, h: HalfEdgeId, entrance: &Entrance, windows: usize, label: f64) {
@@ -302,6 +302,7 @@ impl<Q: Discipline> Front<'_, Q> {
             probe.raise(Counter::PeakWindows, self.store.stored() as u64);
             probe.raise(Counter::PeakWavefront, self.waiting as u64);
             if merged.kept > 0 {
+                // Those of windows of which nothing is left count too: they differ by little.
                 let deepest = run.levels.iter().max().copied().unwrap_or(0);
                 probe.raise(Counter::Levels, u64::from(deepest));
             }

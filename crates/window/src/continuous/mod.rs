@@ -1,4 +1,4 @@
-//! One window at a time: the frame that the MMP and CH families share.
+//! One window at a time: the frame of the CH family, and of MMP where windows are taken one by one.
 //!
 //! An algorithm of these families is a [`Policy`] (what happens to a window that arrives at a
 //! half-edge, and which children a window that crosses a triangle may have) under a

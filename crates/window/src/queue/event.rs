@@ -1,4 +1,4 @@
-//! What waits in the queue of an algorithm that takes one window at a time.
+//! What waits in the queue of an algorithm that takes a window at a time, or a list of them.
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 
@@ -20,7 +20,8 @@ const VERTEX: u32 = 1 << 31;
 pub enum EventKind {
     /// A vertex whose distance has improved.
     Vertex(VertexId),
-    /// A window that waits on this half-edge, and the number by which its solver finds it again.
+    /// A window that waits on this half-edge, and the number by which its solver finds it again; 0 where the whole list of the
+    /// half-edge waits.
     Window(HalfEdgeId, u32),
 }
 

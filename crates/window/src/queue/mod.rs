@@ -55,7 +55,8 @@ pub trait Discipline: Send {
     /// Takes the next event, with its label.
     fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)>;
 
-    /// Whether an event that has just come out may be dealt with although its label has grown to this.
+    /// Whether an event that has just come out may be dealt with although its label has grown to this; of a list, whether
+    /// a window of this label goes with it.
     #[inline]
     fn is_due(&self, label: f64) -> bool {
         let _ = label;

@@ -109,7 +109,7 @@ impl Buckets {
 
     /// The same for events that are lists of windows: K is still a number of windows. A round takes from the lists in its buckets what
     /// is due when their turn comes: a window which comes to such a list during the round, and belongs in it, does not wait for
-    /// the next, for which it counts all the same. That makes some three tenths more rounds than with windows one by one.
+    /// the next, for which it counts all the same. That makes a fourth more rounds than with windows one by one.
     #[must_use]
     pub fn of_lists(self) -> Self {
         Self {

@@ -57,8 +57,8 @@ pub use vertex_order::VertexOrder;
 /// together; O(faces).
 ///
 /// Time O(n² log n), space O(n²) (proposition 2 of Xu et al. 2015). The rounds are the same as with
-/// [windows one by one](fwp_mmp_by_window), up to windows that come to a list before its turn, which make three
-/// tenths more of them on the horse; within a round the paper leaves the order open.
+/// [windows one by one](fwp_mmp_by_window), up to windows that come to a list before its turn, which make a
+/// fourth more of them on the horse; within a round the paper leaves the order open.
 pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> ByList<'_, Buckets> {
     ByList::new(mesh, Buckets::new(mesh, options).of_lists())
 }

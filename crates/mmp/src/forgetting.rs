@@ -41,7 +41,7 @@ pub enum Keep {
     /// All, until the end of the run, as in the paper: the distance is then known along every edge.
     All,
     /// Those on edges that the wave has not passed yet. Distances of vertices are the same; the windows propagated for them
-    /// are, but for one in a thousand on the horse.
+    /// are, but for three in ten thousand on the horse.
     #[default]
     Wavefront,
 }

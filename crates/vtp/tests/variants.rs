@@ -165,7 +165,16 @@ fn a_solver_gives_the_same_answer_again_and_from_several_sources() {
     for (algorithm, mut solver) in all(&mesh) {
         let [from_a, from_b] = [a, b].map(|s| solver.solve(&[s]).unwrap().distances);
         let from_both = solver.solve(&[a, b]).unwrap().distances;
-        assert_eq!(solver.solve(&[a]).unwrap().distances, from_a, "{algorithm}");
+        // Several threads find the same paths in another order, whose lengths are rounded differently.
+        let rounding = if algorithm.ends_with("threads") {
+            1e-12
+        } else {
+            0.0
+        };
+        let again = solver.solve(&[a]).unwrap().distances;
+        for (x, y) in again.iter().zip(&from_a) {
+            assert!((x - y).abs() <= rounding * y, "{algorithm}");
+        }
         for ((x, y), both) in from_a.iter().zip(&from_b).zip(&from_both) {
             let least = x.min(*y);
             assert!((least - both).abs() <= 1e-12 * least, "{algorithm}");
@@ -175,7 +184,7 @@ fn a_solver_gives_the_same_answer_again_and_from_several_sources() {
 
 /// Every variant of the parallel form; threads race for faces and vertices, which must not matter.
 #[test]
-fn any_number_of_threads_gives_the_same_bits_and_counts() {
+fn any_number_of_threads_finds_the_same_distances() {
     let all = FastOptions::default();
     let variants = [
         all,
@@ -185,6 +194,10 @@ fn any_number_of_threads_gives_the_same_bits_and_counts() {
             ..all
         },
         FastOptions { bucket: 2.0, ..all },
+        FastOptions {
+            bucket: 0.01,
+            ..all
+        },
         FastOptions {
             shadow: false,
             pairs: 0,
@@ -215,20 +228,22 @@ fn any_number_of_threads_gives_the_same_bits_and_counts() {
             let mut one = Pvtp::with_options(mesh, 1, options);
             for sources in &sources[..if variant == 0 { 2 } else { 1 }] {
                 let sources: Vec<_> = sources.iter().copied().map(VertexId::new).collect();
-                let expected = one.count(&sources).unwrap();
+                let (expected, counters) = one.count(&sources).unwrap();
+                assert_eq!(one.count(&sources).unwrap(), (expected.clone(), counters));
                 for threads in [2, 3, 4] {
                     let mut several = Pvtp::with_options(mesh, threads, options);
                     assert_eq!(several.threads(), threads);
-                    // Once more, since where things lie depends on what was there before.
-                    for run in 0..2 {
-                        let found = several.count(&sources).unwrap();
-                        let here = format!(
-                            "{name} from {sources:?}, variant {variant}, {threads} threads, run {run}"
-                        );
-                        assert!(found.0 == expected.0, "{here}: other distances");
-                        for counter in Counter::ALL {
-                            let [a, b] = [&found, &expected].map(|(_, c)| c.get(*counter));
-                            assert_eq!(a, b, "{here}: {counter:?}");
+                    // Again and again, since what comes first is a matter of chance.
+                    for run in 0..if variant == 0 { 20 } else { 4 } {
+                        let found = several.solve(&sources).unwrap();
+                        for (v, (d, e)) in
+                            (0..).zip(found.distances.iter().zip(&expected.distances))
+                        {
+                            assert!(
+                                d == e || (d - e).abs() <= 1e-12 * e,
+                                "{name} from {sources:?}, variant {variant}, {threads} threads, run {run}: \
+                                 vertex {v} at {d} instead of {e}"
+                            );
                         }
                     }
                 }
@@ -238,43 +253,42 @@ fn any_number_of_threads_gives_the_same_bits_and_counts() {
 }
 
 #[test]
-fn the_parallel_form_finds_what_the_other_one_finds_with_as_many_windows() {
+fn one_thread_of_the_parallel_form_takes_as_many_windows_as_the_other_one() {
     let mesh = scaled(soup_of("gen:torus,faces=5000,bump=0.1,seed=7"), 1.0);
     let source = [VertexId::new(0)];
-    let (expected, fast) = VtpFast::new(&mesh).count(&source).unwrap();
-    let (found, parallel) = Pvtp::new(&mesh, 2).count(&source).unwrap();
-    for (d, e) in found.distances.iter().zip(&expected.distances) {
-        assert!((d - e).abs() <= 1e-12 * e);
-    }
-    // The wave is a little wider, since turns do not wait until no list can cross.
-    for (counter, most) in [
-        (Counter::Children, 0.05),
-        (Counter::Propagated, 0.05),
-        (Counter::PeakWindows, 0.15),
+    let (_, fast) = VtpFast::new(&mesh).count(&source).unwrap();
+    let (_, parallel) = Pvtp::new(&mesh, 1).count(&source).unwrap();
+    for counter in [
+        Counter::Children,
+        Counter::Propagated,
+        Counter::PeakWindows,
+        Counter::Iterations,
     ] {
         let [a, b] = [&fast, &parallel].map(|c| c.get(counter).unwrap() as f64);
-        assert!((a - b).abs() < most * a, "{counter:?}: {a} and {b}");
+        assert!((a - b).abs() < 0.01 * a, "{counter:?}: {a} and {b}");
     }
 }
 
-/// Turns that went on at one bucket in each step, however wide, would bring in faces far ahead of the shortest
-/// paths, and windows that cross them in vain.
+/// A thread that had nothing to do, or was far ahead, once held nobody back while a letter waited for it. When it did
+/// not run for a while, the others flooded its part of the surface with windows, up to three times as many.
 #[test]
-fn the_front_of_the_parallel_form_does_not_outrun_its_windows() {
-    let mesh = scaled(soup_of("gen:terrain,n=40,seed=3"), 1.0);
-    let propagated = |bucket| {
-        let options = FastOptions {
-            bucket,
-            ..FastOptions::default()
-        };
-        let mut solver = Pvtp::with_options(&mesh, 1, options);
-        let (_, counters) = solver.count(&[VertexId::new(0)]).unwrap();
+fn threads_do_not_run_away_from_one_that_is_late() {
+    let mesh = scaled(soup_of("gen:torus,faces=5000,bump=0.1,seed=7"), 1.0);
+    let propagated = |threads| {
+        let (_, counters) = Pvtp::new(&mesh, threads)
+            .count(&[VertexId::new(0)])
+            .unwrap();
         counters.get(Counter::Propagated).unwrap()
     };
-    let narrow = propagated(0.25);
-    for bucket in [0.5, 1.0] {
-        let wide = propagated(bucket);
-        assert!(10 * wide < 13 * narrow, "{bucket}: {wide} and {narrow}");
+    let alone = propagated(1);
+    for threads in [2, 4, 8, 16] {
+        for _ in 0..5 {
+            let together = propagated(threads);
+            assert!(
+                10 * together < 13 * alone,
+                "{threads} threads: {together}, not {alone}"
+            );
+        }
     }
 }
 

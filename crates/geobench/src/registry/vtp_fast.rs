@@ -65,7 +65,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         family: "vtp-family",
         paper: "Qin et al. 2016, made parallel by us",
         exact: true,
-        summary: "vtp-fast on several threads: each takes a part of the wavefront; the same bits for any number of them",
+        summary: "vtp-fast on several threads: each takes a part of the wavefront; the same distances but for rounding",
         complexity: "time O(n^2), space O(n)",
         keeps: "the windows of the wavefront, in one list for each half-edge on it",
         choose: "for large models on a machine with idle processors (--threads)",

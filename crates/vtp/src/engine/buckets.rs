@@ -14,8 +14,6 @@ const NONE: u32 = u32::MAX;
 pub(crate) struct Buckets {
     inverse_width: f64,
     ring: Vec<Vec<u32>>,
-    /// Vertices that wait.
-    waiting: usize,
     /// Entries in the ring, void ones included.
     in_ring: usize,
     /// Vertices beyond the ring, with their buckets.
@@ -32,7 +30,6 @@ impl Buckets {
         Self {
             inverse_width: width.recip(),
             ring: vec![Vec::new(); RING as usize],
-            waiting: 0,
             in_ring: 0,
             far: Vec::new(),
             far_least: NONE,
@@ -51,11 +48,6 @@ impl Buckets {
         self.in_ring + self.far.len()
     }
 
-    /// Number of vertices that wait, each once.
-    pub(crate) fn waiting(&self) -> usize {
-        self.waiting
-    }
-
     /// Vertex `v` is to have a turn at distance `d`; returns whether that is news.
     #[inline]
     #[allow(clippy::cast_sign_loss)] // No distance is negative.
@@ -66,7 +58,6 @@ impl Buckets {
         if *known == bucket {
             return false;
         }
-        self.waiting += usize::from(*known == NONE);
         *known = bucket;
         if bucket - self.current < RING {
             self.ring[(bucket % RING) as usize].push(v);
@@ -119,7 +110,6 @@ impl Buckets {
         self.drop_void(bucket);
         std::mem::swap(turn, &mut self.ring[(bucket % RING) as usize]);
         self.in_ring -= turn.len();
-        self.waiting -= turn.len();
         for &v in &*turn {
             self.bucket_of[v as usize] = NONE;
         }

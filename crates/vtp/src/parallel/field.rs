@@ -1,145 +1,111 @@
 //! What all threads see of a run.
 
+use std::ops::Range;
 use std::sync::atomic::Ordering::Relaxed;
-use std::sync::atomic::{AtomicU16, AtomicU32, AtomicU64};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64};
 
 use super::mail::Post;
-use super::padded::Padded;
+use super::owners::Owners;
+use super::pace::Pace;
+use super::split::Split;
 use crate::engine::sample::Sample;
 use crate::engine::shadow::Origin;
-use crate::engine::store::NO_LIST;
 use crate::engine::surface::Surface;
 
-/// Stands for no thread.
-const NO_THREAD: u32 = 0x7fff_ffff;
+/// Faces and vertices of a block, which belongs to one thread, as powers of 2. Of smaller blocks more windows travel, and larger
+/// ones are shared out too long before their lists cross.
+const FACES_OF_A_BLOCK: u32 = 5;
+const VERTICES_OF_A_BLOCK: u32 = 4;
 
-/// Marks vertices whose turn has come.
-const PASSED: u32 = 1 << 31;
+/// Marks a half-edge that is queued, in the handle of its list.
+const QUEUED: u32 = 1 << 31;
 
-/// Bits of a face's mark: the run in which somebody got it, whether it is queued, and whose it is.
-const RUN: u32 = 11;
-const QUEUED: u16 = 1 << 10;
-
-/// The number of the last run before numbers start again.
-const LAST_RUN: u16 = u16::MAX >> RUN;
-
-/// The most threads of a run; numbers of threads fit into the mark of a face.
-pub(super) const MOST_THREADS: usize = QUEUED as usize;
-
-/// What changes of a face.
-///
-/// A face belongs to a thread from the time on when windows come to one of its half-edges. Whose it becomes is decided by
-/// where it is, so that all threads agree. Only its owner touches its lists, which lie with it, and queues it.
+/// What changes of a face. Only its owner touches its lists and queues them.
 #[derive(Debug, Default)]
 pub(super) struct FaceState {
     /// The windows that wait on each half-edge to cross the face: lists of its owner.
     lists: [AtomicU32; 3],
     /// The run in which the face joined the traversed area last; written by whoever has a vertex of it pass.
-    joined: AtomicU16,
-    mark: AtomicU16,
+    joined: AtomicU32,
 }
 
-const _: () = assert!(NO_LIST == 0 && size_of::<FaceState>() == 16);
+const _: () = assert!(size_of::<FaceState>() == 16);
 
 impl FaceState {
-    #[inline]
+    #[inline(always)]
     pub(super) fn list(&self, corner: usize) -> u32 {
-        self.lists[corner].load(Relaxed)
+        self.lists[corner].load(Relaxed) & !QUEUED
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn set_list(&self, corner: usize, list: u32) {
-        self.lists[corner].store(list, Relaxed);
+        let queued = self.lists[corner].load(Relaxed) & QUEUED;
+        self.lists[corner].store(list | queued, Relaxed);
     }
 
-    /// Whose the face is, if it is somebody's in this run.
-    #[inline]
-    pub(super) fn owner(&self, run: u16) -> Option<usize> {
-        let mark = self.mark.load(Relaxed);
-        (mark >> RUN == run).then_some(usize::from(mark & (QUEUED - 1)))
+    /// Takes the list from a half-edge, which is not queued any more.
+    #[inline(always)]
+    pub(super) fn take(&self, corner: usize) -> u32 {
+        let list = self.lists[corner].load(Relaxed);
+        self.lists[corner].store(0, Relaxed);
+        list & !QUEUED
     }
 
-    /// Whose the face is; that of `thread` from now on if it was nobody's.
-    #[inline]
-    pub(super) fn owner_or(&self, run: u16, thread: impl FnOnce() -> usize) -> usize {
-        let mark = self.mark.load(Relaxed);
-        if mark >> RUN == run {
-            return usize::from(mark & (QUEUED - 1));
-        }
-        let thread = thread();
-        let new = run << RUN | thread as u16;
-        // Another thread may have been faster, but has decided the same.
-        let _ = self.mark.compare_exchange(mark, new, Relaxed, Relaxed);
-        thread
+    /// Marks a half-edge as queued; returns whether it was not.
+    #[inline(always)]
+    pub(super) fn enqueue(&self, corner: usize) -> bool {
+        let list = self.lists[corner].load(Relaxed);
+        self.lists[corner].store(list | QUEUED, Relaxed);
+        list & QUEUED == 0
     }
 
     /// Whether the face has joined the traversed area.
-    #[inline]
-    pub(super) fn has_joined(&self, run: u16) -> bool {
+    #[inline(always)]
+    pub(super) fn has_joined(&self, run: u32) -> bool {
         self.joined.load(Relaxed) == run
     }
 
     /// The face joins; returns whether it had not joined yet, to more than one thread perhaps if they ask at the
     /// same time.
-    #[inline]
-    pub(super) fn join(&self, run: u16) -> bool {
+    #[inline(always)]
+    pub(super) fn join(&self, run: u32) -> bool {
         let news = !self.has_joined(run);
         if news {
             self.joined.store(run, Relaxed);
         }
         news
     }
-
-    /// Marks the face as queued; returns whether it was not.
-    #[inline]
-    pub(super) fn enqueue(&self) -> bool {
-        let mark = self.mark.load(Relaxed);
-        self.mark.store(mark | QUEUED, Relaxed);
-        mark & QUEUED == 0
-    }
-
-    /// Takes all lists from the face, which is not queued any more.
-    #[inline]
-    pub(super) fn take(&self) -> [u32; 3] {
-        self.mark.store(self.mark.load(Relaxed) & !QUEUED, Relaxed);
-        self.lists.each_ref().map(|list| {
-            let taken = list.load(Relaxed);
-            list.store(NO_LIST, Relaxed);
-            taken
-        })
-    }
-
-    fn forget(&self) {
-        self.joined.store(0, Relaxed);
-        self.mark.store(0, Relaxed);
-    }
 }
 
-/// What changes of a vertex besides its distance. Belongs to a thread from the time on when a path reaches it,
-/// as faces do.
+/// What its owner knows of a vertex.
 #[derive(Debug)]
 pub(super) struct VertexState {
     /// The distance at which it has sent out windows last, if it is a pseudo-source.
     pub(super) spawned: Number,
-    /// How the shortest path reached it.
+    /// How the shortest path reached it, and the length of that path.
+    ///
+    /// Other threads lower the distance before its owner learns of their path, so the two may differ.
+    pub(super) reached: Number,
     entry: Number,
     h: AtomicU32,
-    owner: AtomicU32,
+    passed: AtomicBool,
 }
 
 impl VertexState {
     fn new() -> Self {
         Self {
             spawned: Number::new(f64::INFINITY),
+            reached: Number::new(f64::INFINITY),
             entry: Number::new(0.0),
             h: AtomicU32::new(0),
-            owner: AtomicU32::new(NO_THREAD),
+            passed: AtomicBool::new(false),
         }
     }
 
     fn reset(&self) {
         self.spawned.set(f64::INFINITY);
-        self.owner.store(NO_THREAD, Relaxed);
+        self.reached.set(f64::INFINITY);
+        self.passed.store(false, Relaxed);
     }
 
     pub(super) fn origin(&self) -> Origin {
@@ -149,38 +115,25 @@ impl VertexState {
         }
     }
 
-    pub(super) fn set_origin(&self, origin: Origin) {
+    /// A path of length `distance` is the shortest.
+    pub(super) fn reach(&self, distance: f64, origin: Origin) {
+        self.reached.set(distance);
         self.h.store(origin.h, Relaxed);
         self.entry.set(origin.entry);
     }
 
-    /// Whose it is; that of `thread` from now on if it was nobody's.
-    #[inline]
-    pub(super) fn owner_or(&self, thread: impl FnOnce() -> usize) -> usize {
-        let owner = self.owner.load(Relaxed) & !PASSED;
-        if owner != NO_THREAD {
-            return owner as usize;
-        }
-        let thread = thread();
-        // Another thread may have been faster, but has decided the same.
-        let _ = self
-            .owner
-            .compare_exchange(NO_THREAD, thread as u32, Relaxed, Relaxed);
-        thread
+    /// It has its turn.
+    pub(super) fn pass(&self) {
+        self.passed.store(true, Relaxed);
     }
 
-    /// It has its turn with `thread`.
-    pub(super) fn pass(&self, thread: usize) {
-        self.owner.store(thread as u32 | PASSED, Relaxed);
-    }
-
-    #[inline]
+    #[inline(always)]
     pub(super) fn has_passed(&self) -> bool {
-        self.owner.load(Relaxed) & PASSED != 0
+        self.passed.load(Relaxed)
     }
 }
 
-/// A number that threads can see; who may write it when is a matter of phases.
+/// A number that threads can see.
 #[derive(Debug)]
 pub(super) struct Number(AtomicU64);
 
@@ -189,35 +142,29 @@ impl Number {
         Self(AtomicU64::new(value.to_bits()))
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn get(&self) -> f64 {
         f64::from_bits(self.0.load(Relaxed))
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn set(&self, value: f64) {
         self.0.store(value.to_bits(), Relaxed);
     }
+
+    /// Takes a lesser value, neither of them negative; returns whether it was less.
+    #[inline]
+    pub(super) fn lower(&self, value: f64) -> bool {
+        // The bits of such numbers are in the same order.
+        let bits = value.to_bits();
+        self.0.fetch_min(bits, Relaxed) > bits
+    }
 }
 
-/// What a thread says at the end of each half of a step.
-#[derive(Debug, Default)]
-pub(super) struct Status {
-    /// What it had to cross in the first half, about, in windows.
-    pub(super) load: AtomicU64,
-    /// Windows that have crossed in the first half and are to cross again in the next step.
-    pub(super) again: AtomicU64,
-    /// Windows that wait in its lists or are on their way to others, after the first half.
-    pub(super) waiting: AtomicU64,
-    /// Tasks that it has for the next step, or has sent to others, after the second half.
-    pub(super) work: AtomicU32,
-    /// Its nearest bucket of vertices then, and the number of vertices that wait.
-    pub(super) nearest: AtomicU32,
-    pub(super) queued: AtomicU64,
-}
-
-/// The state of a run that threads share. All of it is atomic, but in no order of its own: a phase reads what
-/// an earlier one wrote, and between the two all threads have met.
+/// The state of a run that threads share.
+///
+/// All of it is atomic, but in no order of its own: what one thread must know of another comes by mail, and what it sees besides
+/// may be old. An old distance is a longer one, and prunes less.
 #[derive(Debug)]
 pub(super) struct Field {
     pub(super) surface: Surface,
@@ -226,19 +173,21 @@ pub(super) struct Field {
     pub(super) compared: Sample,
     pub(super) threads: usize,
     /// The number of this run.
-    pub(super) run: u16,
+    pub(super) run: u32,
     pub(super) faces: Vec<FaceState>,
     pub(super) distances: Vec<Number>,
     pub(super) vertices: Vec<VertexState>,
-    pub(super) statuses: Vec<Padded<Status>>,
+    pub(super) face_owners: Owners,
+    pub(super) vertex_owners: Owners,
+    pub(super) split: Split,
     pub(super) post: Post,
+    pub(super) pace: Pace,
 }
 
 impl Field {
     pub(super) fn new(surface: Surface, shadow: bool, compared: Sample, threads: usize) -> Self {
         let (faces, vertices) = (surface.faces.len(), surface.vertices.len());
         Self {
-            surface,
             shadow,
             compared,
             threads,
@@ -246,22 +195,30 @@ impl Field {
             faces: (0..faces).map(|_| FaceState::default()).collect(),
             distances: (0..vertices).map(|_| Number::new(f64::INFINITY)).collect(),
             vertices: (0..vertices).map(|_| VertexState::new()).collect(),
-            statuses: (0..threads).map(|_| Padded::default()).collect(),
+            face_owners: Owners::new(faces, FACES_OF_A_BLOCK),
+            vertex_owners: Owners::new(vertices, VERTICES_OF_A_BLOCK),
+            split: Split::new(&surface, threads),
             post: Post::new(threads),
+            pace: Pace::new(threads),
+            surface,
         }
     }
 
     /// Starts another run; every list is empty, and threads are to reset the vertices.
     pub(super) fn start(&mut self) {
-        if self.run == LAST_RUN {
+        if self.run == u32::MAX {
             self.run = 0;
-            self.faces.iter().for_each(FaceState::forget);
+            self.faces.fill_with(FaceState::default);
         }
         self.run += 1;
+        self.face_owners.reset();
+        self.vertex_owners.reset();
+        self.split.reset(&self.surface);
+        self.pace.reset();
     }
 
     /// Forgets the last run at the vertices in `range`.
-    pub(super) fn reset_vertices(&self, range: std::ops::Range<usize>) {
+    pub(super) fn reset_vertices(&self, range: Range<usize>) {
         for distance in &self.distances[range.clone()] {
             distance.set(f64::INFINITY);
         }
@@ -270,13 +227,27 @@ impl Field {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn distance(&self, v: u32) -> f64 {
         self.distances[v as usize].get()
     }
 
-    /// The sum of what all threads say.
-    pub(super) fn sum(&self, of: impl Fn(&Status) -> u64) -> u64 {
-        self.statuses.iter().map(|status| of(&status.0)).sum()
+    /// Whose a face is, from now on if it was nobody's.
+    #[inline(always)]
+    pub(super) fn owner_of_face(&self, f: usize) -> usize {
+        if self.threads == 1 {
+            return 0;
+        }
+        self.face_owners.of(f, || self.split.owner_of_face(f))
+    }
+
+    /// Whose a vertex is, from now on if it was nobody's.
+    #[inline(always)]
+    pub(super) fn owner_of_vertex(&self, v: u32) -> usize {
+        if self.threads == 1 {
+            return 0;
+        }
+        self.vertex_owners
+            .of(v as usize, || self.split.owner_of_vertex(v))
     }
 }

@@ -1,13 +1,13 @@
-//! What threads tell each other, and when.
+//! What threads tell each other.
 
 use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use super::barrier::{Barrier, Broken};
+use super::pace::Pace;
 use super::padded::Padded;
 
-/// A path to a vertex that was the shortest before this phase.
+/// A path to a vertex that was the shortest when it was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Offer {
     pub(super) vertex: u32,
@@ -19,134 +19,139 @@ pub(super) struct Offer {
     pub(super) distance: f64,
 }
 
-/// A path and a window that are to start from the vertex at which a half-edge starts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Spawn {
-    pub(super) h: u32,
-    /// Whether a path is to be sent along the other edge of the face as well.
-    pub(super) last: bool,
-    /// The distance of the vertex.
-    pub(super) distance: f64,
-}
-
-/// Letters from one thread to another.
+/// A letter from one thread to another.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mail {
+    /// Paths to vertices of the other.
     pub(super) offers: Vec<Offer>,
-    pub(super) spawns: Vec<Spawn>,
-    /// Half-edges for which there are windows, and how many.
+    /// Half-edges of faces of the other for which there are windows, and how many.
     pub(super) arrivals: Vec<(u32, u32)>,
     /// These windows, list by list, in columns.
     pub(super) windows: Vec<f64>,
-    /// Faces that have joined the traversed area.
+    /// Faces of the other that have joined the traversed area.
     pub(super) joined: Vec<u32>,
-    /// Loads of parts of the surface, see [`Split`](super::split::Split).
-    pub(super) loads: Vec<(u32, u32)>,
 }
 
 impl Mail {
-    fn is_empty(&self) -> bool {
-        self.offers.is_empty()
-            && self.spawns.is_empty()
-            && self.arrivals.is_empty()
-            && self.joined.is_empty()
-            && self.loads.is_empty()
+    pub(super) fn is_empty(&self) -> bool {
+        self.offers.is_empty() && self.arrivals.is_empty() && self.joined.is_empty()
     }
 
     fn clear(&mut self) {
         self.offers.clear();
-        self.spawns.clear();
         self.arrivals.clear();
         self.windows.clear();
         self.joined.clear();
-        self.loads.clear();
+    }
+
+    /// Adds what another letter says, which is empty afterwards.
+    fn append(&mut self, other: &mut Self) {
+        self.offers.append(&mut other.offers);
+        self.arrivals.append(&mut other.arrivals);
+        self.windows.append(&mut other.windows);
+        self.joined.append(&mut other.joined);
     }
 }
 
-/// Where the letters from one thread to another lie.
+/// Where a letter from one thread to another lies.
 #[derive(Debug, Default)]
 struct Slot {
     full: AtomicBool,
     mail: Mutex<Mail>,
 }
 
-/// The mailboxes of all threads. There are two of each kind, used in turns, so that a phase can fill one
-/// while a thread is still to empty the other.
+/// The mailboxes of all threads: one for each two.
 #[derive(Debug)]
 pub(super) struct Post {
     threads: usize,
-    boxes: [Vec<Padded<Slot>>; 2],
-    barrier: Barrier,
+    slots: Vec<Padded<Slot>>,
 }
 
 impl Post {
     pub(super) fn new(threads: usize) -> Self {
-        let boxes = || {
-            (0..threads * threads)
-                .map(|_| Padded::default())
-                .collect::<Vec<_>>()
-        };
         Self {
             threads,
-            boxes: [boxes(), boxes()],
-            barrier: Barrier::new(threads as u32),
+            slots: (0..threads * threads).map(|_| Padded::default()).collect(),
         }
     }
 
-    pub(super) fn barrier(&self) -> &Barrier {
-        &self.barrier
+    fn slot(&self, from: usize, to: usize) -> &Slot {
+        &self.slots[from * self.threads + to].0
     }
 
-    fn slot(&self, side: usize, from: usize, to: usize) -> &Slot {
-        &self.boxes[side][from * self.threads + to].0
-    }
-}
-
-/// A thread's own part of the post.
-#[derive(Debug)]
-pub(super) struct Desk {
-    thread: usize,
-    side: usize,
-    /// What goes to each thread after this phase.
-    pub(super) out: Vec<Mail>,
-    read: Mail,
-}
-
-impl Desk {
-    pub(super) fn new(thread: usize, threads: usize) -> Self {
-        Self {
-            thread,
-            side: 0,
-            out: vec![Mail::default(); threads],
-            read: Mail::default(),
-        }
-    }
-
-    /// Ends a phase: sends all letters and waits until all threads have done so.
-    pub(super) fn send(&mut self, post: &Post) -> Result<(), Broken> {
-        for (to, mail) in self.out.iter_mut().enumerate() {
-            if !mail.is_empty() {
-                let slot = post.slot(self.side, self.thread, to);
-                let mut there = slot.mail.lock().unwrap_or_else(PoisonError::into_inner);
-                mem::swap(&mut *there, mail);
-                slot.full.store(true, Ordering::Relaxed);
-            }
-        }
-        post.barrier.wait()?;
-        self.side = 1 - self.side;
-        Ok(())
-    }
-
-    /// The letters that another thread has sent at the end of the last phase, if there are any.
-    pub(super) fn receive(&mut self, post: &Post, from: usize) -> Option<&Mail> {
-        let slot = post.slot(1 - self.side, from, self.thread);
-        if !slot.full.load(Ordering::Relaxed) {
-            return None;
-        }
-        slot.full.store(false, Ordering::Relaxed);
-        self.read.clear();
+    /// Sends a letter, which is empty afterwards; together with the last one if that has not been taken.
+    pub(super) fn send(&self, from: usize, to: usize, mail: &mut Mail, pace: &Pace) {
+        let slot = self.slot(from, to);
         let mut there = slot.mail.lock().unwrap_or_else(PoisonError::into_inner);
-        mem::swap(&mut *there, &mut self.read);
-        Some(&self.read)
+        if slot.full.load(Ordering::Relaxed) {
+            there.append(mail);
+        } else {
+            pace.begin();
+            pace.call_back(from, to);
+            mem::swap(&mut *there, mail);
+            slot.full.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Whether there is a letter.
+    #[inline(always)]
+    pub(super) fn is_full(&self, from: usize, to: usize) -> bool {
+        self.slot(from, to).full.load(Ordering::Relaxed)
+    }
+
+    /// Takes the letter, if there is one, into `mail`, whose contents are lost; returns whether there was one. When all has been
+    /// done that it asks for, it is to [end](Pace::end).
+    pub(super) fn receive(&self, from: usize, to: usize, mail: &mut Mail) -> bool {
+        if !self.is_full(from, to) {
+            return false;
+        }
+        mail.clear();
+        let slot = self.slot(from, to);
+        let mut there = slot.mail.lock().unwrap_or_else(PoisonError::into_inner);
+        mem::swap(&mut *there, mail);
+        slot.full.store(false, Ordering::Relaxed);
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_that_wait_become_one_and_count_once() {
+        let (post, mut pace) = (Post::new(2), Pace::new(2));
+        pace.reset();
+        let offer = |vertex| Offer {
+            vertex,
+            h: 7,
+            entry: 0.5,
+            distance: 1.5,
+        };
+        let mut received = Mail::default();
+        for _ in 0..2 {
+            assert!(!post.is_full(1, 0) && !post.receive(1, 0, &mut received));
+            for vertex in [3, 4] {
+                let mut mail = Mail {
+                    offers: vec![offer(vertex)],
+                    arrivals: vec![(vertex, 1)],
+                    windows: vec![f64::from(vertex); 5],
+                    joined: vec![vertex],
+                };
+                post.send(1, 0, &mut mail, &pace);
+                assert!(mail.is_empty());
+            }
+            assert!(post.is_full(1, 0) && !post.is_full(0, 1));
+            assert!(post.receive(1, 0, &mut received));
+            assert_eq!(received.offers, [3, 4].map(offer));
+            assert_eq!(received.arrivals, [(3, 1), (4, 1)]);
+            assert_eq!(received.windows, [[3.0; 5], [4.0; 5]].concat());
+            assert_eq!(received.joined, [3, 4]);
+            pace.end();
+        }
+        pace.end();
+        assert!(!pace.is_over());
+        pace.end();
+        assert!(pace.is_over());
     }
 }

@@ -3,12 +3,15 @@
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
 
-mod barrier;
 mod cross;
+mod exchange;
 mod field;
 mod mail;
+mod owners;
+mod pace;
 mod padded;
 mod settle;
+mod spawn;
 mod split;
 mod turn;
 mod worker;
@@ -19,8 +22,9 @@ use std::thread;
 use geobench_mesh::{Mesh, Numbering, VertexId};
 use geobench_window::{Counter, Probe, Propagate, Solution};
 
-use self::barrier::{BreakOnPanic, Broken};
-use self::field::{Field, MOST_THREADS};
+use self::field::Field;
+use self::owners::MOST_THREADS;
+use self::pace::BreakOnPanic;
 use self::worker::Worker;
 use crate::engine::dispatch::{self, Program};
 use crate::engine::lanes::Lanes;
@@ -94,17 +98,17 @@ struct Part<'a, P> {
 }
 
 impl<P: Probe> Program for Part<'_, P> {
-    type Output = Result<(), Broken>;
+    type Output = ();
 
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
-    unsafe fn run<L: Lanes>(self) -> Result<(), Broken> {
-        let _guard = BreakOnPanic(self.field.post.barrier());
+    unsafe fn run<L: Lanes>(self) {
+        let _guard = BreakOnPanic(&self.field.pace);
         // SAFETY: promised by the caller.
         unsafe {
             self.worker
-                .run::<L, P>(self.field, self.sources, self.probe)
-        }?;
+                .run::<L, P>(self.field, self.sources, self.probe);
+        }
         let first = self
             .worker
             .share(self.field, self.field.vertices.len())
@@ -113,7 +117,6 @@ impl<P: Probe> Program for Part<'_, P> {
             let v = self.numbering.new_vertex(VertexId::new((first + i) as u32));
             *distance = self.field.distance(v.raw());
         }
-        Ok(())
     }
 }
 
@@ -170,7 +173,7 @@ impl Propagate for Pvtp<'_> {
                             distances,
                             probe: &mut (),
                         };
-                        dispatch::run(part, instructions)
+                        dispatch::run(part, instructions);
                     })
                 })
                 .collect();
@@ -183,8 +186,7 @@ impl Propagate for Pvtp<'_> {
                     distances,
                     probe: &mut *probe,
                 };
-                // That another thread has panicked comes out when it is joined.
-                let _ = dispatch::run(part, instructions);
+                dispatch::run(part, instructions);
             }
             for other in others {
                 if let Err(panic) = other.join() {

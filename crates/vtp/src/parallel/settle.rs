@@ -1,54 +1,63 @@
-//! The second half of a step: distances improve, with their consequences. No window moves.
+//! Paths to vertices, and what follows when they are the shortest.
 
 use super::field::Field;
-use super::mail::{Offer, Spawn};
+use super::mail::Offer;
 use super::worker::Worker;
-use crate::engine::shadow::{Origin, Shadow};
-use crate::engine::surface::parts;
+use crate::engine::shadow::Origin;
 
 impl Worker {
-    /// Takes the shortest of the paths that were found to each vertex of this thread.
+    /// A path has been found to a vertex, which may be another thread's.
     ///
-    /// Every one was shorter than the distance before this step. Which of several comes first must not
-    /// matter, so of equally short ones the one with the least half-edge and entry is taken.
-    pub(super) fn settle(&mut self, field: &Field) {
-        let offers = std::mem::take(&mut self.offers);
-        for offer in &offers {
-            let (distance, vertex) = (
-                &field.distances[offer.vertex as usize],
-                &field.vertices[offer.vertex as usize],
-            );
-            let known = distance.get();
-            if offer.distance < known
-                || offer.distance == known && comes_before(offer, vertex.origin())
-            {
-                distance.set(offer.distance);
-                vertex.set_origin(Origin {
-                    h: offer.h,
-                    entry: offer.entry,
-                });
-            }
+    /// The owner may overwrite what another thread has found in the same moment; it gets to know it by mail.
+    #[inline(always)]
+    pub(super) fn offer(&mut self, field: &Field, offer: Offer) {
+        let known = &field.distances[offer.vertex as usize];
+        if offer.distance >= known.get() {
+            return;
         }
-        for &Offer {
-            vertex,
-            h,
-            entry,
-            distance,
-        } in &offers
-        {
-            let state = &field.vertices[vertex as usize];
-            let origin = state.origin();
-            if distance > field.distance(vertex) || (origin.h, origin.entry) != (h, entry) {
+        let owner = field.owner_of_vertex(offer.vertex);
+        if owner == self.thread {
+            known.set(offer.distance);
+            self.offers.push(offer);
+        } else if known.lower(offer.distance) {
+            self.out[owner].offers.push(offer);
+        }
+    }
+
+    /// Another thread has found a path to a vertex of this thread.
+    pub(super) fn hear_of(&mut self, field: &Field, offer: Offer) {
+        let known = &field.distances[offer.vertex as usize];
+        if offer.distance <= known.get() {
+            known.set(offer.distance);
+            self.offers.push(offer);
+        }
+    }
+
+    /// The consequences of distances that have improved.
+    pub(super) fn settle(&mut self, field: &Field) {
+        let mut next = 0;
+        // Windows that start find more.
+        while let Some(&offer) = self.offers.get(next) {
+            next += 1;
+            let (vertex, distance) = (offer.vertex, offer.distance);
+            if distance > field.distance(vertex) {
+                // What came later has its own consequences.
                 continue;
             }
-            if state.has_passed() {
-                self.spawn_if_nearer(field, vertex);
-            } else {
+            let state = &field.vertices[vertex as usize];
+            if field.surface.vertices[vertex as usize].pseudo_source {
+                let Offer { h, entry, .. } = offer;
+                state.reach(distance, Origin { h, entry });
+                if state.has_passed() {
+                    self.spawn_if_nearer(field, vertex);
+                }
+            }
+            if !state.has_passed() {
                 self.tally.pushes += u64::from(self.buckets.push(vertex, distance));
             }
         }
-        self.offers = offers;
         self.offers.clear();
+        self.tally.peak_queue = self.tally.peak_queue.max(self.buckets.len() as u64);
     }
 
     /// Has windows start from `v` if it is a pseudo-source that has come nearer since it last did.
@@ -57,49 +66,94 @@ impl Worker {
             field.surface.vertices[v as usize],
             &field.vertices[v as usize],
         );
-        let distance = field.distance(v);
-        if vertex.pseudo_source && distance < state.spawned.get() {
+        let distance = state.reached.get();
+        // If another thread has found a shorter path, of which it is not known yet where it comes from, windows start when it is.
+        if vertex.pseudo_source && distance < state.spawned.get() && distance <= field.distance(v) {
             state.spawned.set(distance);
             self.spawn(field, v, vertex.all_around || !field.shadow);
         }
     }
-
-    /// Has windows start from `v` in the next step, in all directions or into the shadow of the path that
-    /// reached it. All faces around it have joined.
-    pub(super) fn spawn(&mut self, field: &Field, v: u32, all_around: bool) {
-        self.tally.pseudo_sources += 1;
-        let ring = field.surface.ring(v);
-        let shadow = if all_around {
-            Shadow::all(ring.len())
-        } else {
-            Shadow::of(&field.surface, v, field.vertices[v as usize].origin())
-        };
-        let distance = field.distance(v);
-        let mut place = shadow.first;
-        for i in 0..shadow.count {
-            let h = ring[place];
-            place = if place + 1 == ring.len() {
-                0
-            } else {
-                place + 1
-            };
-            let spawn = Spawn {
-                h,
-                // The last edge belongs to the next face, if there is one.
-                last: !all_around && i + 1 == shadow.count,
-                distance,
-            };
-            let owner = self.owner_of_face(field, parts(h).0);
-            if owner == self.thread {
-                self.spawns.push(spawn);
-            } else {
-                self.desk.out[owner].spawns.push(spawn);
-            }
-        }
-    }
 }
 
-/// Whether an offer goes before another one of the same length.
-fn comes_before(offer: &Offer, other: Origin) -> bool {
-    offer.h < other.h || offer.h == other.h && offer.entry < other.entry
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::sample::Sample;
+    use crate::engine::surface::{Surface, half_edge, next, parts};
+    use geobench_mesh::generate::generate;
+    use geobench_mesh::{Mesh, Numbering};
+
+    /// The distance of a vertex once was lowered by another thread, and its turn came before the letter that said by
+    /// which path: windows started into the shadow of the old path, and never into that of the new one.
+    #[test]
+    fn windows_do_not_start_into_the_shadow_of_a_path_that_is_no_longer_the_shortest() {
+        let soup = generate(&"gen:terrain,n=20,seed=2".parse().unwrap()).unwrap();
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        let surface = Surface::new(&mesh, &Numbering::along_curve(&mesh));
+        let mut workers = [0, 1].map(|thread| Worker::new(thread, 2, &surface, 1.0));
+        let mut field = Field::new(surface, true, Sample::new(8), 2);
+        field.start();
+        let mut vertices = (0..).zip(&field.surface.vertices);
+        let inside = vertices.find(|(_, v)| v.pseudo_source && !v.all_around);
+        let (vertex, _) = inside.unwrap();
+        let owner = field.owner_of_vertex(vertex);
+        let other = 1 - owner;
+        let offer = |place: usize, distance| {
+            let (f, corner) = parts(field.surface.ring(vertex)[place]);
+            Offer {
+                vertex,
+                h: half_edge(f as u32, next(corner)),
+                entry: 0.0,
+                distance,
+            }
+        };
+        let state = &field.vertices[vertex as usize];
+        workers[owner].offer(&field, offer(0, 10.0));
+        workers[owner].settle(&field);
+        assert_eq!(
+            (state.reached.get(), state.origin().h),
+            (10.0, offer(0, 0.0).h)
+        );
+
+        workers[other].offer(&field, offer(2, 9.0));
+        assert_eq!(field.distance(vertex), 9.0);
+        workers[owner].turn.push(vertex);
+        workers[owner].pass(&field);
+        assert_eq!(state.spawned.get(), f64::INFINITY);
+
+        workers[other].send(&field);
+        assert!(workers[owner].has_mail(&field));
+        workers[owner].receive(&field);
+        workers[owner].settle(&field);
+        assert_eq!(
+            (state.spawned.get(), state.origin().h),
+            (9.0, offer(2, 0.0).h)
+        );
+    }
+
+    #[test]
+    fn of_two_paths_found_at_the_same_time_the_shorter_one_stays() {
+        let soup = generate(&"gen:terrain,n=20,seed=2".parse().unwrap()).unwrap();
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        let surface = Surface::new(&mesh, &Numbering::along_curve(&mesh));
+        let mut workers = [0, 1].map(|thread| Worker::new(thread, 2, &surface, 1.0));
+        let mut field = Field::new(surface, true, Sample::new(8), 2);
+        field.start();
+        let vertex = 7;
+        let owner = field.owner_of_vertex(vertex);
+        let offer = |distance| Offer {
+            vertex,
+            h: field.surface.ring(vertex)[0],
+            entry: 0.0,
+            distance,
+        };
+        workers[1 - owner].offer(&field, offer(9.0));
+        // As if the owner had looked before that.
+        field.distances[vertex as usize].set(10.0);
+        workers[1 - owner].send(&field);
+        workers[owner].receive(&field);
+        assert_eq!(field.distance(vertex), 9.0);
+        workers[owner].offer(&field, offer(9.5));
+        assert_eq!(workers[owner].offers, [offer(9.0)]);
+    }
 }

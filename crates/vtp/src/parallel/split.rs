@@ -1,129 +1,161 @@
 //! Who gets which part of the surface.
 
+use std::mem;
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::atomic::{AtomicU32, AtomicU64};
+use std::sync::{Mutex, PoisonError};
+
+use super::padded::Padded;
 use crate::engine::surface::Surface;
 
 /// Parts of the surface whose loads are counted, at most.
-const BLOCKS: usize = 2048;
+const PARTS: usize = 512;
 
 /// What a list that is taken across a face costs besides its windows, in windows.
-pub(super) const LIST: u64 = 16;
+const LIST: u32 = 16;
 
-/// How much of the shares that differ from an equal one is kept from one division to the next, and how much a load that
+/// Buckets after which the surface is divided anew.
+const BUCKETS: u32 = 4;
+
+/// How much of the shares that differ from an equal one is kept from one division to the next, and how much a time that
 /// differs from the mean adds to them.
 const KEPT: f64 = 0.9;
 const GAIN: f64 = 0.2;
 
 /// Cuts the surface into ranges of its faces, one for each thread, of about the same load.
 ///
-/// Numbers follow a space-filling curve, so that a range is a part of the surface in one piece or a few. Windows of
-/// one step come to faces that nobody has yet mostly, all around the source, and those of the next step to faces
-/// nearby. So blocks of faces count the windows that come to them, and ranges are cut such that all had got as
-/// many since the last time. Windows cross a few steps after they have come, and not everywhere as many after; so whoever had
-/// more to cross than others gets a lesser share. Every thread makes the same cuts from the same counts.
-#[derive(Clone, Debug)]
+/// Numbers follow a space-filling curve, so that a range is a part of the surface in one piece or a few. The wave
+/// comes to faces that nobody has yet, near those that lists cross now. So parts of the surface count the windows that cross them,
+/// and ranges are cut such that all had as many since the last time. Lists do not cost the same everywhere, nor are processors
+/// equally fast; so whoever has worked longer than others gets a lesser share.
+#[derive(Debug)]
 pub(super) struct Split {
-    threads: usize,
-    /// Faces of a block, as a power of 2.
+    /// Faces of a part, as a power of 2.
     shift: u32,
-    /// What this thread has counted in each block since the last division.
-    own: Vec<u32>,
-    /// What all threads have.
-    all: Vec<u64>,
+    /// What each thread has counted in each part in this run.
+    counts: Vec<Vec<AtomicU32>>,
+    /// How long each thread has worked in this run, in nanoseconds.
+    busy: Vec<Padded<AtomicU64>>,
+    /// The first face of each range but the first, and its first vertex.
+    faces: Vec<AtomicU32>,
+    vertices: Vec<AtomicU32>,
+    divider: Mutex<Divider>,
+}
+
+/// What is known of the last division.
+#[derive(Debug)]
+struct Divider {
+    /// The bucket at which it was.
+    bucket: u32,
+    /// What had been counted, and what has been since.
+    counted: Vec<u32>,
+    loads: Vec<u64>,
+    /// How long each thread had worked, and has since.
+    busy: Vec<u64>,
+    worked: Vec<u64>,
     /// By how much the share of each thread is to exceed an equal one, relatively.
     excess: Vec<f64>,
-    /// The first face of each range but the first, and its first vertex.
-    faces: Vec<u32>,
-    vertices: Vec<u32>,
 }
 
 impl Split {
     pub(super) fn new(surface: &Surface, threads: usize) -> Self {
         let faces = surface.faces.len();
-        let shift = (faces / BLOCKS).checked_ilog2().map_or(0, |log| log + 1);
-        let blocks = if threads > 1 { (faces >> shift) + 1 } else { 0 };
+        let shift = (faces / PARTS).checked_ilog2().map_or(0, |log| log + 1);
+        let parts = if threads > 1 { (faces >> shift) + 1 } else { 0 };
+        let numbers = |n: usize| (0..n).map(|_| AtomicU32::new(0)).collect();
         Self {
-            threads,
             shift,
-            own: vec![0; blocks],
-            all: vec![0; blocks],
-            excess: vec![0.0; threads],
-            faces: vec![0; threads - 1],
-            vertices: vec![0; threads - 1],
+            counts: (0..threads).map(|_| numbers(parts)).collect(),
+            busy: (0..threads).map(|_| Padded::default()).collect(),
+            faces: numbers(threads - 1),
+            vertices: numbers(threads - 1),
+            divider: Mutex::new(Divider {
+                bucket: 0,
+                counted: vec![0; parts],
+                loads: vec![0; parts],
+                busy: vec![0; threads],
+                worked: vec![0; threads],
+                excess: vec![0.0; threads],
+            }),
         }
     }
 
     /// Starts a run, with ranges of the same size.
     pub(super) fn reset(&mut self, surface: &Surface) {
-        self.own.fill(0);
-        self.excess.fill(0.0);
-        self.all.fill(1);
-        self.cut(surface);
+        for counts in &mut self.counts {
+            counts.fill_with(AtomicU32::default);
+        }
+        self.busy.fill_with(Padded::default);
+        let mut divider = self.divider.lock().unwrap_or_else(PoisonError::into_inner);
+        divider.bucket = 0;
+        divider.counted.fill(0);
+        divider.loads.fill(1);
+        divider.busy.fill(0);
+        divider.excess.fill(0.0);
+        self.cut(surface, &divider);
     }
 
-    #[inline]
+    /// Who gets a face that is nobody's.
     pub(super) fn owner_of_face(&self, f: usize) -> usize {
-        self.faces.partition_point(|&cut| cut as usize <= f)
+        let mut cuts = self.faces.iter();
+        let first_beyond = cuts.position(|cut| cut.load(Relaxed) as usize > f);
+        first_beyond.unwrap_or(self.faces.len())
     }
 
-    #[inline]
+    /// Who gets a vertex that is nobody's.
     pub(super) fn owner_of_vertex(&self, v: u32) -> usize {
-        self.vertices.partition_point(|&cut| cut <= v)
+        let first_beyond = self.vertices.iter().position(|cut| cut.load(Relaxed) > v);
+        first_beyond.unwrap_or(self.vertices.len())
     }
 
-    /// So many windows come to a face.
+    /// `thread` takes so many windows across a face.
     #[inline(always)]
-    pub(super) fn note(&mut self, f: usize, windows: usize) {
-        if let Some(load) = self.own.get_mut(f >> self.shift) {
-            // Windows come to a list twice, from both sides of the face below.
-            *load += windows as u32 + LIST as u32 / 2;
+    pub(super) fn note(&self, thread: usize, f: usize, windows: usize) {
+        if let Some(count) = self.counts[thread].get(f >> self.shift) {
+            // Nobody else writes there.
+            count.store(
+                count.load(Relaxed).wrapping_add(windows as u32 + LIST),
+                Relaxed,
+            );
         }
     }
 
-    /// What has been counted since it was asked for last: blocks and their loads.
-    pub(super) fn drain(&mut self, loads: &mut Vec<(u32, u32)>) {
-        for (block, load) in (0..).zip(&mut self.own) {
-            if *load > 0 {
-                loads.push((block, std::mem::take(load)));
-            }
-        }
-    }
-
-    /// Adds what one of the threads has counted.
-    pub(super) fn learn(&mut self, loads: &[(u32, u32)]) {
-        for &(block, load) in loads {
-            self.all[block as usize] += u64::from(load);
-        }
-    }
-
-    /// Learns what the threads had to cross in the last step.
-    pub(super) fn compare(&mut self, loads: impl Iterator<Item = u64> + Clone) {
-        let mean = loads.clone().sum::<u64>() as f64 / self.threads as f64;
-        if mean == 0.0 {
+    /// `thread` has come to a bucket, and has worked for so many nanoseconds. Divides anew if it is time to, unless another
+    /// thread is about to.
+    pub(super) fn come_to(&self, thread: usize, bucket: u32, busy: u64, surface: &Surface) {
+        self.busy[thread].0.store(busy, Relaxed);
+        let Ok(mut divider) = self.divider.try_lock() else {
+            return;
+        };
+        if bucket < divider.bucket.saturating_add(BUCKETS) {
             return;
         }
-        for (excess, load) in self.excess.iter_mut().zip(loads) {
-            let lacks = 1.0 - load as f64 / mean;
-            *excess = (*excess * KEPT + lacks * GAIN).clamp(-0.5, 0.5);
-        }
+        divider.bucket = bucket;
+        divider.count(&self.counts);
+        divider.compare(self.busy.iter().map(|busy| busy.0.load(Relaxed)));
+        self.cut(surface, &divider);
     }
 
     /// Cuts anew.
-    pub(super) fn cut(&mut self, surface: &Surface) {
-        let total: u64 = self.all.iter().sum();
-        let shares = 1.0 / (self.threads as f64 + self.excess.iter().sum::<f64>());
-        let (mut block, mut before, mut share) = (0, 0, 0.0);
-        for t in 1..self.threads {
-            share += (1.0 + self.excess[t - 1]) * shares;
+    fn cut(&self, surface: &Surface, Divider { loads, excess, .. }: &Divider) {
+        let total: u64 = loads.iter().sum();
+        if total == 0 {
+            return;
+        }
+        let shares = 1.0 / (excess.len() as f64 + excess.iter().sum::<f64>());
+        let (mut part, mut before, mut share) = (0, 0, 0.0);
+        for ((face_cut, vertex_cut), excess) in self.faces.iter().zip(&self.vertices).zip(excess) {
+            share += (1.0 + excess) * shares;
             #[allow(clippy::cast_sign_loss)] // No share is negative.
             let wanted = (total as f64 * share) as u64;
-            while block + 1 < self.all.len() && before + self.all[block] < wanted {
-                before += self.all[block];
-                block += 1;
+            while part + 1 < loads.len() && before + loads[part] < wanted {
+                before += loads[part];
+                part += 1;
             }
-            // The load of a block is taken as spread evenly over it.
-            let part = ((wanted - before) << self.shift).checked_div(self.all[block]);
-            let face = (block << self.shift) + part.unwrap_or(0) as usize;
-            (self.faces[t - 1], self.vertices[t - 1]) = match surface.faces.get(face) {
+            // The load of a part is taken as spread evenly over it.
+            let within = ((wanted - before) << self.shift).checked_div(loads[part]);
+            let face = (part << self.shift) + within.unwrap_or(0) as usize;
+            let (face, vertex) = match surface.faces.get(face) {
                 // The vertex along whose part of the curve the face was numbered.
                 Some(first) => {
                     let [a, b, c] = first.vertex;
@@ -131,8 +163,35 @@ impl Split {
                 }
                 None => (u32::MAX, u32::MAX),
             };
+            face_cut.store(face, Relaxed);
+            vertex_cut.store(vertex, Relaxed);
         }
-        self.all.fill(0);
+    }
+}
+
+impl Divider {
+    /// Learns what has been counted since the last division.
+    fn count(&mut self, counts: &[Vec<AtomicU32>]) {
+        for (part, (counted, load)) in self.counted.iter_mut().zip(&mut self.loads).enumerate() {
+            let counts = counts.iter().map(|counts| counts[part].load(Relaxed));
+            let now = counts.fold(0, u32::wrapping_add);
+            *load = u64::from(now.wrapping_sub(mem::replace(counted, now)));
+        }
+    }
+
+    /// Learns how long the threads have worked in all, and so since the last division.
+    fn compare(&mut self, busy: impl Iterator<Item = u64>) {
+        for ((before, worked), now) in self.busy.iter_mut().zip(&mut self.worked).zip(busy) {
+            *worked = now.saturating_sub(mem::replace(before, now));
+        }
+        let mean = self.worked.iter().sum::<u64>() as f64 / self.worked.len() as f64;
+        if mean == 0.0 {
+            return;
+        }
+        for (excess, &worked) in self.excess.iter_mut().zip(&self.worked) {
+            let lacks = 1.0 - worked as f64 / mean;
+            *excess = (*excess * KEPT + lacks * GAIN).clamp(-0.5, 0.5);
+        }
     }
 }
 
@@ -141,6 +200,7 @@ mod tests {
     use super::*;
     use geobench_mesh::generate::generate;
     use geobench_mesh::{Mesh, Numbering};
+    use std::ops::Range;
 
     fn surface() -> Surface {
         let soup = generate(&"gen:terrain,n=60,seed=2".parse().unwrap()).unwrap();
@@ -149,39 +209,38 @@ mod tests {
         Surface::new(&mesh, &numbering)
     }
 
-    /// Windows that come to the faces in `range`, as each thread would get.
-    fn counts(split: &Split, range: std::ops::Range<usize>, threads: usize) -> Vec<usize> {
-        let mut counts = vec![0; threads];
+    /// How many of the faces in `range` each thread would get.
+    fn faces(split: &Split, range: Range<usize>, threads: usize) -> Vec<usize> {
+        let mut faces = vec![0; threads];
         for f in range {
-            counts[split.owner_of_face(f)] += 1;
+            faces[split.owner_of_face(f)] += 1;
         }
-        counts
+        faces
     }
 
     #[test]
     fn ranges_follow_the_load_and_are_of_one_size_at_first() {
         let surface = surface();
-        let faces = surface.faces.len();
+        let all = surface.faces.len();
         for threads in [1, 2, 3, 7] {
             let mut split = Split::new(&surface, threads);
-            split.reset(&surface);
-            for range in [0..faces, 400..1400, faces - 900..faces] {
-                let mut loads = Vec::new();
-                for f in range.clone() {
-                    split.note(f, 5);
+            for range in [0..all, 400..1400, all - 900..all] {
+                split.reset(&surface);
+                if range.len() < all {
+                    // Whoever counts. Nothing has been counted since when it is divided once more.
+                    for f in range.clone() {
+                        split.note(f % threads, f, 5);
+                    }
+                    for bucket in [BUCKETS - 1, BUCKETS, 3 * BUCKETS] {
+                        split.come_to(threads - 1, bucket, 0, &surface);
+                    }
                 }
-                split.drain(&mut loads);
-                split.learn(&loads);
-                if range.len() < faces {
-                    split.cut(&surface);
-                }
-                let counts = counts(&split, range.clone(), threads);
+                let faces = faces(&split, range.clone(), threads);
                 let equal = range.len() / threads;
                 assert!(
-                    counts.iter().all(|n| n.abs_diff(equal) <= 10),
-                    "{threads} threads, {range:?}: {counts:?}"
+                    faces.iter().all(|n| n.abs_diff(equal) <= 20),
+                    "{threads} threads, {range:?}: {faces:?}"
                 );
-                split.cut(&surface);
             }
         }
     }
@@ -189,33 +248,34 @@ mod tests {
     #[test]
     fn vertices_go_with_their_faces() {
         let surface = surface();
-        let mut split = Split::new(&surface, 3);
-        split.reset(&surface);
+        let split = {
+            let mut split = Split::new(&surface, 3);
+            split.reset(&surface);
+            split
+        };
+        let cuts: Vec<_> = split.vertices.iter().map(|v| v.load(Relaxed)).collect();
         let apart = (0..surface.faces.len()).filter(|&f| {
             let owner = split.owner_of_face(f);
             let vertices = surface.faces[f].vertex;
             // The faces of the vertex at a cut are on both sides.
             vertices.iter().all(|&v| split.owner_of_vertex(v) != owner)
-                && !split.vertices.iter().any(|v| vertices.contains(v))
+                && !cuts.iter().any(|v| vertices.contains(v))
         });
         assert_eq!(apart.count(), 0);
     }
 
     #[test]
-    fn whoever_has_more_to_cross_gets_less() {
+    fn whoever_has_worked_longer_gets_less() {
         let surface = surface();
         let mut split = Split::new(&surface, 2);
         split.reset(&surface);
-        let mut last = counts(&split, 1000..2000, 2)[0];
-        for step in 0..4 {
-            let mut loads = Vec::new();
-            (1000..2000).for_each(|f| split.note(f, 9));
-            split.drain(&mut loads);
-            split.learn(&loads);
-            split.compare([3, 1].into_iter());
-            split.cut(&surface);
-            let now = counts(&split, 1000..2000, 2)[0];
-            assert!(step == 0 || now < last, "{now} after {last}");
+        let mut last = faces(&split, 1000..2000, 2)[0];
+        for step in 1..5 {
+            (1000..2000).for_each(|f| split.note(0, f, 9));
+            split.come_to(1, BUCKETS * step - 1, 1000 * u64::from(step), &surface);
+            split.come_to(0, BUCKETS * step, 3000 * u64::from(step), &surface);
+            let now = faces(&split, 1000..2000, 2)[0];
+            assert!(step == 1 || now < last, "{now} after {last}");
             last = now;
         }
         assert!((250..400).contains(&last), "{last}");

@@ -1,39 +1,30 @@
-//! The end of a step: the vertices of the nearest bucket have their turns.
+//! The turns of vertices.
 
 use super::field::Field;
-use super::worker::{Worker, queue_face};
+use super::worker::Worker;
 use crate::engine::prefetch::prefetch;
-use crate::engine::surface::parts;
+use crate::engine::store::NO_LIST;
+use crate::engine::surface::{half_edge, parts};
 
 impl Worker {
     /// The turns of the sources, which send windows all around.
     pub(super) fn start_from(&mut self, field: &Field, sources: &[u32]) {
         for &s in sources {
             field.distances[s as usize].set(0.0);
+            field.vertices[s as usize].pass();
         }
         for &s in sources {
             let state = &field.vertices[s as usize];
             if state.spawned.get() > 0.0 {
                 state.spawned.set(0.0);
-                self.join_ring(field, s);
                 self.spawn(field, s, true);
+                self.join_ring(field, s);
             }
         }
     }
 
-    /// The turns of this thread's vertices in the bucket `last` and in those before it, into which some may have come
-    /// since that was the nearest one.
-    pub(super) fn pass_turn(&mut self, field: &Field, last: u32) {
-        while let Some(bucket) = self.buckets.nearest().filter(|&bucket| bucket < last) {
-            self.buckets.take(bucket, &mut self.turn);
-            self.pass(field);
-        }
-        self.buckets.take(last, &mut self.turn);
-        self.pass(field);
-    }
-
     /// The turns of the vertices in `turn`.
-    fn pass(&mut self, field: &Field) {
+    pub(super) fn pass(&mut self, field: &Field) {
         for i in 0..self.turn.len() {
             if let Some(&v) = self.turn.get(i + 6) {
                 for &h in field.surface.ring(v) {
@@ -41,6 +32,7 @@ impl Worker {
                 }
             }
             let v = self.turn[i];
+            field.vertices[v as usize].pass();
             self.join_ring(field, v);
             self.spawn_if_nearer(field, v);
         }
@@ -48,19 +40,25 @@ impl Worker {
 
     /// The faces around `v` join the traversed area, with the windows that wait for it.
     fn join_ring(&mut self, field: &Field, v: u32) {
-        field.vertices[v as usize].pass(self.thread);
         for &h in field.surface.ring(v) {
             let (f, _) = parts(h);
-            let state = &field.faces[f];
-            if !state.join(field.run) {
-                continue;
-            }
-            // Nothing waits for a face that is nobody's.
-            match state.owner(field.run) {
-                Some(owner) if owner != self.thread => {
-                    self.desk.out[owner].joined.push(f as u32);
+            if field.faces[f].join(field.run) {
+                let owner = field.owner_of_face(f);
+                if owner == self.thread {
+                    self.queue_face(field, f);
+                } else {
+                    self.out[owner].joined.push(f as u32);
                 }
-                _ => queue_face(&mut self.ready, field, f),
+            }
+        }
+    }
+
+    /// Queues the lists of a face of this thread that has joined.
+    pub(super) fn queue_face(&mut self, field: &Field, f: usize) {
+        let state = &field.faces[f];
+        for corner in 0..3 {
+            if state.list(corner) != NO_LIST && state.enqueue(corner) {
+                self.ready.push(half_edge(f as u32, corner));
             }
         }
     }

@@ -1,0 +1,228 @@
+//! How far threads have come, how they wait for each other, and when all is done.
+
+use std::hint::spin_loop;
+use std::sync::atomic::Ordering::{Acquire, Relaxed, Release};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize};
+use std::thread;
+use std::time::Duration;
+
+use super::padded::Padded;
+
+/// The place of a thread that has no vertex to wait for.
+const NOWHERE: u32 = u32::MAX;
+
+/// How many buckets a thread may be ahead of the last one. With none threads wait for each other three times as long; with many
+/// more, windows that come late cross what others have made of earlier ones once more.
+const LEAD: u32 = 2;
+
+/// Turns of a loop of some 40 ns each in which a thread looks again before it lets others run.
+const SPINS: u32 = 2000;
+
+/// Times that it lets others run before it sleeps, and for how long it does.
+const YIELDS: u32 = 64;
+const NAP: Duration = Duration::from_micros(50);
+
+/// Where the threads of a run are.
+#[derive(Debug)]
+pub(super) struct Pace {
+    /// The bucket whose turn each thread takes or wants to take.
+    places: Vec<Padded<AtomicU32>>,
+    /// Threads that have made ready.
+    ready: AtomicUsize,
+    /// Threads at work and letters on their way: when there are none, nothing will ever happen.
+    pending: Padded<AtomicUsize>,
+    broken: AtomicBool,
+    spins: u32,
+}
+
+impl Pace {
+    pub(super) fn new(threads: usize) -> Self {
+        let processors = thread::available_parallelism().map_or(1, usize::from);
+        Self {
+            places: (0..threads).map(|_| Padded::default()).collect(),
+            ready: AtomicUsize::new(0),
+            pending: Padded::default(),
+            broken: AtomicBool::new(false),
+            spins: if threads > processors { 0 } else { SPINS },
+        }
+    }
+
+    /// All threads are at work, at the first bucket.
+    pub(super) fn reset(&mut self) {
+        self.places.fill_with(Padded::default);
+        self.ready = AtomicUsize::new(0);
+        self.pending = Padded(AtomicUsize::new(self.places.len()));
+        self.broken = AtomicBool::new(false);
+    }
+
+    /// Waits until all threads are here; what they did before is seen by all.
+    pub(super) fn start(&self) {
+        self.ready.fetch_add(1, Release);
+        let mut patience = self.patience();
+        while self.ready.load(Acquire) < self.places.len() && !self.is_broken() {
+            patience.wait();
+        }
+    }
+
+    /// A thread has come to a bucket, or has no vertex that waits.
+    pub(super) fn come_to(&self, thread: usize, bucket: Option<u32>) {
+        self.places[thread]
+            .0
+            .store(bucket.unwrap_or(NOWHERE), Relaxed);
+    }
+
+    /// A letter is to go from one thread to another, which falls back with it: it may be far ahead or have nothing to do, and what
+    /// it is sent belongs to where the sender is.
+    pub(super) fn call_back(&self, from: usize, to: usize) {
+        let place = self.places[from].0.load(Relaxed);
+        self.places[to].0.fetch_min(place, Relaxed);
+    }
+
+    /// Whether the turn of a bucket may be taken.
+    pub(super) fn allows(&self, bucket: u32) -> bool {
+        let last = self.places.iter().map(|place| place.0.load(Relaxed)).min();
+        bucket <= last.unwrap_or(NOWHERE).saturating_add(LEAD)
+    }
+
+    /// A thread goes to work again, or a letter is sent; by a thread that is at work, or that has a letter.
+    pub(super) fn begin(&self) {
+        self.pending.0.fetch_add(1, Relaxed);
+    }
+
+    /// A thread has nothing left to do, or a letter has arrived.
+    pub(super) fn end(&self) {
+        self.pending.0.fetch_sub(1, Release);
+    }
+
+    /// Whether nobody has anything left to do. What all have done is seen then.
+    pub(super) fn is_over(&self) -> bool {
+        self.pending.0.load(Acquire) == 0
+    }
+
+    /// A thread has panicked; nobody is to wait for it.
+    pub(super) fn break_up(&self) {
+        self.broken.store(true, Relaxed);
+    }
+
+    pub(super) fn is_broken(&self) -> bool {
+        self.broken.load(Relaxed)
+    }
+
+    /// For a thread that is to wait.
+    pub(super) fn patience(&self) -> Patience {
+        Patience {
+            spins: self.spins,
+            yields: YIELDS,
+        }
+    }
+}
+
+/// Waits a little longer each time: threads wait for microseconds mostly, and waking one that sleeps takes tens. Where there are more
+/// threads than processors, it lets others run.
+#[derive(Debug)]
+pub(super) struct Patience {
+    spins: u32,
+    yields: u32,
+}
+
+impl Patience {
+    pub(super) fn wait(&mut self) {
+        if self.spins > 0 {
+            self.spins -= 1;
+            spin_loop();
+        } else if self.yields > 0 {
+            self.yields -= 1;
+            thread::yield_now();
+        } else {
+            thread::sleep(NAP);
+        }
+    }
+}
+
+/// Lets the others go if the thread that holds this panics.
+#[derive(Debug)]
+pub(super) struct BreakOnPanic<'a>(pub(super) &'a Pace);
+
+impl Drop for BreakOnPanic<'_> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            self.0.break_up();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_starts_before_all_are_ready_however_many_there_are() {
+        for threads in [1, 2, 3, 8] {
+            let mut pace = Pace::new(threads);
+            for _ in 0..50 {
+                pace.reset();
+                let arrived = AtomicUsize::new(0);
+                thread::scope(|scope| {
+                    for _ in 0..threads {
+                        scope.spawn(|| {
+                            arrived.fetch_add(1, Relaxed);
+                            pace.start();
+                            assert_eq!(arrived.load(Relaxed), threads);
+                        });
+                    }
+                });
+            }
+        }
+    }
+
+    #[test]
+    fn a_thread_may_be_a_little_ahead_of_the_last_one_that_has_work() {
+        let mut pace = Pace::new(3);
+        pace.reset();
+        for (thread, bucket) in [(0, Some(7)), (1, None), (2, Some(5))] {
+            pace.come_to(thread, bucket);
+        }
+        assert!(pace.allows(5) && pace.allows(5 + LEAD) && !pace.allows(6 + LEAD));
+        pace.come_to(2, None);
+        assert!(pace.allows(7 + LEAD) && !pace.allows(8 + LEAD));
+        pace.call_back(0, 2);
+        pace.come_to(0, Some(9));
+        assert!(pace.allows(7 + LEAD) && !pace.allows(8 + LEAD));
+        pace.come_to(2, None);
+        pace.come_to(0, None);
+        assert!(pace.allows(u32::MAX - 1));
+    }
+
+    #[test]
+    fn it_is_over_when_nobody_works_and_no_letter_is_on_its_way() {
+        let mut pace = Pace::new(2);
+        pace.reset();
+        // One rests; the other sends it a letter and rests; the first reads it.
+        pace.end();
+        pace.begin();
+        pace.end();
+        assert!(!pace.is_over());
+        pace.begin();
+        pace.end();
+        assert!(!pace.is_over());
+        pace.end();
+        assert!(pace.is_over());
+    }
+
+    #[test]
+    fn a_panic_lets_the_others_go() {
+        let mut pace = Pace::new(3);
+        pace.reset();
+        thread::scope(|scope| {
+            let panics = scope.spawn(|| {
+                let _guard = BreakOnPanic(&pace);
+                assert_eq!(pace.places.len(), 0, "on purpose");
+            });
+            for _ in 0..2 {
+                scope.spawn(|| pace.start());
+            }
+            assert!(panics.join().is_err());
+        });
+        assert!(pace.is_broken());
+    }
+}

@@ -97,7 +97,12 @@ proptest! {
         let runs = exact_runs(&model.name, &mesh).into_iter();
         for (mut run, mut again) in runs.zip(exact_runs(&scaled.name, &other)) {
             let expected: Vec<_> = run.distances(&sources).iter().map(|d| d * factor).collect();
-            prop_assert_eq!(again.distances(&sources), expected, "{}", again.at(&sources));
+            let found = again.distances(&sources);
+            prop_assert!(
+                run.may_give(&found, &expected),
+                "{}: {found:?} instead of {expected:?}",
+                again.at(&sources)
+            );
         }
     }
 

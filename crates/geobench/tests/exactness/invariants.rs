@@ -74,7 +74,8 @@ fn a_solver_that_was_used_answers_as_a_fresh_one() {
             &model.sources[1..2],
         ] {
             for (used, mut fresh) in used.iter_mut().zip(exact_runs(&model.name, &mesh)) {
-                let same = used.distances(sources) == fresh.distances(sources);
+                let (found, expected) = (used.distances(sources), fresh.distances(sources));
+                let same = fresh.may_give(&found, &expected);
                 failures.unless(same, || format!("{}: other bits", fresh.at(sources)));
             }
         }
@@ -95,7 +96,8 @@ fn observation_changes_no_answer_and_counts_add_up() {
                 failures.unless(false, || format!("{}: refused", run.at(&source)));
                 continue;
             };
-            let same = plain == counted.distances && plain == clocked.distances;
+            let same = run.may_give(&counted.distances, &plain)
+                && run.may_give(&clocked.distances, &plain);
             failures.unless(same, || {
                 format!("{}: other bits when observed", run.at(&source))
             });

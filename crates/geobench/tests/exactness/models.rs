@@ -93,7 +93,7 @@ fn load(path: &Path) -> Mesh {
 const LARGE: usize = 50_000;
 
 /// The algorithms whose parts all others are made of.
-const CORE: [&str; 4] = ["mmp", "ich", "vtp", "vtp-fast"];
+const CORE: [&str; 5] = ["mmp", "ich", "vtp", "vtp-fast", "pvtp"];
 
 /// Which algorithms run from which sources.
 #[derive(Clone, Copy, PartialEq)]
@@ -125,11 +125,6 @@ fn check(model: &str, extent: Extent, failures: &mut Failures) {
     algorithms.retain(|selection| can_finish(selection.algorithm(), mesh.face_count(), 1e8));
     let large = mesh.face_count() > LARGE;
     let takes_part = |source: u32, selection: &Selection| {
-        if large && selection.threads() > 1 {
-            // Cells run two at a time: there are more threads than processors, which wait for each other.
-            // That several give the bits of one is shown in `geobench-vtp`.
-            return false;
-        }
         let known = expected.iter().any(|e| e.source == source);
         extent == Extent::Full || !large || known || CORE.contains(&selection.algorithm().name)
     };

@@ -86,6 +86,16 @@ impl<'m> Run<'m> {
         panic!("{}: {complaint}", self.at(sources));
     }
 
+    /// Whether these answers are what one and the same run may give: the same bits. Several threads find the same paths
+    /// in an order of chance, and so with other rounding.
+    pub(crate) fn may_give(&self, a: &[f64], b: &[f64]) -> bool {
+        if self.selection.threads() == 1 {
+            return a == b;
+        }
+        let mut pairs = a.iter().zip(b);
+        a.len() == b.len() && pairs.all(|(a, b)| a == b || (a - b).abs() <= ROUNDING * b)
+    }
+
     /// Where a failure happened.
     pub(crate) fn at(&self, sources: &[u32]) -> String {
         format!(

@@ -33,7 +33,8 @@ const SLACK: Parameter = Parameter::real(
     NearLists::SLACK,
     0.0..=1e6,
     "with turn=list, how much further than the nearest one these may be, in mean edge lengths",
-);
+)
+.only_with(TURN.name, "list");
 
 pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {

@@ -38,6 +38,8 @@ pub struct Parameter {
     pub allowed: Allowed,
     /// What it is, in one line.
     pub meaning: &'static str,
+    /// The other parameter, and its value, without which it would do nothing.
+    pub only_with: Option<(&'static str, &'static str)>,
 }
 
 /// A value of a parameter.
@@ -87,6 +89,7 @@ impl Parameter {
                 words: &[],
             },
             meaning,
+            only_with: None,
         }
     }
 
@@ -105,6 +108,7 @@ impl Parameter {
                 words: &[],
             },
             meaning,
+            only_with: None,
         }
     }
 
@@ -123,6 +127,7 @@ impl Parameter {
                 words,
             },
             meaning,
+            only_with: None,
         }
     }
 
@@ -137,6 +142,13 @@ impl Parameter {
     #[must_use]
     pub const fn with_default(mut self, default: Value) -> Self {
         self.default = default;
+        self
+    }
+
+    /// The same, but it does nothing unless the parameter of this name has this value, one of its words.
+    #[must_use]
+    pub const fn only_with(mut self, name: &'static str, word: &'static str) -> Self {
+        self.only_with = Some((name, word));
         self
     }
 
@@ -250,6 +262,18 @@ impl Values {
             .iter()
             .find(|(name, _)| *name == parameter.name)
             .map_or(parameter.default, |(_, value)| *value)
+    }
+
+    /// What one of `parameters` [goes only with](Parameter::only_with), as it is written, if that is not so here.
+    pub(super) fn missing_for(
+        &self,
+        parameters: &[Parameter],
+        parameter: &Parameter,
+    ) -> Option<String> {
+        let (name, word) = parameter.only_with?;
+        let other = parameters.iter().find(|p| p.name == name);
+        let fits = other.is_some_and(|other| self.word(other) == Some(word));
+        (!fits).then(|| format!("{name}={word}"))
     }
 
     /// The value of a parameter that is a whole number; `None` if a word stands instead.

@@ -198,6 +198,16 @@ pub enum SelectError {
         /// The parameter.
         key: String,
     },
+    /// The parameter would do nothing, since another one has not the value that it goes with.
+    #[error("algorithm `{name}`: `{key}` does nothing without `{needs}`; leave it out")]
+    Idle {
+        /// The algorithm.
+        name: String,
+        /// The parameter.
+        key: String,
+        /// What it goes with, as it is written.
+        needs: String,
+    },
     /// The parameter cannot have this value.
     #[error("algorithm `{name}`: `{value}` is not a value of `{key}`, which is {allowed}")]
     Value {
@@ -310,6 +320,15 @@ fn with_settings(
         given.push((parameter, value));
     }
     let values = Values::new(algorithm.parameters, &given);
+    for (parameter, _) in given {
+        if let Some(needs) = values.missing_for(algorithm.parameters, parameter) {
+            return Err(SelectError::Idle {
+                name: name(),
+                key: parameter.name.to_owned(),
+                needs,
+            });
+        }
+    }
     Ok(Selection::new(algorithm, values))
 }
 

@@ -147,7 +147,7 @@ const NO_ONE: Algorithm = Algorithm {
     comfortable_faces: None,
     parameters: &[
         Parameter::integer("kmax", 20_000, 1..=1_000_000, ""),
-        Parameter::real("bucket", 1.0, 0.01..=100.0, ""),
+        Parameter::real("bucket", 1.0, 0.01..=100.0, "").only_with("order", "fifo"),
         Parameter::word("order", &["fifo", "nearest"], ""),
     ],
     build: |_, _| unreachable!("never built"),
@@ -162,11 +162,15 @@ fn set(item: &str) -> Result<String, String> {
 
 #[test]
 fn a_label_is_the_same_however_values_are_written() {
+    assert_eq!(
+        set("no-one{Order=NEAREST}").unwrap(),
+        "no-one{order=nearest}"
+    );
     assert_eq!(set("no-one").unwrap(), "no-one");
     assert_eq!(set("no-one{kmax=20000,bucket=1.0}").unwrap(), "no-one");
     assert_eq!(
-        set("no-one{ORDER=Nearest, bucket = 2.50 ,kmax=05000}").unwrap(),
-        "no-one{kmax=5000,bucket=2.5,order=nearest}"
+        set("no-one{ORDER=Fifo, bucket = 2.50 ,kmax=05000}").unwrap(),
+        "no-one{kmax=5000,bucket=2.5}"
     );
 }
 
@@ -193,9 +197,16 @@ fn parameters_are_refused_with_what_would_be_right() {
             "no-one{kmax=1,KMAX=2}",
             "algorithm `no-one`: parameter `kmax` is given twice",
         ),
+        (
+            "no-one{bucket=2,order=nearest}",
+            "algorithm `no-one`: `bucket` does nothing without `order=fifo`; leave it out",
+        ),
     ] {
         assert_eq!(set(item).unwrap_err(), message);
     }
+    // Both rows would be of the same program, under two names.
+    assert!(select("mmp{turn=window,slack=2}").is_err());
+    assert!(select("mmp{slack=2,turn=list}").is_ok());
     // Where several algorithms are meant, all must know the parameter.
     assert_eq!(
         select("mmp{k=5},vtp").unwrap_err(),

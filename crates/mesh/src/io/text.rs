@@ -5,12 +5,14 @@
 
 use super::error::Flaw;
 
-/// The lines of a file with their numbers, counted from 1; a line ends with LF or CR LF.
+/// The lines of a file with their numbers, counted from 1. A line ends with LF or CR LF; in a file without any LF, with CR.
 #[derive(Clone, Debug)]
 pub(super) struct Lines<'a> {
     rest: &'a [u8],
     /// Number of the line returned last.
     number: u64,
+    /// What ends a line.
+    ending: u8,
 }
 
 impl<'a> Lines<'a> {
@@ -19,6 +21,7 @@ impl<'a> Lines<'a> {
         Self {
             rest: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes),
             number: 0,
+            ending: if bytes.contains(&b'\n') { b'\n' } else { b'\r' },
         }
     }
 
@@ -40,7 +43,8 @@ impl<'a> Iterator for Lines<'a> {
         if self.rest.is_empty() {
             return None;
         }
-        let (line, rest) = match self.rest.iter().position(|&b| b == b'\n') {
+        let ending = self.ending;
+        let (line, rest) = match self.rest.iter().position(|&b| b == ending) {
             Some(end) => (&self.rest[..end], &self.rest[end + 1..]),
             None => (self.rest, &[][..]),
         };
@@ -122,6 +126,8 @@ mod tests {
         let lines: Vec<_> = Lines::new(b"\xef\xbb\xbfa\r\n\nb\rc\nd").collect();
         let expected: [(u64, &[u8]); 4] = [(1, b"a"), (2, b""), (3, b"b\rc"), (4, b"d")];
         assert_eq!(lines, expected);
+        let lines: Vec<_> = Lines::new(b"a\r\rb").collect();
+        assert_eq!(lines, [(1, &b"a"[..]), (2, b""), (3, b"b")]);
     }
 
     #[test]

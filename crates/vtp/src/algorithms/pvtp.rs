@@ -29,11 +29,16 @@
 //! **Why no work stealing.** A bucket takes some 50 µs of two threads on a model of 70 thousand faces. The fork and join of a pool, or
 //! waking a thread that sleeps, takes tens. Nor could a list be taken by any thread: a window that another processor wrote takes longer to
 //! fetch than to cross. For the same reason parts are cut along a curve: to give what is next to another thread's part to whoever
-//! had less to do was tried, and three times as many windows travelled. Threads are started for each run, for 30 µs, and not kept.
+//! had less to do was tried, and three times as many windows travelled.
 //!
-//! **Gain.** Two threads on two processors with AVX-512 against `vtp_fast`, in turns, least times: 1.6 on a model of 70 thousand faces, 1.55
-//! on 97 thousand, 1.65 to 1.75 on 269 thousand, and 1.05 to 1.3 on models of 6 thousand; one thread is 0.95 to 0.98 as fast. Of what is
-//! lost half is waiting, the rest windows on their way and memory that one thread has written and another one reads.
+//! **Why threads are kept.** The solver has a pool of its own, whose threads sleep between runs and wake where they were. One that is started
+//! for a run may begin on the processor of the one that starts it, and stay there for 5 to 15 ms, far longer than a
+//! small model takes: the median of such runs was 4 to 6 times that of these, though the least was the same.
+//!
+//! **Gain.** Two threads on two processors with AVX-512 against `vtp_fast`, in turns, least times: 1.5 to 1.65 on a model of 70 thousand faces,
+//! 1.5 to 1.55 on 97 thousand, 1.65 to 1.75 on 269 thousand, and 1.0 to 1.35 on 6 to 13 thousand; one thread is 0.93 to
+//! 0.98 as fast. Of what is lost half is waiting, the rest windows on their way and memory that one thread has written and
+//! another one reads.
 //!
 //! **Cost.** As [`vtp_fast`](super::vtp_fast), and 16 bytes for each face and 40 for each vertex. Each thread counts its own
 //! most windows and most entries of its queue; what is reported is the sum. More threads than idle processors are slower than

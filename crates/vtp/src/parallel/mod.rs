@@ -16,11 +16,11 @@ mod split;
 mod turn;
 mod worker;
 
-use std::panic::resume_unwind;
-use std::thread;
+use std::sync::{Mutex, PoisonError};
 
 use geobench_mesh::{Mesh, Numbering, VertexId};
 use geobench_window::{Counter, Probe, Propagate, Solution};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use self::field::Field;
 use self::owners::MOST_THREADS;
@@ -40,15 +40,25 @@ pub struct Pvtp<'m> {
     numbering: Numbering,
     field: Field,
     workers: Vec<Worker>,
+    /// The threads of all workers but the first, which works on the thread of the caller.
+    pool: Option<ThreadPool>,
 }
 
 impl<'m> Pvtp<'m> {
     /// Sets up for `mesh` and a number of threads, with every improvement; O(faces).
+    ///
+    /// # Panics
+    ///
+    /// When the system does not start so many threads.
     pub fn new(mesh: &'m Mesh, threads: usize) -> Self {
         Self::with_options(mesh, threads, Options::default())
     }
 
     /// Sets up for `mesh` and a number of threads; O(faces).
+    ///
+    /// # Panics
+    ///
+    /// As [`new`](Self::new).
     pub fn with_options(mesh: &'m Mesh, threads: usize, options: Options) -> Self {
         let threads = threads.clamp(1, MOST_THREADS);
         let instructions = options.instructions.or_less();
@@ -72,6 +82,7 @@ impl<'m> Pvtp<'m> {
                 .map(|thread| Worker::new(thread, threads, &surface, bucket))
                 .collect(),
             field: Field::new(surface, options.shadow, compared, threads),
+            pool: (threads > 1).then(|| pool_of(threads - 1)),
         }
     }
 
@@ -83,6 +94,15 @@ impl<'m> Pvtp<'m> {
     /// The number of threads.
     pub fn threads(&self) -> usize {
         self.workers.len()
+    }
+}
+
+/// A pool of so many threads.
+fn pool_of(threads: usize) -> ThreadPool {
+    let named = ThreadPoolBuilder::new().thread_name(|i| format!("pvtp-{}", i + 1));
+    match named.num_threads(threads).build() {
+        Ok(pool) => pool,
+        Err(error) => panic!("cannot start {threads} more threads: {error}"),
     }
 }
 
@@ -152,31 +172,16 @@ impl Propagate for Pvtp<'_> {
         let mut distances = vec![0.0; vertices];
         let (field, numbering, instructions) =
             (&self.field, &self.numbering, self.options.instructions);
-        thread::scope(|scope| {
-            let mut rest = distances.as_mut_slice();
-            let mut parts = self.workers.iter_mut().map(|worker| {
-                let share = worker.share(field, vertices).len();
-                let (own, others) = std::mem::take(&mut rest).split_at_mut(share);
-                rest = others;
-                (worker, own)
-            });
-            let first = parts.next();
-            let others: Vec<_> = parts
-                .map(|(worker, distances)| {
-                    let sources = sources.as_slice();
-                    scope.spawn(move || {
-                        let part = Part {
-                            worker,
-                            field,
-                            numbering,
-                            sources,
-                            distances,
-                            probe: &mut (),
-                        };
-                        dispatch::run(part, instructions);
-                    })
-                })
-                .collect();
+        let mut rest = distances.as_mut_slice();
+        let mut shares = self.workers.iter_mut().map(|worker| {
+            let share = worker.share(field, vertices).len();
+            let (own, others) = std::mem::take(&mut rest).split_at_mut(share);
+            rest = others;
+            (worker, own)
+        });
+        let first = shares.next();
+        let others: Vec<_> = shares.map(|share| Mutex::new(Some(share))).collect();
+        let run_first = || {
             if let Some((worker, distances)) = first {
                 let part = Part {
                     worker,
@@ -184,16 +189,34 @@ impl Propagate for Pvtp<'_> {
                     numbering,
                     sources: &sources,
                     distances,
-                    probe: &mut *probe,
+                    probe,
                 };
                 dispatch::run(part, instructions);
             }
-            for other in others {
-                if let Err(panic) = other.join() {
-                    resume_unwind(panic);
-                }
+        };
+        let run_other = |thread: usize| {
+            let share = others[thread].lock();
+            if let Some((worker, distances)) = share.unwrap_or_else(PoisonError::into_inner).take()
+            {
+                let part = Part {
+                    worker,
+                    field,
+                    numbering,
+                    sources: &sources,
+                    distances,
+                    probe: &mut (),
+                };
+                dispatch::run(part, instructions);
             }
-        });
+        };
+        match &self.pool {
+            None => run_first(),
+            // If one panics, all end, and the panic goes on from here.
+            Some(pool) => pool.in_place_scope(|scope| {
+                scope.spawn_broadcast(|_, thread| run_other(thread.index()));
+                run_first();
+            }),
+        }
         for worker in &self.workers {
             worker.tally.report(probe);
         }

@@ -1,5 +1,7 @@
 //! Every algorithm of the family against MMP on surfaces full of ties, and its counts.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_mmp::mmp;
@@ -8,7 +10,7 @@ use geobench_vtp::{
     EdgeBased, FastOptions, Ftp, Instructions, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast,
     VtpNoRule1, VtpNoRules23, VtpTrimming,
 };
-use geobench_window::{Counter, Counters, Solver};
+use geobench_window::{Counter, Counters, Phase, Probe, Propagate, Solver};
 
 fn family(mesh: &Mesh) -> [(&'static str, Box<dyn Solver + '_>); 9] {
     family_with(mesh, Instructions::detect())
@@ -288,6 +290,32 @@ fn threads_do_not_run_away_from_one_that_is_late() {
                 10 * together < 13 * alone,
                 "{threads} threads: {together}, not {alone}"
             );
+        }
+    }
+}
+
+/// A run that was broken off once left windows, letters and queues behind for the next one, which found distances too short.
+#[test]
+fn a_run_that_was_broken_off_leaves_nothing_for_the_next_one() {
+    struct Breaks(u32);
+    impl Probe for Breaks {
+        fn enter(&mut self, _: Phase) {
+            self.0 -= 1;
+            assert!(self.0 > 0, "on purpose");
+        }
+    }
+    let mesh = scaled(soup_of("gen:terrain,n=30,seed=3"), 1.0);
+    let [a, b] = [3, 800].map(VertexId::new);
+    for threads in [1, 2, 4] {
+        let mut solver = Pvtp::new(&mesh, threads);
+        let expected = solver.solve(&[b]).unwrap().distances;
+        for steps in [10, 300, 900] {
+            let run = AssertUnwindSafe(|| solver.propagate(&[a], &mut Breaks(steps)));
+            assert!(catch_unwind(run).is_err(), "{threads} threads, {steps}");
+            let found = solver.solve(&[b]).unwrap().distances;
+            for (d, e) in found.iter().zip(&expected) {
+                assert!((d - e).abs() <= 1e-12 * e, "{threads} threads, {steps}");
+            }
         }
     }
 }

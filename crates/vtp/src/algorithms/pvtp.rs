@@ -5,13 +5,14 @@
 //! **How.** Every thread runs the loop of `vtp_fast` on its own part of the wavefront: lists cross their faces until none can, then the
 //! vertices of its nearest bucket have their turns. Faces and vertices are numbered along a space-filling curve, and each thread has a
 //! range of numbers. Blocks of 32 faces and of 16 vertices belong, for the rest of the run, to the thread in whose range they are
-//! when a window or a path reaches them first. The ranges are cut anew every four buckets: by where windows have crossed since, and such
+//! when a window or a path reaches them, or a face joins, first. The ranges are cut anew every four buckets: by where windows have crossed since, and such
 //! that all threads are at work for as long. Neighbouring faces belong to the same thread mostly, and 1 to 2 % of the windows go from
 //! one to another. They travel by mail, with the paths to vertices and the faces that the wave has reached; every 16 lists a thread
 //! looks for letters and sends its own.
 //!
 //! **Why it is exact.** In whatever order windows cross, all that may hold a shortest path do, as in any form of VTP. Distances are seen by
-//! all threads, and one that is out of date is too long, which prunes less. Nothing else is read but by its owner.
+//! all threads, and one that is out of date is too long, which prunes less. Whether a face has joined is seen by all too, and whoever has it
+//! join writes to its owner. Nothing else is read but by its owner.
 //!
 //! **Who waits.** Nobody waits for others until a bucket is done: a thread may be two buckets ahead of the last one, so that what one has more
 //! to do in one bucket and less in the next evens out. Whoever gets a letter falls back to where the sender is, for others must
@@ -40,8 +41,9 @@
 //! 0.98 as fast. Of what is lost half is waiting, the rest windows on their way and memory that one thread has written and
 //! another one reads.
 //!
-//! **Cost.** As [`vtp_fast`](super::vtp_fast), and 16 bytes for each face and 40 for each vertex. Each thread counts its own
-//! most windows and most entries of its queue; what is reported is the sum. More threads than idle processors are slower than
-//! one, since all wait for those that have to wait. **Choose it** for large models on a machine that has nothing else to do.
+//! **Cost.** As [`vtp_fast`](super::vtp_fast), and 16 bytes for each face, 8 for each vertex, and 4 for each vertex and thread. Each thread counts
+//! its own most windows and most entries of its queue, without letters; what is reported is the sum. Phases are those of the first thread,
+//! whose waiting counts as management. More threads than idle processors are slower than one, since all wait for those that have
+//! to wait. **Choose it** for large models on a machine that has nothing else to do.
 
 pub use crate::parallel::Pvtp;

@@ -77,7 +77,7 @@ impl FaceState {
     }
 }
 
-/// What its owner knows of a vertex.
+/// What its owner knows of a vertex; of a source, what the first thread says before anybody else reads it.
 #[derive(Debug)]
 pub(super) struct VertexState {
     /// The distance at which it has sent out windows last, if it is a pseudo-source.
@@ -202,6 +202,13 @@ impl Field {
             pace: Pace::new(threads),
             surface,
         }
+    }
+
+    /// Forgets what a run has left behind that was broken off.
+    pub(super) fn recover(&mut self) {
+        self.faces.fill_with(FaceState::default);
+        self.post = Post::new(self.threads);
+        self.split = Split::new(&self.surface, self.threads);
     }
 
     /// Starts another run; every list is empty, and threads are to reset the vertices.

@@ -45,7 +45,10 @@ pub struct Pvtp<'m> {
 }
 
 impl<'m> Pvtp<'m> {
-    /// Sets up for `mesh` and a number of threads, with every improvement; O(faces).
+    /// Sets up for `mesh` and a number of threads, from 1 to 1024, with every improvement; O(faces + threads · vertices).
+    ///
+    /// To solve from within a task of `rayon` is sound, but the thread may take up another of its tasks while it waits for the others
+    /// to end; so a task must not hold a lock meanwhile that others take.
     ///
     /// # Panics
     ///
@@ -54,7 +57,7 @@ impl<'m> Pvtp<'m> {
         Self::with_options(mesh, threads, Options::default())
     }
 
-    /// Sets up for `mesh` and a number of threads; O(faces).
+    /// The same with other options.
     ///
     /// # Panics
     ///
@@ -69,7 +72,6 @@ impl<'m> Pvtp<'m> {
         };
         let surface = Surface::new(mesh, &numbering);
         numbering.keep_new_vertices();
-        let bucket = options.bucket * surface.mean_length;
         let compared = Sample::new(options.pairs);
         Self {
             mesh,
@@ -78,9 +80,7 @@ impl<'m> Pvtp<'m> {
                 ..options
             },
             numbering,
-            workers: (0..threads)
-                .map(|thread| Worker::new(thread, threads, &surface, bucket))
-                .collect(),
+            workers: workers(threads, &surface, &options),
             field: Field::new(surface, options.shadow, compared, threads),
             pool: (threads > 1).then(|| pool_of(threads - 1)),
         }
@@ -95,6 +95,13 @@ impl<'m> Pvtp<'m> {
     pub fn threads(&self) -> usize {
         self.workers.len()
     }
+}
+
+fn workers(threads: usize, surface: &Surface, options: &Options) -> Vec<Worker> {
+    let bucket = options.bucket * surface.mean_length;
+    (0..threads)
+        .map(|thread| Worker::new(thread, threads, surface, bucket))
+        .collect()
 }
 
 /// A pool of so many threads.
@@ -162,6 +169,11 @@ impl Propagate for Pvtp<'_> {
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+        if self.field.pace.is_broken() {
+            // A probe has panicked, and the caller goes on all the same.
+            self.workers = workers(self.threads(), &self.field.surface, &self.options);
+            self.field.recover();
+        }
         self.field.start();
         probe.add(Counter::WindowBytes, 40);
         let sources: Vec<u32> = sources

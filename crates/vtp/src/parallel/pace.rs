@@ -89,7 +89,8 @@ impl Pace {
         self.pending.0.fetch_add(1, Relaxed);
     }
 
-    /// A thread has nothing left to do, or a letter has arrived.
+    /// A thread has nothing left to do, or has taken in all that a letter says; what that leads to is counted by the thread, which is
+    /// at work.
     pub(super) fn end(&self) {
         self.pending.0.fetch_sub(1, Release);
     }

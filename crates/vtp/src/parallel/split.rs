@@ -156,7 +156,7 @@ impl Split {
             let within = ((wanted - before) << self.shift).checked_div(loads[part]);
             let face = (part << self.shift) + within.unwrap_or(0) as usize;
             let (face, vertex) = match surface.faces.get(face) {
-                // The vertex along whose part of the curve the face was numbered.
+                // The vertex along whose part of the curve the face was numbered; without a curve, any.
                 Some(first) => {
                     let [a, b, c] = first.vertex;
                     (face as u32, a.min(b).min(c))

@@ -142,12 +142,16 @@ impl Worker {
             // SAFETY: promised by the caller.
             unsafe { self.cross_all::<L, P>(field, probe) };
             self.send(field);
+            if self.has_mail(field) {
+                // Until it is read, others must see this thread where its letter has called it back to.
+                self.receive(field);
+                continue;
+            }
             let nearest = self.buckets.nearest();
             field.pace.come_to(self.thread, nearest);
             match nearest {
-                Some(bucket) if field.pace.allows(bucket) && !self.has_mail(field) => {
-                    self.take_turn(field, bucket);
-                }
+                _ if field.pace.is_broken() => break,
+                Some(bucket) if field.pace.allows(bucket) => self.take_turn(field, bucket),
                 _ => {
                     if !self.wait(field, nearest) {
                         break;
@@ -170,8 +174,8 @@ impl Worker {
         self.pass(field);
     }
 
-    /// Waits for a letter, or until `nearest`, the nearest bucket that has a vertex, may have its turn; returns whether there is
-    /// anything left to do.
+    /// Waits for a letter, which it takes in, or until `nearest`, the nearest bucket that has a vertex, may have its turn; returns
+    /// whether there is anything left to do, and nobody has panicked.
     fn wait(&mut self, field: &Field, nearest: Option<u32>) -> bool {
         let since = Instant::now();
         let mut patience = field.pace.patience();

@@ -38,6 +38,12 @@ pub enum SolveError {
         /// Number of vertices of the mesh.
         vertices: usize,
     },
+    /// The system did not start the threads of a parallel algorithm.
+    #[error("the system does not start {threads} threads; ask for fewer, or raise its limits")]
+    NoThreads {
+        /// Number of threads asked for.
+        threads: usize,
+    },
 }
 
 /// An algorithm set up for one mesh. Building it is the set-up and is not timed; it can then be
@@ -47,7 +53,7 @@ pub trait Solver: Send {
     ///
     /// # Errors
     ///
-    /// When `sources` is empty or names a vertex that does not exist.
+    /// When `sources` is empty or names a vertex that does not exist, or set-up did not get the threads it needs.
     fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError>;
 
     /// The same with its events counted.
@@ -74,6 +80,15 @@ pub trait Propagate: Send {
     /// The mesh that it was set up for.
     fn mesh(&self) -> &Mesh;
 
+    /// Whether set-up got all that a run needs; most algorithms need nothing that can fail.
+    ///
+    /// # Errors
+    ///
+    /// Says what is missing.
+    fn check(&self) -> Result<(), SolveError> {
+        Ok(())
+    }
+
     /// Distances from the nearest of `sources`, which is not empty and names existing vertices.
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution;
 }
@@ -81,11 +96,13 @@ pub trait Propagate: Send {
 impl<T: Propagate> Solver for T {
     fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
         check_sources(self.mesh(), sources)?;
+        self.check()?;
         Ok(self.propagate(sources, &mut ()))
     }
 
     fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
         check_sources(self.mesh(), sources)?;
+        self.check()?;
         let mut count = Count::default();
         let solution = self.propagate(sources, &mut count);
         Ok((solution, count.counters(&T::counters())))
@@ -93,6 +110,7 @@ impl<T: Propagate> Solver for T {
 
     fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError> {
         check_sources(self.mesh(), sources)?;
+        self.check()?;
         let mut clock = Clock::default();
         let solution = self.propagate(sources, &mut clock);
         Ok((solution, clock.stop()))

@@ -19,7 +19,7 @@ mod worker;
 use std::sync::{Mutex, PoisonError};
 
 use geobench_mesh::{Mesh, Numbering, VertexId};
-use geobench_window::{Counter, Probe, Propagate, Solution};
+use geobench_window::{Counter, Probe, Propagate, Solution, SolveError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use self::field::Field;
@@ -48,20 +48,13 @@ impl<'m> Pvtp<'m> {
     /// Sets up for `mesh` and a number of threads, from 1 to 1024, with every improvement; O(faces + threads · vertices).
     ///
     /// To solve from within a task of `rayon` is sound, but the thread may take up another of its tasks while it waits for the others
-    /// to end; so a task must not hold a lock meanwhile that others take.
-    ///
-    /// # Panics
-    ///
-    /// When the system does not start so many threads.
+    /// to end; so a task must not hold a lock meanwhile that others take. Where the system does not start so many threads,
+    /// solving is an error.
     pub fn new(mesh: &'m Mesh, threads: usize) -> Self {
         Self::with_options(mesh, threads, Options::default())
     }
 
     /// The same with other options.
-    ///
-    /// # Panics
-    ///
-    /// As [`new`](Self::new).
     pub fn with_options(mesh: &'m Mesh, threads: usize, options: Options) -> Self {
         let threads = threads.clamp(1, MOST_THREADS);
         let instructions = options.instructions.or_less();
@@ -82,7 +75,7 @@ impl<'m> Pvtp<'m> {
             numbering,
             workers: workers(threads, &surface, &options),
             field: Field::new(surface, options.shadow, compared, threads),
-            pool: (threads > 1).then(|| pool_of(threads - 1)),
+            pool: pool_of(threads - 1),
         }
     }
 
@@ -104,13 +97,11 @@ fn workers(threads: usize, surface: &Surface, options: &Options) -> Vec<Worker> 
         .collect()
 }
 
-/// A pool of so many threads.
-fn pool_of(threads: usize) -> ThreadPool {
+/// A pool of so many threads; none if there are to be none, or if the system does not start them.
+fn pool_of(threads: usize) -> Option<ThreadPool> {
     let named = ThreadPoolBuilder::new().thread_name(|i| format!("pvtp-{}", i + 1));
-    match named.num_threads(threads).build() {
-        Ok(pool) => pool,
-        Err(error) => panic!("cannot start {threads} more threads: {error}"),
-    }
+    let pool = (threads > 0).then(|| named.num_threads(threads).build());
+    pool.and_then(Result::ok)
 }
 
 /// One thread's part of a run.
@@ -166,6 +157,14 @@ impl Propagate for Pvtp<'_> {
 
     fn mesh(&self) -> &Mesh {
         self.mesh
+    }
+
+    fn check(&self) -> Result<(), SolveError> {
+        let threads = self.threads();
+        if threads > 1 && self.pool.is_none() {
+            return Err(SolveError::NoThreads { threads });
+        }
+        Ok(())
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
@@ -233,5 +232,24 @@ impl Propagate for Pvtp<'_> {
             worker.tally.report(probe);
         }
         Solution::new(distances)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geobench_mesh::generate::generate;
+    use geobench_window::Solver;
+
+    /// More threads than the system starts once ended in a panic.
+    #[test]
+    fn threads_that_the_system_does_not_start_are_an_error() {
+        let soup = generate(&"gen:cube,n=2".parse().unwrap()).unwrap();
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        let mut solver = Pvtp::new(&mesh, 3);
+        solver.pool = None;
+        let refused = solver.solve(&[VertexId::new(0)]).unwrap_err();
+        assert_eq!(refused, SolveError::NoThreads { threads: 3 });
+        assert!(Pvtp::new(&mesh, 1).solve(&[VertexId::new(0)]).is_ok());
     }
 }

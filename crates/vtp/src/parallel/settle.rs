@@ -83,16 +83,22 @@ mod tests {
     use geobench_mesh::generate::generate;
     use geobench_mesh::{Mesh, Numbering};
 
+    /// A run of two threads on a terrain, before its first turn.
+    fn two_threads() -> (Field, [Worker; 2]) {
+        let soup = generate(&"gen:terrain,n=20,seed=2".parse().unwrap()).unwrap();
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        let surface = Surface::new(&mesh, &Numbering::along_curve(&mesh));
+        let workers = [0, 1].map(|thread| Worker::new(thread, 2, &surface, 1.0));
+        let mut field = Field::new(surface, true, Sample::new(8), 2);
+        field.start();
+        (field, workers)
+    }
+
     /// The distance of a vertex once was lowered by another thread, and its turn came before the letter that said by
     /// which path: windows started into the shadow of the old path, and never into that of the new one.
     #[test]
     fn windows_do_not_start_into_the_shadow_of_a_path_that_is_no_longer_the_shortest() {
-        let soup = generate(&"gen:terrain,n=20,seed=2".parse().unwrap()).unwrap();
-        let (mesh, _) = Mesh::from_soup(soup).unwrap();
-        let surface = Surface::new(&mesh, &Numbering::along_curve(&mesh));
-        let mut workers = [0, 1].map(|thread| Worker::new(thread, 2, &surface, 1.0));
-        let mut field = Field::new(surface, true, Sample::new(8), 2);
-        field.start();
+        let (field, mut workers) = two_threads();
         let mut vertices = (0..).zip(&field.surface.vertices);
         let inside = vertices.find(|(_, v)| v.pseudo_source && !v.all_around);
         let (vertex, _) = inside.unwrap();
@@ -133,12 +139,7 @@ mod tests {
 
     #[test]
     fn of_two_paths_found_at_the_same_time_the_shorter_one_stays() {
-        let soup = generate(&"gen:terrain,n=20,seed=2".parse().unwrap()).unwrap();
-        let (mesh, _) = Mesh::from_soup(soup).unwrap();
-        let surface = Surface::new(&mesh, &Numbering::along_curve(&mesh));
-        let mut workers = [0, 1].map(|thread| Worker::new(thread, 2, &surface, 1.0));
-        let mut field = Field::new(surface, true, Sample::new(8), 2);
-        field.start();
+        let (field, mut workers) = two_threads();
         let vertex = 7;
         let owner = field.owner_of_vertex(vertex);
         let offer = |distance| Offer {

@@ -115,6 +115,26 @@ impl Buckets {
         }
     }
 
+    /// The vertices of a bucket of the ring.
+    pub(crate) fn waiting_in(&self, bucket: u32) -> impl Iterator<Item = u32> {
+        let entries = self.ring[(bucket % RING) as usize].iter().copied();
+        entries.filter(move |&v| self.bucket_of[v as usize] == bucket)
+    }
+
+    /// Takes vertex `v` out; returns whether it was there.
+    pub(crate) fn remove(&mut self, v: u32) -> bool {
+        let bucket = std::mem::replace(&mut self.bucket_of[v as usize], NONE);
+        if bucket == NONE {
+            return false;
+        }
+        // Its entry would count again if the vertex came back into the same bucket.
+        if bucket - self.current < RING {
+            self.drop_void(bucket);
+        }
+        self.far.retain(|&(far, _)| far != v);
+        true
+    }
+
     /// Drops the void entries of a bucket of the ring and returns how many are left.
     fn drop_void(&mut self, bucket: u32) -> usize {
         let entries = &mut self.ring[(bucket % RING) as usize];
@@ -154,6 +174,29 @@ mod tests {
             turns.push(turn.clone());
         }
         turns
+    }
+
+    #[test]
+    fn what_is_taken_out_has_no_turn_and_one_when_it_comes_back() {
+        let mut buckets = Buckets::new(4, 1.0);
+        for distance in [3.5, 5000.5] {
+            assert!(!buckets.remove(1));
+            buckets.push(0, distance);
+            buckets.push(1, distance);
+            assert!(buckets.remove(1) && buckets.len() == 1);
+            assert_eq!(
+                buckets.clone().nearest(),
+                Some(if distance < 10.0 { 3 } else { 5000 })
+            );
+            buckets.push(1, distance);
+            assert_eq!(drain(&mut buckets), [[0, 1]]);
+        }
+        buckets.reset();
+        for (v, distance) in [(2, 7.0), (0, 7.5), (1, 8.0)] {
+            buckets.push(v, distance);
+        }
+        buckets.push(0, 6.0);
+        assert_eq!(buckets.waiting_in(7).collect::<Vec<_>>(), [2]);
     }
 
     #[test]

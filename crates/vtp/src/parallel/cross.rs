@@ -3,6 +3,7 @@
 use geobench_window::{Phase, Probe};
 
 use super::field::Field;
+use super::jitter::jitter;
 use super::mail::Offer;
 use super::worker::Worker;
 use crate::engine::kernels::{self, BestPath, Gate, Measured, Target};
@@ -42,6 +43,7 @@ impl Worker {
             self.prefetch_face(field, place + 6);
             self.prefetch_beyond(field, place + 3);
             place += 1;
+            jitter();
             // SAFETY: promised by the caller.
             unsafe { self.cross::<L, P>(field, h, probe) };
         }

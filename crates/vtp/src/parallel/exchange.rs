@@ -3,6 +3,8 @@
 use std::mem;
 
 use super::field::Field;
+use super::jitter::jitter;
+use super::mail::Mail;
 use super::worker::Worker;
 use crate::engine::store::{COLUMNS, NO_LIST};
 use crate::engine::surface::parts;
@@ -18,6 +20,7 @@ impl Worker {
     pub(super) fn send(&mut self, field: &Field) {
         for (to, mail) in self.out.iter_mut().enumerate() {
             if !mail.is_empty() {
+                jitter();
                 field.post.send(self.thread, to, mail, &field.pace);
             }
         }
@@ -27,26 +30,57 @@ impl Worker {
     pub(super) fn receive(&mut self, field: &Field) {
         let mut letter = mem::take(&mut self.letter);
         for from in 0..field.threads {
-            if !field.post.receive(from, self.thread, &mut letter) {
-                continue;
+            if field.post.receive(from, self.thread, &mut letter) {
+                jitter();
+                self.read(field, &letter);
+                jitter();
+                field.pace.end();
             }
-            for &offer in &letter.offers {
-                self.hear_of(field, offer);
-            }
-            let mut windows = letter.windows.as_slice();
-            for &(h, n) in &letter.arrivals {
-                let (list, rest) = windows.split_at(n as usize * COLUMNS);
-                windows = rest;
-                let (f, corner) = parts(h);
-                let to = self.store.append(field.faces[f].list(corner), list);
-                self.put_list(field, h, to);
-            }
-            for &f in &letter.joined {
-                self.queue_face(field, f as usize);
-            }
-            field.pace.end();
         }
         self.letter = letter;
+    }
+
+    /// Takes in what `letter` says. Some of it may be about what this thread has given away since it was written; that goes on
+    /// to whoever has it now.
+    fn read(&mut self, field: &Field, letter: &Mail) {
+        for &offer in &letter.offers {
+            let owner = field.owner_of_vertex(offer.vertex);
+            if owner == self.thread {
+                self.hear_of(field, offer);
+            } else {
+                self.out[owner].offers.push(offer);
+            }
+        }
+        let mut windows = letter.windows.as_slice();
+        for &(h, n) in &letter.arrivals {
+            let (list, rest) = windows.split_at(n as usize * COLUMNS);
+            windows = rest;
+            let (f, corner) = parts(h);
+            let owner = field.owner_of_face(f);
+            if owner == self.thread {
+                let to = self.store.append(field.faces[f].list(corner), list);
+                self.put_list(field, h, to);
+            } else {
+                self.out[owner].arrivals.push((h, n));
+                self.out[owner].windows.extend_from_slice(list);
+            }
+        }
+        for &f in &letter.joined {
+            let owner = field.owner_of_face(f as usize);
+            if owner == self.thread {
+                self.queue_face(field, f as usize);
+            } else {
+                self.out[owner].joined.push(f);
+            }
+        }
+        for &v in &letter.turns {
+            let owner = field.owner_of_vertex(v);
+            if owner != self.thread {
+                self.out[owner].turns.push(v);
+            } else if !field.vertices[v as usize].has_passed() {
+                self.tally.pushes += u64::from(self.buckets.push(v, field.distance(v)));
+            }
+        }
     }
 
     /// Sends the windows of `list`, which are to wait on `h`, to the thread `to`, and gives the list back.

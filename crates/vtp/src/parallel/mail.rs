@@ -30,11 +30,16 @@ pub(super) struct Mail {
     pub(super) windows: Vec<f64>,
     /// Faces of the other that have joined the traversed area.
     pub(super) joined: Vec<u32>,
+    /// Vertices that wait for their turns, and are the other's from now on.
+    pub(super) turns: Vec<u32>,
 }
 
 impl Mail {
     pub(super) fn is_empty(&self) -> bool {
-        self.offers.is_empty() && self.arrivals.is_empty() && self.joined.is_empty()
+        self.offers.is_empty()
+            && self.arrivals.is_empty()
+            && self.joined.is_empty()
+            && self.turns.is_empty()
     }
 
     fn clear(&mut self) {
@@ -42,6 +47,7 @@ impl Mail {
         self.arrivals.clear();
         self.windows.clear();
         self.joined.clear();
+        self.turns.clear();
     }
 
     /// Adds what another letter says, which is empty afterwards.
@@ -50,6 +56,7 @@ impl Mail {
         self.arrivals.append(&mut other.arrivals);
         self.windows.append(&mut other.windows);
         self.joined.append(&mut other.joined);
+        self.turns.append(&mut other.turns);
     }
 }
 
@@ -137,6 +144,7 @@ mod tests {
                     arrivals: vec![(vertex, 1)],
                     windows: vec![f64::from(vertex); 5],
                     joined: vec![vertex],
+                    turns: vec![vertex + 10],
                 };
                 post.send(1, 0, &mut mail, &pace);
                 assert!(mail.is_empty());
@@ -147,6 +155,7 @@ mod tests {
             assert_eq!(received.arrivals, [(3, 1), (4, 1)]);
             assert_eq!(received.windows, [[3.0; 5], [4.0; 5]].concat());
             assert_eq!(received.joined, [3, 4]);
+            assert_eq!(received.turns, [13, 14]);
             pace.end();
         }
         pace.end();

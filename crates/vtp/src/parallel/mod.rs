@@ -6,6 +6,8 @@
 mod cross;
 mod exchange;
 mod field;
+mod handover;
+mod jitter;
 mod mail;
 mod owners;
 mod pace;
@@ -13,6 +15,8 @@ mod padded;
 mod settle;
 mod spawn;
 mod split;
+#[cfg(test)]
+mod test_run;
 mod turn;
 mod worker;
 
@@ -240,6 +244,27 @@ mod tests {
     use super::*;
     use geobench_mesh::generate::generate;
     use geobench_window::Solver;
+
+    /// Whatever one thread does between two steps of another one; see [`jitter`].
+    #[test]
+    fn delays_at_any_moment_lose_no_path() {
+        let soup = generate(&"gen:terrain,n=90,seed=2".parse().unwrap()).unwrap();
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        let source = [VertexId::new(0)];
+        let expected = Pvtp::new(&mesh, 1).solve(&source).unwrap().distances;
+        for threads in [2, 3, 5] {
+            let mut solver = Pvtp::new(&mesh, threads);
+            for run in 0..20 {
+                let distances = solver.solve(&source).unwrap().distances;
+                for (v, (d, e)) in distances.iter().zip(&expected).enumerate() {
+                    assert!(
+                        (d - e).abs() <= 1e-12 * e,
+                        "{threads} threads, run {run}, vertex {v}: {d}, expected {e}"
+                    );
+                }
+            }
+        }
+    }
 
     /// More threads than the system starts once ended in a panic.
     #[test]

@@ -1,25 +1,37 @@
 //! Paths to vertices, and what follows when they are the shortest.
 
 use super::field::Field;
+use super::jitter::jitter;
 use super::mail::Offer;
 use super::worker::Worker;
 use crate::engine::shadow::Origin;
 
 impl Worker {
     /// A path has been found to a vertex, which may be another thread's.
+    #[inline(always)]
+    pub(super) fn offer(&mut self, field: &Field, offer: Offer) {
+        if offer.distance < field.distance(offer.vertex) {
+            jitter();
+            self.accept(field, offer);
+        }
+    }
+
+    /// A path has been found that was shorter than the one known a moment ago.
     ///
     /// The owner may overwrite what another thread has found in the same moment; it gets to know it by mail.
     #[inline(always)]
-    pub(super) fn offer(&mut self, field: &Field, offer: Offer) {
+    fn accept(&mut self, field: &Field, offer: Offer) {
         let known = &field.distances[offer.vertex as usize];
-        if offer.distance >= known.get() {
-            return;
-        }
         let owner = field.owner_of_vertex(offer.vertex);
         if owner == self.thread {
-            known.set(offer.distance);
-            self.offers.push(offer);
+            // Whoever had the vertex until now may have found a shorter one, and tells nobody.
+            if offer.distance < known.get() {
+                jitter();
+                known.set(offer.distance);
+                self.offers.push(offer);
+            }
         } else if known.lower(offer.distance) {
+            jitter();
             self.out[owner].offers.push(offer);
         }
     }
@@ -28,6 +40,7 @@ impl Worker {
     pub(super) fn hear_of(&mut self, field: &Field, offer: Offer) {
         let known = &field.distances[offer.vertex as usize];
         if offer.distance <= known.get() {
+            jitter();
             known.set(offer.distance);
             self.offers.push(offer);
         }
@@ -78,21 +91,8 @@ impl Worker {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::sample::Sample;
-    use crate::engine::surface::{Surface, half_edge, next, parts};
-    use geobench_mesh::generate::generate;
-    use geobench_mesh::{Mesh, Numbering};
-
-    /// A run of two threads on a terrain, before its first turn.
-    fn two_threads() -> (Field, [Worker; 2]) {
-        let soup = generate(&"gen:terrain,n=20,seed=2".parse().unwrap()).unwrap();
-        let (mesh, _) = Mesh::from_soup(soup).unwrap();
-        let surface = Surface::new(&mesh, &Numbering::along_curve(&mesh));
-        let workers = [0, 1].map(|thread| Worker::new(thread, 2, &surface, 1.0));
-        let mut field = Field::new(surface, true, Sample::new(8), 2);
-        field.start();
-        (field, workers)
-    }
+    use crate::engine::surface::{half_edge, next, parts};
+    use crate::parallel::test_run::two_threads;
 
     /// The distance of a vertex once was lowered by another thread, and its turn came before the letter that said by
     /// which path: windows started into the shadow of the old path, and never into that of the new one.
@@ -156,5 +156,25 @@ mod tests {
         assert_eq!(field.distance(vertex), 9.0);
         workers[owner].offer(&field, offer(9.5));
         assert_eq!(workers[owner].offers, [offer(9.0)]);
+    }
+    /// Whoever had just been given a vertex once overwrote the shorter distance that its last owner had found meanwhile.
+    #[test]
+    fn a_vertex_that_has_just_changed_hands_keeps_the_path_of_its_last_owner() {
+        let (field, mut workers) = two_threads();
+        let vertex = 7;
+        let owner = field.owner_of_vertex(vertex);
+        let offer = |distance| Offer {
+            vertex,
+            h: field.surface.ring(vertex)[0],
+            entry: 0.0,
+            distance,
+        };
+        workers[owner].offer(&field, offer(4.0));
+        workers[owner].settle(&field);
+        field.vertex_owners.give(vertex as usize, 1 - owner);
+        // As if the new owner had looked before all that.
+        workers[1 - owner].accept(&field, offer(9.5));
+        assert_eq!(field.distance(vertex), 4.0);
+        assert_eq!(workers[1 - owner].offers, []);
     }
 }

@@ -40,6 +40,8 @@ pub(super) struct Split {
     faces: Vec<AtomicU32>,
     vertices: Vec<AtomicU32>,
     divider: Mutex<Divider>,
+    /// How often it has been divided anew.
+    divisions: AtomicU32,
 }
 
 /// What is known of the last division.
@@ -77,6 +79,7 @@ impl Split {
                 worked: vec![0; threads],
                 excess: vec![0.0; threads],
             }),
+            divisions: AtomicU32::new(0),
         }
     }
 
@@ -93,6 +96,11 @@ impl Split {
         divider.busy.fill(0);
         divider.excess.fill(0.0);
         self.cut(surface, &divider);
+    }
+
+    /// How often the surface has been divided anew, in all runs; it starts again from 0 after 2³² times.
+    pub(super) fn divisions(&self) -> u32 {
+        self.divisions.load(Relaxed)
     }
 
     /// Who gets a face that is nobody's.
@@ -134,6 +142,7 @@ impl Split {
         divider.count(&self.counts);
         divider.compare(self.busy.iter().map(|busy| busy.0.load(Relaxed)));
         self.cut(surface, &divider);
+        self.divisions.fetch_add(1, Relaxed);
     }
 
     /// Cuts anew.

@@ -1,6 +1,7 @@
 //! The turns of vertices.
 
 use super::field::Field;
+use super::jitter::jitter;
 use super::worker::Worker;
 use crate::engine::prefetch::prefetch;
 use crate::engine::store::NO_LIST;
@@ -43,6 +44,7 @@ impl Worker {
         for &h in field.surface.ring(v) {
             let (f, _) = parts(h);
             if field.faces[f].join(field.run) {
+                jitter();
                 let owner = field.owner_of_face(f);
                 if owner == self.thread {
                     self.queue_face(field, f);

@@ -1,5 +1,6 @@
 //! What one thread does in a run.
 
+use std::mem;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -86,6 +87,8 @@ pub(super) struct Worker {
     /// What is to go to each other thread.
     pub(super) out: Vec<Mail>,
     pub(super) letter: Mail,
+    /// The division of the surface that it knows.
+    division: u32,
     pub(super) keep: Vec<u8>,
     pub(super) cuts: Cuts,
     clock: Clock,
@@ -103,6 +106,7 @@ impl Worker {
             buckets: Buckets::new(surface.vertices.len(), bucket),
             out: vec![Mail::default(); threads],
             letter: Mail::default(),
+            division: 0,
             keep: Vec::new(),
             cuts: Cuts::default(),
             clock: Clock::start(),
@@ -168,6 +172,10 @@ impl Worker {
             field
                 .split
                 .come_to(self.thread, bucket, busy, &field.surface);
+            let division = field.split.divisions();
+            if mem::replace(&mut self.division, division) != division {
+                self.hand_over(field, bucket);
+            }
         }
         self.tally.turns += 1;
         self.buckets.take(bucket, &mut self.turn);

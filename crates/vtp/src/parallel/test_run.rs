@@ -1,0 +1,20 @@
+//! A run for tests.
+
+use geobench_mesh::generate::generate;
+use geobench_mesh::{Mesh, Numbering};
+
+use super::field::Field;
+use super::worker::Worker;
+use crate::engine::sample::Sample;
+use crate::engine::surface::Surface;
+
+/// A run of two threads on a terrain, before its first turn.
+pub(super) fn two_threads() -> (Field, [Worker; 2]) {
+    let soup = generate(&"gen:terrain,n=20,seed=2".parse().unwrap()).unwrap();
+    let (mesh, _) = Mesh::from_soup(soup).unwrap();
+    let surface = Surface::new(&mesh, &Numbering::along_curve(&mesh));
+    let workers = [0, 1].map(|thread| Worker::new(thread, 2, &surface, 1.0));
+    let mut field = Field::new(surface, true, Sample::new(8), 2);
+    field.start();
+    (field, workers)
+}

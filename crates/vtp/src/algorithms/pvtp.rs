@@ -4,15 +4,17 @@
 //!
 //! **How.** Every thread runs the loop of `vtp_fast` on its own part of the wavefront: lists cross their faces until none can, then the
 //! vertices of its nearest bucket have their turns. Faces and vertices are numbered along a space-filling curve, and each thread has a
-//! range of numbers. Blocks of 32 faces and of 16 vertices belong, for the rest of the run, to the thread in whose range they are
+//! range of numbers. Blocks of 32 faces and of 16 vertices belong to the thread in whose range they are
 //! when a window or a path reaches them, or a face joins, first. The ranges are cut anew every four buckets: by where windows have crossed since, and such
-//! that all threads are at work for as long. Neighbouring faces belong to the same thread mostly, and 1 to 2 % of the windows go from
+//! that all threads are at work for as long. Then blocks near the wavefront that have come to lie in the range of another thread are handed
+//! over to it, with the windows that wait there and the vertices that wait for their turns; without that a cut would tell only when the wave has
+//! come through the blocks that are taken, some 16 buckets later. Neighbouring faces belong to the same thread mostly, and 1 to 5 % of the windows go from
 //! one to another. They travel by mail, with the paths to vertices and the faces that the wave has reached; every 16 lists a thread
-//! looks for letters and sends its own.
+//! looks for letters and sends its own. A letter about a block that its reader has handed over goes on to the new owner.
 //!
 //! **Why it is exact.** In whatever order windows cross, all that may hold a shortest path do, as in any form of VTP. Distances are seen by
 //! all threads, and one that is out of date is too long, which prunes less. Whether a face has joined is seen by all too, and whoever has it
-//! join writes to its owner. Nothing else is read but by its owner.
+//! join writes to its owner. Nothing else is read but by its owner, and whoever gets a block sees all that was done with it before.
 //!
 //! **Who waits.** Nobody waits for others until a bucket is done: a thread may be two buckets ahead of the last one, so that what one has more
 //! to do in one bucket and less in the next evens out. Whoever gets a letter falls back to where the sender is, for others must
@@ -30,7 +32,8 @@
 //! **Why no work stealing.** A bucket takes some 50 µs of two threads on a model of 70 thousand faces. The fork and join of a pool, or
 //! waking a thread that sleeps, takes tens. Nor could a list be taken by any thread: a window that another processor wrote takes longer to
 //! fetch than to cross. For the same reason parts are cut along a curve: to give what is next to another thread's part to whoever
-//! had less to do was tried, and three times as many windows travelled.
+//! had less to do was tried, and three times as many windows travelled. Of parts that are cut along directions from the source seven times as many
+//! did: paths run along such a border, and cross it at every face.
 //!
 //! **Why threads are kept.** The solver has a pool of its own, whose threads sleep between runs and wake where they were. One that is started
 //! for a run may begin on the processor of the one that starts it, and stay there for 5 to 15 ms, far longer than a

@@ -78,7 +78,8 @@ impl Worker {
             if owner != self.thread {
                 self.out[owner].turns.push(v);
             } else if !field.vertices[v as usize].has_passed() {
-                self.tally.pushes += u64::from(self.buckets.push(v, field.distance(v)));
+                // Whoever gave it away has counted it.
+                self.buckets.push(v, field.distance(v));
             }
         }
     }

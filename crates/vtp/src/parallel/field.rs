@@ -163,8 +163,9 @@ impl Number {
 
 /// The state of a run that threads share.
 ///
-/// All of it is atomic, but in no order of its own: what one thread must know of another comes by mail, and what it sees besides
-/// may be old. An old distance is a longer one, and prunes less.
+/// All of it is atomic, but in no order of its own: what one thread must know of another comes by mail, or with the block that the
+/// other gives away, whose new owner sees all that was done with it before. What a thread sees besides may be old. An old distance is a longer
+/// one, and prunes less.
 #[derive(Debug)]
 pub(super) struct Field {
     pub(super) surface: Surface,

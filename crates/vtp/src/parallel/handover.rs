@@ -8,7 +8,7 @@ use super::worker::Worker;
 use crate::engine::store::NO_LIST;
 use crate::engine::surface::{half_edge, parts};
 
-/// Buckets whose vertices are looked at. What is farther from its turn waits for the next time.
+/// Buckets whose vertices are looked at. Blocks of which all vertices are farther from their turns wait for the next time.
 const REACH: u32 = 8;
 
 /// Vertices between one that changes hands and the next cut, at least: what is nearer might come back the next time.
@@ -57,6 +57,7 @@ impl Worker {
         }
         jitter();
         field.vertex_owners.give(v as usize, to);
+        self.tally.given += 1;
     }
 
     /// Gives the block of face `f` to the thread `to`.
@@ -73,6 +74,7 @@ impl Worker {
         jitter();
         // From now on the new owner may put lists there.
         field.face_owners.give(f, to);
+        self.tally.given += 1;
     }
 }
 
@@ -85,15 +87,18 @@ mod tests {
 
     /// A vertex, and a face around it, of the first thread.
     fn of_the_first_thread(field: &Field) -> (u32, usize) {
-        let v = 100;
-        let (f, _) = parts(field.surface.ring(v)[0]);
+        let v = 150;
+        let faces = field.surface.ring(v).iter().map(|&h| parts(h).0);
+        let f = faces.max().unwrap();
         assert_eq!((field.owner_of_vertex(v), field.owner_of_face(f)), (0, 0));
         (v, f)
     }
 
-    /// Divides anew such that all but what comes first is the second thread's.
-    fn divide(field: &Field) {
-        field.split.note(0, 0, 1000);
+    /// Divides anew: the second thread gets what comes after vertex `cut` or so.
+    fn divide(field: &Field, cut: u32) {
+        let mut faces = field.surface.faces.iter();
+        let first = faces.position(|face| face.vertex.iter().all(|&v| v >= cut));
+        field.split.note(0, first.unwrap(), 1000);
         field.split.come_to(0, 100, 0, &field.surface);
         assert_eq!(field.split.divisions(), 1);
     }
@@ -132,11 +137,8 @@ mod tests {
         });
 
         first.hand_over(&field, 2);
-        assert!(
-            !second.has_mail(&field),
-            "given away though its range is the same"
-        );
-        divide(&field);
+        assert!(!second.has_mail(&field), "given away without need");
+        divide(&field, 100);
         first.hand_over(&field, 2);
         assert_eq!((field.owner_of_vertex(v), field.owner_of_face(f)), (1, 1));
         assert_eq!((first.buckets.nearest(), first.store.waiting()), (None, 0));
@@ -152,6 +154,22 @@ mod tests {
             assert_eq!(turn, [vertex]);
         }
         assert!(!first.has_mail(&field));
+    }
+
+    #[test]
+    fn what_lies_next_to_a_cut_stays() {
+        for (thread, cut, gone, stays) in [(0, 100, 200, 110), (1, 350, 300, 340)] {
+            let (field, mut workers) = two_threads();
+            for v in [gone, stays] {
+                assert_eq!(field.owner_of_vertex(v), thread);
+                workers[thread].buckets.push(v, 2.5);
+            }
+            divide(&field, cut);
+            workers[thread].hand_over(&field, 2);
+            let owners =
+                [gone, stays].map(|v| (field.split.owner_of_vertex(v), field.owner_of_vertex(v)));
+            assert_eq!(owners, [(1 - thread, 1 - thread), (1 - thread, thread)]);
+        }
     }
 
     #[test]
@@ -172,11 +190,9 @@ mod tests {
         let list = second.store.set_len(list, 1);
         second.deliver(&field, h, list, 0);
         second.offer(&field, offer);
-        assert!(field.faces[f].join(field.run));
-        second.out[0].joined.push(f as u32);
         second.send(&field);
 
-        divide(&field);
+        divide(&field, 100);
         first.hand_over(&field, 2);
         first.receive(&field);
         assert_eq!((first.store.waiting(), first.offers.len()), (0, 0));
@@ -184,7 +200,31 @@ mod tests {
         second.receive(&field);
         assert_eq!(windows(&second, &field, h), [window]);
         assert_eq!(second.offers, [offer]);
+
+        // The face joined when it still was the first thread's.
+        assert_eq!(second.ready, []);
+        second.out[0].joined.push(f as u32);
+        second.send(&field);
+        first.receive(&field);
+        first.send(&field);
+        second.receive(&field);
         assert_eq!(second.ready, [h]);
+    }
+
+    #[test]
+    fn a_vertex_that_is_given_back_before_the_letter_is_read_has_its_turn() {
+        let (field, [mut first, mut second]) = two_threads();
+        let (v, _) = of_the_first_thread(&field);
+        field.distances[v as usize].set(2.5);
+        first.buckets.push(v, 2.5);
+        divide(&field, 100);
+        first.hand_over(&field, 2);
+        field.vertex_owners.give(v as usize, 0);
+        second.receive(&field);
+        assert_eq!(second.buckets.nearest(), None);
+        second.send(&field);
+        first.receive(&field);
+        assert_eq!(first.buckets.nearest(), Some(2));
     }
 
     #[test]
@@ -193,7 +233,7 @@ mod tests {
         let (v, _) = of_the_first_thread(&field);
         field.distances[v as usize].set(2.5);
         first.buckets.push(v, 2.5);
-        divide(&field);
+        divide(&field, 100);
         first.hand_over(&field, 2);
         // The new owner knows that it is, and a path reaches the vertex, before the letter is read.
         second.buckets.push(v, 2.5);

@@ -4,6 +4,7 @@ use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use super::jitter::jitter;
 use super::pace::Pace;
 use super::padded::Padded;
 
@@ -90,10 +91,12 @@ impl Post {
     pub(super) fn send(&self, from: usize, to: usize, mail: &mut Mail, pace: &Pace) {
         let slot = self.slot(from, to);
         let mut there = slot.mail.lock().unwrap_or_else(PoisonError::into_inner);
+        jitter();
         if slot.full.load(Ordering::Relaxed) {
             there.append(mail);
         } else {
             pace.begin();
+            jitter();
             pace.call_back(from, to);
             mem::swap(&mut *there, mail);
             slot.full.store(true, Ordering::Relaxed);

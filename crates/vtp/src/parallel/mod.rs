@@ -254,8 +254,10 @@ mod tests {
         let expected = Pvtp::new(&mesh, 1).solve(&source).unwrap().distances;
         for threads in [2, 3, 5] {
             let mut solver = Pvtp::new(&mesh, threads);
+            let mut given = 0;
             for run in 0..20 {
                 let distances = solver.solve(&source).unwrap().distances;
+                given += solver.workers.iter().map(|w| w.tally.given).sum::<u64>();
                 for (v, (d, e)) in distances.iter().zip(&expected).enumerate() {
                     assert!(
                         (d - e).abs() <= 1e-12 * e,
@@ -263,6 +265,7 @@ mod tests {
                     );
                 }
             }
+            assert!(given > 0, "{threads} threads: nothing has changed hands");
         }
     }
 

@@ -80,6 +80,7 @@ impl Worker {
             &field.vertices[v as usize],
         );
         let distance = state.reached.get();
+        jitter();
         // If another thread has found a shorter path, of which it is not known yet where it comes from, windows start when it is.
         if vertex.pseudo_source && distance < state.spawned.get() && distance <= field.distance(v) {
             state.spawned.set(distance);

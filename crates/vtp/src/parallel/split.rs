@@ -103,14 +103,14 @@ impl Split {
         self.divisions.load(Relaxed)
     }
 
-    /// Who gets a face that is nobody's.
+    /// In whose range a face is: who gets it if it is nobody's, and whom it is given to if it is near the wavefront.
     pub(super) fn owner_of_face(&self, f: usize) -> usize {
         let mut cuts = self.faces.iter();
         let first_beyond = cuts.position(|cut| cut.load(Relaxed) as usize > f);
         first_beyond.unwrap_or(self.faces.len())
     }
 
-    /// Who gets a vertex that is nobody's.
+    /// In whose range a vertex is, as for a face.
     pub(super) fn owner_of_vertex(&self, v: u32) -> usize {
         let first_beyond = self.vertices.iter().position(|cut| cut.load(Relaxed) > v);
         first_beyond.unwrap_or(self.vertices.len())

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use geobench_window::{Counter, Probe};
 
 use super::field::Field;
+use super::jitter::jitter;
 use super::mail::{Mail, Offer};
 use crate::engine::buckets::Buckets;
 use crate::engine::kernels::Cuts;
@@ -27,6 +28,8 @@ pub(super) struct Tally {
     pub(super) turns: u64,
     pub(super) peak_windows: u64,
     pub(super) peak_queue: u64,
+    /// Blocks given to other threads; for tests.
+    pub(super) given: u64,
 }
 
 impl Tally {
@@ -146,11 +149,13 @@ impl Worker {
             // SAFETY: promised by the caller.
             unsafe { self.cross_all::<L, P>(field, probe) };
             self.send(field);
+            jitter();
             if self.has_mail(field) {
                 // Until it is read, others must see this thread where its letter has called it back to.
                 self.receive(field);
                 continue;
             }
+            jitter();
             let nearest = self.buckets.nearest();
             field.pace.come_to(self.thread, nearest);
             match nearest {
@@ -191,6 +196,7 @@ impl Worker {
             field.pace.end();
         }
         let goes_on = loop {
+            jitter();
             if self.has_mail(field) {
                 if nearest.is_none() {
                     field.pace.begin();

@@ -39,10 +39,9 @@
 //! for a run may begin on the processor of the one that starts it, and stay there for 5 to 15 ms, far longer than a
 //! small model takes: the median of such runs was 4 to 6 times that of these, though the least was the same.
 //!
-//! **Gain.** Two threads on two processors with AVX-512 against `vtp_fast`, in turns, least times: 1.5 to 1.65 on a model of 70 thousand faces,
-//! 1.5 to 1.55 on 97 thousand, 1.65 to 1.75 on 269 thousand, and 1.0 to 1.35 on 6 to 13 thousand; one thread is 0.93 to
-//! 0.98 as fast. Of what is lost half is waiting, the rest windows on their way and memory that one thread has written and
-//! another one reads.
+//! **Gain.** Two threads on two processors against `vtp_fast`, in turns, by medians: 1.6 to 1.7 on models of 70 to 270 thousand faces, 1.1 to 1.4
+//! on 6 to 13 thousand; one thread is 0.8 to 0.98 as fast. To hand parts over gains 3 to 17 % of that on small models and
+//! up to 5 % on large ones. Of what is lost a third is waiting, the rest letters and memory that one thread has written and another one reads.
 //!
 //! **Cost.** As [`vtp_fast`](super::vtp_fast), and 16 bytes for each face, 8 for each vertex, and 4 for each vertex and thread. Each thread counts
 //! its own most windows and most entries of its queue, without letters; what is reported is the sum. Phases are those of the first thread,

@@ -40,7 +40,7 @@
 //! small model takes: the median of such runs was 4 to 6 times that of these, though the least was the same.
 //!
 //! **Gain.** Two threads on two processors against `vtp_fast`, in turns, by medians: 1.6 to 1.7 on models of 70 to 270 thousand faces, 1.1 to 1.4
-//! on 6 to 13 thousand; one thread is 0.8 to 0.98 as fast. To hand parts over gains 3 to 17 % of that on small models and
+//! on 6 to 13 thousand; one thread is 0.8 to 0.98 as fast. To hand parts over gains up to a sixth of that on small models and
 //! up to 5 % on large ones. Of what is lost a third is waiting, the rest letters and memory that one thread has written and another one reads.
 //!
 //! **Cost.** As [`vtp_fast`](super::vtp_fast), and 16 bytes for each face, 8 for each vertex, and 4 for each vertex and thread. Each thread counts

@@ -41,7 +41,7 @@
 //!
 //! **Gain.** Two threads on two processors against `vtp_fast`, in turns, by medians: 1.6 to 1.7 on models of 70 to 270 thousand faces, 1.1 to 1.4
 //! on 6 to 13 thousand; one thread is 0.8 to 0.98 as fast. To hand parts over gains up to a sixth of that on small models and
-//! up to 5 % on large ones. Of what is lost a third is waiting, the rest letters and memory that one thread has written and another one reads.
+//! up to 5 % on large ones. What is lost is waiting, letters, and memory that one thread has written and another one reads.
 //!
 //! **Cost.** As [`vtp_fast`](super::vtp_fast), and 16 bytes for each face, 8 for each vertex, and 4 for each vertex and thread. Each thread counts
 //! its own most windows and most entries of its queue, without letters; what is reported is the sum. Phases are those of the first thread,

@@ -131,7 +131,9 @@ impl Buckets {
         if bucket - self.current < RING {
             self.drop_void(bucket);
         }
-        self.far.retain(|&(far, _)| far != v);
+        if bucket >= self.far_least {
+            self.far.retain(|&(far, _)| far != v);
+        }
         true
     }
 

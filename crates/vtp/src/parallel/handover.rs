@@ -82,8 +82,7 @@ impl Worker {
 mod tests {
     use super::*;
     use crate::engine::store::COLUMNS;
-    use crate::parallel::mail::Offer;
-    use crate::parallel::test_run::two_threads;
+    use crate::parallel::test_run::{path, two_threads};
 
     /// A vertex, and a face around it, of the first thread.
     fn of_the_first_thread(field: &Field) -> (u32, usize) {
@@ -111,13 +110,24 @@ mod tests {
         places.map(|i| worker.store.get(list, i)).collect()
     }
 
-    fn put(worker: &mut Worker, field: &Field, h: u32, windows: &[[f64; COLUMNS]]) {
+    /// A list of `windows`, on no half-edge yet.
+    fn list_of(worker: &mut Worker, windows: &[[f64; COLUMNS]]) -> u32 {
         let list = worker.store.reserve(NO_LIST, windows.len());
         for (i, &window) in windows.iter().enumerate() {
             worker.store.put(list, i, window);
         }
-        let list = worker.store.set_len(list, windows.len());
-        worker.put_list(field, h, list);
+        worker.store.set_len(list, windows.len())
+    }
+
+    /// A run whose first thread has given a vertex with a turn in bucket 2 to the second one, which has not read the letter.
+    fn after_a_gift() -> (Field, [Worker; 2], u32) {
+        let (field, mut workers) = two_threads();
+        let (v, _) = of_the_first_thread(&field);
+        field.distances[v as usize].set(2.5);
+        workers[0].buckets.push(v, 2.5);
+        divide(&field, 100);
+        workers[0].hand_over(&field, 2);
+        (field, workers, v)
     }
 
     #[test]
@@ -132,7 +142,8 @@ mod tests {
         let lists = [0, 2].map(|corner| {
             let windows: Vec<_> = (0..9 + corner).map(|i| [i as f64; COLUMNS]).collect();
             let h = half_edge(f as u32, corner);
-            put(&mut first, &field, h, &windows);
+            let list = list_of(&mut first, &windows);
+            first.put_list(&field, h, list);
             (h, windows)
         });
 
@@ -178,16 +189,9 @@ mod tests {
         let (v, f) = of_the_first_thread(&field);
         first.buckets.push(v, 2.5);
         let h = half_edge(f as u32, 1);
-        let offer = Offer {
-            vertex: v,
-            h: field.surface.ring(v)[0],
-            entry: 0.0,
-            distance: 2.25,
-        };
+        let offer = path(&field, v, 0, 2.25);
         let window = [7.0; COLUMNS];
-        let list = second.store.reserve(NO_LIST, 1);
-        second.store.put(list, 0, window);
-        let list = second.store.set_len(list, 1);
+        let list = list_of(&mut second, &[window]);
         second.deliver(&field, h, list, 0);
         second.offer(&field, offer);
         second.send(&field);
@@ -213,12 +217,7 @@ mod tests {
 
     #[test]
     fn a_vertex_that_is_given_back_before_the_letter_is_read_has_its_turn() {
-        let (field, [mut first, mut second]) = two_threads();
-        let (v, _) = of_the_first_thread(&field);
-        field.distances[v as usize].set(2.5);
-        first.buckets.push(v, 2.5);
-        divide(&field, 100);
-        first.hand_over(&field, 2);
+        let (field, [mut first, mut second], v) = after_a_gift();
         field.vertex_owners.give(v as usize, 0);
         second.receive(&field);
         assert_eq!(second.buckets.nearest(), None);
@@ -229,12 +228,7 @@ mod tests {
 
     #[test]
     fn a_vertex_that_has_had_its_turn_gets_no_other_one_from_a_letter() {
-        let (field, [mut first, mut second]) = two_threads();
-        let (v, _) = of_the_first_thread(&field);
-        field.distances[v as usize].set(2.5);
-        first.buckets.push(v, 2.5);
-        divide(&field, 100);
-        first.hand_over(&field, 2);
+        let (field, [_, mut second], v) = after_a_gift();
         // The new owner knows that it is, and a path reaches the vertex, before the letter is read.
         second.buckets.push(v, 2.5);
         let mut turn = Vec::new();

@@ -30,6 +30,7 @@ use self::field::Field;
 use self::owners::MOST_THREADS;
 use self::pace::BreakOnPanic;
 use self::worker::Worker;
+use crate::engine::Instructions;
 use crate::engine::dispatch::{self, Program};
 use crate::engine::lanes::Lanes;
 use crate::engine::sample::Sample;
@@ -108,13 +109,31 @@ fn pool_of(threads: usize) -> Option<ThreadPool> {
     pool.and_then(Result::ok)
 }
 
-/// One thread's part of a run.
-struct Part<'a, P> {
-    worker: &'a mut Worker,
+/// What all threads know of a run.
+struct Run<'a> {
     field: &'a Field,
     numbering: &'a Numbering,
     sources: &'a [u32],
-    /// Its share of the distances, in the mesh's order.
+    instructions: Instructions,
+}
+
+impl Run<'_> {
+    /// The part of `worker`, with its share of the distances, in the mesh's order.
+    fn part(&self, worker: &mut Worker, distances: &mut [f64], probe: &mut impl Probe) {
+        let part = Part {
+            run: self,
+            worker,
+            distances,
+            probe,
+        };
+        dispatch::run(part, self.instructions);
+    }
+}
+
+/// One thread's part of a run.
+struct Part<'a, P> {
+    run: &'a Run<'a>,
+    worker: &'a mut Worker,
     distances: &'a mut [f64],
     probe: &'a mut P,
 }
@@ -125,19 +144,19 @@ impl<P: Probe> Program for Part<'_, P> {
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     unsafe fn run<L: Lanes>(self) {
-        let _guard = BreakOnPanic(&self.field.pace);
+        let Run {
+            field,
+            numbering,
+            sources,
+            ..
+        } = self.run;
+        let _guard = BreakOnPanic(&field.pace);
         // SAFETY: promised by the caller.
-        unsafe {
-            self.worker
-                .run::<L, P>(self.field, self.sources, self.probe);
-        }
-        let first = self
-            .worker
-            .share(self.field, self.field.vertices.len())
-            .start;
+        unsafe { self.worker.run::<L, P>(field, sources, self.probe) };
+        let first = self.worker.share(field, field.vertices.len()).start;
         for (i, distance) in self.distances.iter_mut().enumerate() {
-            let v = self.numbering.new_vertex(VertexId::new((first + i) as u32));
-            *distance = self.field.distance(v.raw());
+            let v = numbering.new_vertex(VertexId::new((first + i) as u32));
+            *distance = field.distance(v.raw());
         }
     }
 }
@@ -185,8 +204,13 @@ impl Propagate for Pvtp<'_> {
             .collect();
         let vertices = self.mesh.vertex_count();
         let mut distances = vec![0.0; vertices];
-        let (field, numbering, instructions) =
-            (&self.field, &self.numbering, self.options.instructions);
+        let field = &self.field;
+        let run = Run {
+            field,
+            numbering: &self.numbering,
+            sources: &sources,
+            instructions: self.options.instructions,
+        };
         let mut rest = distances.as_mut_slice();
         let mut shares = self.workers.iter_mut().map(|worker| {
             let share = worker.share(field, vertices).len();
@@ -198,30 +222,14 @@ impl Propagate for Pvtp<'_> {
         let others: Vec<_> = shares.map(|share| Mutex::new(Some(share))).collect();
         let run_first = || {
             if let Some((worker, distances)) = first {
-                let part = Part {
-                    worker,
-                    field,
-                    numbering,
-                    sources: &sources,
-                    distances,
-                    probe,
-                };
-                dispatch::run(part, instructions);
+                run.part(worker, distances, probe);
             }
         };
         let run_other = |thread: usize| {
             let share = others[thread].lock();
             if let Some((worker, distances)) = share.unwrap_or_else(PoisonError::into_inner).take()
             {
-                let part = Part {
-                    worker,
-                    field,
-                    numbering,
-                    sources: &sources,
-                    distances,
-                    probe: &mut (),
-                };
-                dispatch::run(part, instructions);
+                run.part(worker, distances, &mut ());
             }
         };
         match &self.pool {

@@ -92,8 +92,7 @@ impl Worker {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::surface::{half_edge, next, parts};
-    use crate::parallel::test_run::two_threads;
+    use crate::parallel::test_run::{path, two_threads};
 
     /// The distance of a vertex once was lowered by another thread, and its turn came before the letter that said by
     /// which path: windows started into the shadow of the old path, and never into that of the new one.
@@ -105,15 +104,7 @@ mod tests {
         let (vertex, _) = inside.unwrap();
         let owner = field.owner_of_vertex(vertex);
         let other = 1 - owner;
-        let offer = |place: usize, distance| {
-            let (f, corner) = parts(field.surface.ring(vertex)[place]);
-            Offer {
-                vertex,
-                h: half_edge(f as u32, next(corner)),
-                entry: 0.0,
-                distance,
-            }
-        };
+        let offer = |place, distance| path(&field, vertex, place, distance);
         let state = &field.vertices[vertex as usize];
         workers[owner].offer(&field, offer(0, 10.0));
         workers[owner].settle(&field);
@@ -143,12 +134,7 @@ mod tests {
         let (field, mut workers) = two_threads();
         let vertex = 7;
         let owner = field.owner_of_vertex(vertex);
-        let offer = |distance| Offer {
-            vertex,
-            h: field.surface.ring(vertex)[0],
-            entry: 0.0,
-            distance,
-        };
+        let offer = |distance| path(&field, vertex, 0, distance);
         workers[1 - owner].offer(&field, offer(9.0));
         // As if the owner had looked before that.
         field.distances[vertex as usize].set(10.0);
@@ -158,18 +144,14 @@ mod tests {
         workers[owner].offer(&field, offer(9.5));
         assert_eq!(workers[owner].offers, [offer(9.0)]);
     }
+
     /// Whoever had just been given a vertex once overwrote the shorter distance that its last owner had found meanwhile.
     #[test]
     fn a_vertex_that_has_just_changed_hands_keeps_the_path_of_its_last_owner() {
         let (field, mut workers) = two_threads();
         let vertex = 7;
         let owner = field.owner_of_vertex(vertex);
-        let offer = |distance| Offer {
-            vertex,
-            h: field.surface.ring(vertex)[0],
-            entry: 0.0,
-            distance,
-        };
+        let offer = |distance| path(&field, vertex, 0, distance);
         workers[owner].offer(&field, offer(4.0));
         workers[owner].settle(&field);
         field.vertex_owners.give(vertex as usize, 1 - owner);

@@ -4,9 +4,10 @@ use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, Numbering};
 
 use super::field::Field;
+use super::mail::Offer;
 use super::worker::Worker;
 use crate::engine::sample::Sample;
-use crate::engine::surface::Surface;
+use crate::engine::surface::{Surface, half_edge, next, parts};
 
 /// A run of two threads on a terrain, before its first turn.
 pub(super) fn two_threads() -> (Field, [Worker; 2]) {
@@ -17,4 +18,15 @@ pub(super) fn two_threads() -> (Field, [Worker; 2]) {
     let mut field = Field::new(surface, true, Sample::new(8), 2);
     field.start();
     (field, workers)
+}
+
+/// A path of length `distance` to `vertex`, across the face at `place` of its ring.
+pub(super) fn path(field: &Field, vertex: u32, place: usize, distance: f64) -> Offer {
+    let (f, corner) = parts(field.surface.ring(vertex)[place]);
+    Offer {
+        vertex,
+        h: half_edge(f as u32, next(corner)),
+        entry: 0.0,
+        distance,
+    }
 }

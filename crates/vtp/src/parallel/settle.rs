@@ -91,7 +91,6 @@ impl Worker {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::parallel::test_run::{path, two_threads};
 
     /// The distance of a vertex once was lowered by another thread, and its turn came before the letter that said by

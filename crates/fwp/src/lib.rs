@@ -44,9 +44,10 @@ mod test_support;
 mod vertex_order;
 mod weights;
 
-use geobench_ich::{Splitting, VertexFilter};
+use geobench_ich::Splitting;
 use geobench_mesh::Mesh;
 use geobench_mmp::{ByList, Carrier, Trimming};
+use geobench_window::VertexFilter;
 use geobench_window::continuous::Continuous;
 
 pub use buckets::{BatchSize, BucketOptions, Buckets};

@@ -17,7 +17,7 @@ use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, TriangleSoup, VertexId, io};
 use geobench_mmp::{NearLists, mmp, mmp_by_window, mmp_with_slack};
 use geobench_oracle::{Geometry, Model, zoo};
-use geobench_window::{Counter, Solver};
+use geobench_window::{Counter, Solver, VertexFilter};
 use proptest::prelude::*;
 
 /// A difference that rounding explains, relative to the distance.
@@ -29,11 +29,11 @@ type Recipe = (
     Box<dyn for<'m> Fn(&'m Mesh) -> Box<dyn Solver + 'm>>,
 );
 
-fn with_buckets(options: BucketOptions) -> Vec<Recipe> {
+fn with_buckets(options: BucketOptions, filter: VertexFilter) -> Vec<Recipe> {
     vec![
         (
-            format!("fwp-mmp {options:?}"),
-            Box::new(move |mesh| Box::new(fwp_mmp(mesh, options))),
+            format!("fwp-mmp {options:?} filter {filter:?}"),
+            Box::new(move |mesh| Box::new(fwp_mmp(mesh, options).filtering(filter))),
         ),
         (
             format!("fwp-ch {options:?}"),
@@ -46,12 +46,12 @@ fn with_buckets(options: BucketOptions) -> Vec<Recipe> {
     ]
 }
 
-fn label_correcting(beta: f64) -> Vec<Recipe> {
+fn label_correcting(beta: f64, filter: VertexFilter) -> Vec<Recipe> {
     let options = LabelCorrectingOptions { beta };
     vec![
         (
-            format!("lc-mmp {beta}"),
-            Box::new(move |mesh| Box::new(lc_mmp(mesh, options))),
+            format!("lc-mmp {beta} filter {filter:?}"),
+            Box::new(move |mesh| Box::new(lc_mmp(mesh, options).filtering(filter))),
         ),
         (
             format!("lc-ch {beta}"),
@@ -64,22 +64,26 @@ fn label_correcting(beta: f64) -> Vec<Recipe> {
     ]
 }
 
-fn vertex_order() -> Vec<Recipe> {
+fn vertex_order(filter: VertexFilter) -> Vec<Recipe> {
     vec![
-        ("vtp-mmp".into(), Box::new(|mesh| Box::new(vtp_mmp(mesh)))),
+        (
+            format!("vtp-mmp filter {filter:?}"),
+            Box::new(move |mesh| Box::new(vtp_mmp(mesh).filtering(filter))),
+        ),
         ("vtp-ch".into(), Box::new(|mesh| Box::new(vtp_ch(mesh)))),
     ]
 }
 
-fn nearest_lists(slack: f64) -> Vec<Recipe> {
+fn nearest_lists(slack: f64, filter: VertexFilter) -> Vec<Recipe> {
     vec![(
-        format!("mmp slack {slack}"),
-        Box::new(move |mesh| Box::new(mmp_with_slack(mesh, slack))),
+        format!("mmp slack {slack} filter {filter:?}"),
+        Box::new(move |mesh| Box::new(mmp_with_slack(mesh, slack).filtering(filter))),
     )]
 }
 
-/// All disciplines with defaults, and each parameter at its extremes and between.
+/// All disciplines with defaults, without the filter for MMP as well, and each parameter at its extremes and between.
 fn recipes() -> Vec<Recipe> {
+    let default = VertexFilter::default();
     let adaptive = |width, max| BucketOptions {
         width,
         batch: BatchSize::Adaptive { max },
@@ -102,15 +106,27 @@ fn recipes() -> Vec<Recipe> {
         fixed(30.0, 20),
         fixed(1.0, 1_000_000),
     ];
-    let mut recipes: Vec<Recipe> = buckets.into_iter().flat_map(with_buckets).collect();
+    let buckets = buckets.map(|options| with_buckets(options, default));
+    let mut recipes: Vec<Recipe> = buckets.into_iter().flatten().collect();
     for beta in [0.5, 0.0, 0.05, 1.0, 4.0, f64::INFINITY] {
-        recipes.extend(label_correcting(beta));
+        recipes.extend(label_correcting(beta, default));
     }
-    recipes.extend(vertex_order());
     for slack in [0.0, 0.1, 1.0, 1000.0] {
-        recipes.extend(nearest_lists(slack));
+        recipes.extend(nearest_lists(slack, default));
     }
+    recipes.extend(vertex_order(default));
+    recipes.extend(defaults(VertexFilter::Off).into_iter().flatten());
     recipes
+}
+
+/// The disciplines with defaults: by buckets, label correcting, around vertices and nearest first.
+fn defaults(filter: VertexFilter) -> [Vec<Recipe>; 4] {
+    [
+        with_buckets(BucketOptions::default(), filter),
+        label_correcting(LabelCorrectingOptions::default().beta, filter),
+        vertex_order(filter),
+        nearest_lists(NearLists::SLACK, filter),
+    ]
 }
 
 fn generated(spec: &str) -> Mesh {
@@ -171,19 +187,14 @@ fn generated_models_at_all_parameters() {
 /// The surfaces that have broken a geodesic program before.
 #[test]
 fn small_surfaces_of_every_kind() {
-    let recipes: Vec<Recipe> = [
-        with_buckets(BucketOptions::default()),
-        with_buckets(BucketOptions {
-            width: 50.0,
-            batch: BatchSize::Fixed(7),
-        }),
-        label_correcting(0.3),
-        vertex_order(),
-        nearest_lists(NearLists::SLACK),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    let [on, off] = [VertexFilter::On, VertexFilter::Off];
+    let fixed = BucketOptions {
+        width: 50.0,
+        batch: BatchSize::Fixed(7),
+    };
+    let odd = [with_buckets(fixed, on), label_correcting(0.3, on)];
+    let lists = [on, off].into_iter().flat_map(defaults);
+    let recipes: Vec<Recipe> = lists.chain(odd).flatten().collect();
     for model in zoo::small() {
         let mesh = mesh_of(&model);
         for &source in model.sources.iter().take(3) {
@@ -241,11 +252,14 @@ fn no_width_of_buckets_loses_windows_on_scans() {
     let recipes: Vec<Recipe> = [0.1, 0.5, 1.0, 2.0, 5.0, 20.0, 100.0, 1000.0]
         .into_iter()
         .flat_map(|width| {
-            with_buckets(BucketOptions {
+            let options = BucketOptions {
                 width,
                 ..BucketOptions::default()
-            })
+            };
+            let filters = [VertexFilter::On, VertexFilter::Off];
+            filters.map(|filter| with_buckets(options, filter))
         })
+        .flatten()
         .collect();
     for model in ["horse.obj", "igea.ply"] {
         if let Some(mesh) = shared(model) {
@@ -318,18 +332,10 @@ fn windows_are_nearly_as_few_as_nearest_first() {
     };
     let [of_mmp, of_ich] = [parents(&mut mmp_by_window(&mesh)), parents(&mut ich(&mesh))];
     let nearest = [of_mmp, of_ich, of_mmp];
-    let default = [
-        (with_buckets(BucketOptions::default()), 1.2),
-        (
-            label_correcting(LabelCorrectingOptions::default().beta),
-            1.05,
-        ),
-        (vertex_order(), 1.05),
-        (nearest_lists(NearLists::SLACK), 1.05),
-        // The same order.
-        (nearest_lists(0.0), 1.001),
-    ];
-    for (recipes, most) in default {
+    let off = VertexFilter::Off;
+    let same_order = nearest_lists(0.0, off);
+    let orders = defaults(off).into_iter().chain([same_order]);
+    for (recipes, most) in orders.zip([1.2, 1.05, 1.05, 1.05, 1.001]) {
         for ((name, build), nearest) in recipes.iter().zip(nearest) {
             let ratio = parents(build(&mesh).as_mut()) / nearest;
             assert!((0.95..most).contains(&ratio), "{name}: {ratio}");
@@ -342,12 +348,12 @@ fn windows_are_nearly_as_few_as_nearest_first() {
 fn mmp_queues_lists_and_mmp_by_window_queues_windows() {
     let mesh = generated("gen:torus,faces=5000,bump=0.1,seed=7");
     let counters = |solver: &mut dyn Solver| solver.count(&[VertexId::new(0)]).unwrap().1;
-    let lists = counters(&mut mmp(&mesh));
-    let windows = counters(&mut mmp_by_window(&mesh));
     assert_eq!(
-        lists,
+        counters(&mut mmp(&mesh)),
         counters(&mut mmp_with_slack(&mesh, NearLists::SLACK))
     );
+    let lists = counters(&mut mmp(&mesh).filtering(VertexFilter::Off));
+    let windows = counters(&mut mmp_by_window(&mesh));
     let of = |counter| [&lists, &windows].map(|counters| counters.get(counter).unwrap());
     let [few, many] = of(Counter::QueuePeak);
     assert!(2 * few < many, "{few} {many}");
@@ -359,21 +365,46 @@ fn mmp_queues_lists_and_mmp_by_window_queues_windows() {
     );
 }
 
+/// What the filter is for: windows that no shortest path has are not stored, nor are their children.
+#[test]
+fn the_vertex_filter_saves_windows_of_every_discipline() {
+    let mesh = generated("gen:torus,faces=5000,bump=0.1,seed=7");
+    let [on, off] = [VertexFilter::On, VertexFilter::Off].map(|filter| {
+        let recipes = defaults(filter).into_iter().flatten();
+        recipes.filter(|(name, _)| name.contains("filter"))
+    });
+    for ((name, with), (_, without)) in on.zip(off) {
+        let [with, without] = [with, without].map(|build| {
+            let (_, counters) = build(&mesh).count(&[VertexId::new(0)]).unwrap();
+            [Counter::Parents, Counter::Kept, Counter::StoredWindows]
+                .map(|counter| counters.get(counter).unwrap())
+        });
+        for (fewer, more) in with.into_iter().zip(without) {
+            assert!(fewer * 100 < more * 93, "{name}: {with:?} {without:?}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
     #[test]
     fn any_parameters_on_any_terrain(
-        seed in 0..1000u32, width in -2.0..3.0f64, exponent in 0..7u32, beta in 0.0..2.0f64, fixed: bool, slack in 0.0..3.0f64,
+        seed in 0..1000u32, width in -2.0..3.0f64, exponent in 0..7u32, beta in 0.0..2.0f64, fixed: bool,
+        slack in 0.0..3.0f64, filtered: bool,
     ) {
         let mesh = generated(&format!("gen:terrain,n=10,seed={seed}"));
         let size = 10u32.pow(exponent);
         let batch = if fixed { BatchSize::Fixed(size) } else { BatchSize::Adaptive { max: size } };
         let options = BucketOptions { width: 10f64.powf(width), batch };
-        let recipes: Vec<Recipe> = [with_buckets(options), label_correcting(beta), vertex_order(), nearest_lists(slack)]
-            .into_iter()
-            .flatten()
-            .collect();
+        let filter = if filtered { VertexFilter::On } else { VertexFilter::Off };
+        let recipes = [
+            with_buckets(options, filter),
+            label_correcting(beta, filter),
+            vertex_order(filter),
+            nearest_lists(slack, filter),
+        ];
+        let recipes: Vec<Recipe> = recipes.into_iter().flatten().collect();
         compare(&format!("terrain {seed}"), &mesh, seed % 121, &recipes);
     }
 }

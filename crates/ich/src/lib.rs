@@ -14,10 +14,11 @@ mod splitting;
 mod tree;
 
 use geobench_mesh::Mesh;
+use geobench_window::VertexFilter;
 use geobench_window::continuous::Continuous;
 use geobench_window::queue::{Fifo, Priority};
 
-pub use splitting::{Splitting, VertexFilter};
+pub use splitting::Splitting;
 
 /// CH on one mesh: no filter, breadth first.
 pub type Ch<'m> = Continuous<'m, Splitting, Fifo>;

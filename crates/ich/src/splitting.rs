@@ -2,20 +2,10 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Child, Policy, Surface, Turn};
-use geobench_window::{Counter, Passage, Phase, Probe, Side, Window};
+use geobench_window::{Counter, Passage, Phase, Probe, Side, VertexFilter, Window};
 
 use crate::angle::{Angles, Split};
 use crate::tree::{Guard, Leaves, Lineage, Node};
-
-/// Whether a window is dropped on arrival when a path through a known vertex beats all of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum VertexFilter {
-    /// As in ICH: theorem 3.2 of Xin and Wang 2009.
-    On,
-    /// As in CH. Branches then end only where they lose their last split, or after as many
-    /// triangles as the mesh has: no shortest path crosses one of them twice.
-    Off,
-}
 
 /// One split at each angle, with or without the vertex filter on arrival.
 #[derive(Clone, Debug)]

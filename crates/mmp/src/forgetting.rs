@@ -38,7 +38,7 @@ pub(crate) trait Past {
 /// Which windows are stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Keep {
-    /// All, until the end of the run, as in the paper: the distance is then known along every edge.
+    /// All that have been merged, until the end of the run, as in the paper: the distance is then known along every edge.
     All,
     /// Those on edges that the wave has not passed yet. Distances of vertices are the same; the windows propagated for them
     /// are, but for three in ten thousand on the horse.

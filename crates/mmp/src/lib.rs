@@ -10,6 +10,10 @@
 //! need that: the windows of an edge are given up once the wave is past it ([`Keep::Wavefront`], the default), which
 //! leaves a twentieth of them on the horse and stores as many in all.
 //!
+//! MMP compares every window that comes to an edge with those that are there. [`ByList`] drops beforehand, as ICH does, those that a path
+//! through an end of the edge beats ([`ByList::filtering`]): on the horse a twelfth of all propagations is saved so, on models of some
+//! thousands of faces with many saddles a third, and with them a third of the time.
+//!
 //! Answers do not depend on the order in which windows are taken, only the number of windows tried does. With the nearest window [`mmp`]
 //! takes those of its half-edge that are little further, which no paper does, as [`ByList`] does under any queue; [`mmp_by_window`]
 //! takes one at a time, strictly nearest first, as the papers have it: 0.3 to 1 % fewer windows, in up to twice the time. In that order

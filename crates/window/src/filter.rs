@@ -2,6 +2,17 @@
 
 use crate::window::{Window, norm};
 
+/// Whether a window is dropped when a path through a known vertex beats all of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum VertexFilter {
+    /// As in ICH: theorem 3.2 of Xin and Wang 2009.
+    #[default]
+    On,
+    /// As in CH and MMP. In CH, branches then end only where they lose their last split, or after as many
+    /// triangles as the mesh has: no shortest path crosses one of them twice.
+    Off,
+}
+
 /// How much shorter a path through a vertex must be, relatively, before it deletes a window:
 /// rounding must never delete both of two equal paths.
 const MARGIN: f64 = 1.0 + 1e-14;
@@ -14,9 +25,11 @@ const MARGIN: f64 = 1.0 + 1e-14;
 /// ray of the window, so the window dies if d0 + b1 < σ + |p b1|; likewise from the head to `b0`.
 /// The comparison is made without a square root.
 #[inline]
+#[allow(clippy::needless_bitwise_bool)]
 pub fn is_beaten_from_ends(w: &Window, l: f64, d0: f64, d1: f64) -> bool {
+    // Most windows are beaten by neither: one branch for both.
     is_shorter(d0 * MARGIN + w.b1 - w.sigma, w.b1 - w.px, w.py)
-        || is_shorter(d1 * MARGIN + (l - w.b0) - w.sigma, w.b0 - w.px, w.py)
+        | is_shorter(d1 * MARGIN + (l - w.b0) - w.sigma, w.b0 - w.px, w.py)
 }
 
 /// Whether a path across the last triangle, from its vertex that is not on the edge, beats every
@@ -34,7 +47,8 @@ pub fn is_beaten_across(w: &Window, end: f64, opposite: [f64; 2], d: f64) -> boo
 /// Whether `r` is less than the length of the vector `(x, y)`; false if `r` is infinite or NaN.
 #[inline]
 fn is_shorter(r: f64, x: f64, y: f64) -> bool {
-    r < 0.0 || r * r < x * x + y * y
+    // With its sign, the square tells both whether `r` is negative and whether it is less.
+    r * r.abs() < x * x + y * y
 }
 
 #[cfg(test)]

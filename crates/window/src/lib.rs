@@ -38,7 +38,7 @@ mod window;
 pub use counters::{Counter, Counters};
 pub use cross::{apex_distance, left_child, right_child, separating_abscissa};
 pub use crossings::{Crossings, LANES, Offspring};
-pub use filter::{is_beaten_across, is_beaten_from_ends};
+pub use filter::{VertexFilter, is_beaten_across, is_beaten_from_ends};
 pub use frame::{Entrance, Exit, Faces, Frame, Outlet, Side};
 pub use passage::Passage;
 pub use prefetch::prefetch;

@@ -6,7 +6,7 @@ use geobench_fwp::{
 };
 use geobench_window::Counter;
 
-use super::mmp::{LISTS, keep};
+use super::mmp::{FILTER, LISTS, filter, keep};
 use super::threshold::{self, THRESHOLD};
 use super::{Algorithm, Parameter, Value, Values};
 
@@ -50,7 +50,11 @@ const TURN: Parameter = Parameter::word(
     "`list` takes the windows of a half-edge together, as far as the queue does not part them; `window` one at a time",
 );
 
-const BUCKET_AND_LIST_PARAMETERS: &[Parameter] = &[BUCKET, K, K_MAX, TURN, LISTS, THRESHOLD];
+/// Of lists only: one at a time windows are those of the paper.
+const LIST_FILTER: Parameter = FILTER.only_with(TURN.name, "list");
+
+const BUCKET_AND_LIST_PARAMETERS: &[Parameter] =
+    &[BUCKET, K, K_MAX, TURN, LIST_FILTER, LISTS, THRESHOLD];
 
 /// The options of buckets that `values` ask for.
 fn buckets(values: &Values) -> BucketOptions {
@@ -94,7 +98,8 @@ pub(super) const FAMILY: &[Algorithm] = &[
                 let solver = solver.map_policy(|policy| policy.keeping(keep(values)));
                 return Box::new(solver.with_threshold(threshold));
             }
-            let solver = fwp_mmp(mesh, buckets(values)).keeping(keep(values));
+            let solver = fwp_mmp(mesh, buckets(values));
+            let solver = solver.filtering(filter(values)).keeping(keep(values));
             Box::new(solver.with_threshold(threshold))
         },
     },
@@ -125,7 +130,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "to compare with fwp-mmp",
         memory_counter: Counter::StoredWindows,
         comfortable_faces: None,
-        parameters: &[BETA, TURN, LISTS, THRESHOLD],
+        parameters: &[BETA, TURN, LIST_FILTER, LISTS, THRESHOLD],
         build: |mesh, values| {
             let threshold = threshold::width(mesh, values);
             if values.word(&TURN) == Some("window") {
@@ -133,7 +138,8 @@ pub(super) const FAMILY: &[Algorithm] = &[
                 let solver = solver.map_policy(|policy| policy.keeping(keep(values)));
                 return Box::new(solver.with_threshold(threshold));
             }
-            let solver = lc_mmp(mesh, label_correcting(values)).keeping(keep(values));
+            let solver = lc_mmp(mesh, label_correcting(values));
+            let solver = solver.filtering(filter(values)).keeping(keep(values));
             Box::new(solver.with_threshold(threshold))
         },
     },
@@ -167,9 +173,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "to tell what vtp owes to its order from what it owes to its rules",
         memory_counter: Counter::StoredWindows,
         comfortable_faces: None,
-        parameters: &[LISTS, THRESHOLD],
+        parameters: &[FILTER, LISTS, THRESHOLD],
         build: |mesh, values| {
-            let solver = vtp_mmp(mesh).keeping(keep(values));
+            let solver = vtp_mmp(mesh)
+                .filtering(filter(values))
+                .keeping(keep(values));
             Box::new(solver.with_threshold(threshold::width(mesh, values)))
         },
     },

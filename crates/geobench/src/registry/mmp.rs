@@ -1,7 +1,7 @@
 //! Algorithms that keep windows on edges and trim them against each other.
 
 use geobench_mmp::{Keep, NearLists, mmp_by_window, mmp_edge, mmp_with_slack};
-use geobench_window::Counter;
+use geobench_window::{Counter, VertexFilter};
 
 use super::threshold::{self, THRESHOLD};
 use super::{Algorithm, Parameter, Values};
@@ -18,6 +18,21 @@ pub(super) fn keep(values: &Values) -> Keep {
     match values.word(&LISTS) {
         Some("keep") => Keep::All,
         _ => Keep::Wavefront,
+    }
+}
+
+/// Which windows are dropped before they are compared with others.
+pub(super) const FILTER: Parameter = Parameter::word(
+    "filter",
+    &["vertices", "none"],
+    "`vertices` drops windows that a path through an end of their edge beats, as ich does; `none` compares all with those of the edge, as in the paper",
+);
+
+/// What `values` say of [`FILTER`].
+pub(super) fn filter(values: &Values) -> VertexFilter {
+    match values.word(&FILTER) {
+        Some("none") => VertexFilter::Off,
+        _ => VertexFilter::On,
     }
 }
 
@@ -42,20 +57,27 @@ pub(super) const FAMILY: &[Algorithm] = &[
         family: "mmp-family",
         paper: "Mitchell, Mount, Papadimitriou 1987; Surazhsky et al. 2005, section 3",
         exact: true,
-        summary: "windows kept on half-edges, overlaps trimmed at tie points, those of a half-edge taken together, nearest first",
+        summary: "windows filtered, kept on half-edges, overlaps trimmed at tie points, those of a half-edge taken together, nearest first",
         complexity: "time O(n^2 log n) with turn=window, space O(n^2)",
         keeps: "the windows around the wavefront; with lists=keep every window until the end, about n^1.5 of them",
-        choose: "as the reference; with lists=keep it stores as much as the papers' programs do, with turn=window it keeps to their order",
+        choose: "as the reference; with filter=none,lists=keep it stores as much as the papers' programs do, with turn=window it keeps to their order and has no filter",
         memory_counter: Counter::StoredWindows,
         comfortable_faces: None,
-        parameters: &[TURN, SLACK, LISTS, THRESHOLD],
+        parameters: &[
+            TURN,
+            SLACK,
+            FILTER.only_with(TURN.name, "list"),
+            LISTS,
+            THRESHOLD,
+        ],
         build: |mesh, values| {
             let threshold = threshold::width(mesh, values);
             if values.word(&TURN) == Some("window") {
                 let solver = mmp_by_window(mesh).map_policy(|policy| policy.keeping(keep(values)));
                 return Box::new(solver.with_threshold(threshold));
             }
-            let solver = mmp_with_slack(mesh, values.real(&SLACK)).keeping(keep(values));
+            let solver = mmp_with_slack(mesh, values.real(&SLACK));
+            let solver = solver.filtering(filter(values)).keeping(keep(values));
             Box::new(solver.with_threshold(threshold))
         },
     },

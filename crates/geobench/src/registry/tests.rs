@@ -214,7 +214,7 @@ fn parameters_are_refused_with_what_would_be_right() {
             name: "mmp".into(),
             key: "k".into(),
             suggestion: None,
-            known: "turn, slack, lists, threshold".into()
+            known: "turn, slack, filter, lists, threshold".into()
         }
     );
     assert!(select("all{k=5}").is_err());

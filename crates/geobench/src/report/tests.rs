@@ -284,7 +284,7 @@ fn many_models_share_lanes() {
 #[test]
 fn the_papers_ratios_stand_beside_ours() {
     let outcome = rehearse(
-        &plan(&["horse"], "mmp,ich,vtp,fwp-ch", "0"),
+        &plan(&["horse"], "mmp{filter=none},ich,vtp,fwp-ch", "0"),
         &mut Rehearsal::default(),
     );
     let mut result = result(outcome);

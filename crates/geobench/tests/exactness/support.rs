@@ -21,7 +21,8 @@ const EXACT: &str = "exact,vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pa
 
 /// What small meshes are solved with besides.
 const ON_SMALL: &str = "mmp{lists=keep},mmp-edge{lists=keep},fwp-mmp{lists=keep},\
-    mmp{turn=window,lists=keep},mmp{slack=0.1},lc-mmp{turn=window}";
+    mmp{turn=window,lists=keep},mmp{slack=0.1},lc-mmp{turn=window},mmp{filter=none},\
+    fwp-mmp{filter=none},vtp-mmp{filter=none}";
 
 /// The exact algorithms, ready to be built.
 pub(crate) fn exact_algorithms() -> Vec<Selection> {

@@ -14,6 +14,7 @@
 mod merge;
 mod near;
 mod propagation;
+mod sieve;
 mod store;
 
 pub use near::NearLists;

@@ -4,11 +4,12 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::Surface;
 use geobench_window::queue::{Discipline, Event, EventKind};
 use geobench_window::{
-    Counter, Entrance, Exit, Frame, Passage, Phase, Probe, Propagate, Side, Solution, Window,
-    spawn_window,
+    Counter, Entrance, Exit, Frame, Passage, Phase, Probe, Propagate, Side, Solution, VertexFilter,
+    Window, spawn_window,
 };
 
 use super::merge::{Merger, Run};
+use super::sieve::Sieve;
 use super::store::Store;
 use crate::forgetting::{Forgetting, Keep, Past, reach};
 
@@ -40,8 +41,6 @@ const AHEAD: [usize; 2] = [6, 2];
 #[derive(Clone, Debug)]
 pub struct ByList<'m, Q> {
     front: Front<'m, Q>,
-    /// Children narrower than this are dropped.
-    threshold: f64,
     /// The windows whose turn it is, and what they leave on the left and on the right exit.
     taken: Run,
     children: [Run; 2],
@@ -56,6 +55,7 @@ struct Front<'m, Q> {
     /// The windows about to enter the face of each half-edge.
     store: Store,
     merger: Merger,
+    sieve: Sieve,
     forgetting: Forgetting,
     keep: Keep,
     /// Windows that wait. Counted runs only.
@@ -72,11 +72,11 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
                 queue,
                 store: Store::new(mesh.half_edge_count()),
                 merger: Merger::default(),
+                sieve: Sieve::default(),
                 forgetting: Forgetting::default(),
                 keep: Keep::default(),
                 waiting: 0,
             },
-            threshold: 0.0,
             taken: Run::default(),
             children: Default::default(),
         }
@@ -92,11 +92,17 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
     /// Drops windows whose interval is narrower than `width`, in the units of the mesh, when they
     /// come out of a triangle. Distances are then no longer exact.
     #[must_use]
-    pub fn with_threshold(self, width: f64) -> Self {
-        Self {
-            threshold: width,
-            ..self
-        }
+    pub fn with_threshold(mut self, width: f64) -> Self {
+        self.front.sieve.threshold = width;
+        self
+    }
+
+    /// Drops windows that a path through an end of their edge beats before they are merged, which is the default, or merges all, as in
+    /// the paper of MMP. Distances are the same.
+    #[must_use]
+    pub fn filtering(mut self, filter: VertexFilter) -> Self {
+        self.front.sieve.filter = filter;
+        self
     }
 
     /// The list of `h` has its turn: `event`, under `label`, has come out of the queue.
@@ -142,8 +148,7 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
         if front.keep == Keep::Wavefront {
             front.give_up(h, &entrance, self.taken.windows.len(), label);
         }
-        let apex = entrance.corners[2];
-        let known = front.surface.distance(apex);
+        let known = entrance.corners.map(|v| front.surface.distance(v));
         let exits = [Side::Left, Side::Right].map(|side| entrance.exit(side));
         let frame = &entrance.frame;
         let least = cross_all(
@@ -151,8 +156,8 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
             frame,
             &exits,
             known,
+            &front.sieve,
             &mut self.children,
-            self.threshold,
             probe,
         );
         if P::COUNTS {
@@ -160,7 +165,8 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
             probe.add(Counter::Propagated, tries);
             front.queue.crossed(h, tries, probe);
         }
-        if least < known {
+        let [_, _, apex] = entrance.corners;
+        if least < known[2] {
             front.offer(apex, least, probe);
         }
         for (exit, run) in exits.iter().zip(&self.children) {
@@ -230,6 +236,14 @@ impl<Q: Discipline> Front<'_, Q> {
             let h = self.surface.faces().number(h);
             if let Some((target, window)) = spawn_window(self.surface.faces(), h, sigma) {
                 probe.add(Counter::Spawned, 1);
+                let edge = self.surface.edge(target);
+                if self
+                    .sieve
+                    .drops(&window, edge.length, [edge.tail, edge.head])
+                {
+                    probe.add(Counter::Filtered, 1);
+                    continue;
+                }
                 run.clear();
                 run.windows.push(window);
                 if P::COUNTS {
@@ -311,29 +325,30 @@ impl<Q: Discipline> Front<'_, Q> {
     }
 }
 
-/// Takes `taken` across the triangle of `frame`: puts what they leave on its exits into `children`, except what is narrower than
-/// `threshold`, and returns the least of `known` and the distances that they offer to the apex.
+/// Takes `taken` across the triangle of `frame`, the distances of whose tail, head and apex are `known`: puts what they leave on its exits
+/// into `children`, except what `sieve` drops, and returns the least of the apex's distance and those that they offer to it.
 #[inline]
 fn cross_all<P: Probe>(
     taken: &Run,
     frame: &Frame,
     exits: &[Exit; 2],
-    known: f64,
+    known: [f64; 3],
+    sieve: &Sieve,
     children: &mut [Run; 2],
-    threshold: f64,
     probe: &mut P,
 ) -> f64 {
-    let mut least = known;
+    let [tail, head, mut least] = known;
     for run in &mut *children {
         run.clear();
         run.windows.reserve(taken.windows.len());
     }
-    let mut put = |side: usize, child: Option<Window>, k: usize| {
+    let mut put = |side: usize, child: Option<Window>, apex: f64, k: usize| {
         let (Some(child), Some(_)) = (child, exits[side].half_edge) else {
             return;
         };
         probe.add(Counter::Children, 1);
-        if child.b1 - child.b0 < threshold {
+        let ends = [[tail, apex], [apex, head]][side];
+        if sieve.drops_child(&child, exits[side].length, ends) {
             probe.add(Counter::Filtered, 1);
             return;
         }
@@ -346,8 +361,8 @@ fn cross_all<P: Probe>(
         let passage = Passage::new(frame, window);
         if passage.covers_apex() {
             least = least.min(passage.straight_distance());
-            put(0, passage.left_child(&exits[0]), k);
-            put(1, passage.right_child(&exits[1]), k);
+            put(0, passage.left_child(&exits[0]), least, k);
+            put(1, passage.right_child(&exits[1]), least, k);
             continue;
         }
         let side = usize::from(!passage.goes_left());
@@ -358,7 +373,7 @@ fn cross_all<P: Probe>(
         if x * x + y * y < spare * spare.abs() {
             least = least.min(passage.bent_distance(&exits[side]));
         }
-        put(side, passage.only_child(&exits[side]), k);
+        put(side, passage.only_child(&exits[side]), least, k);
     }
     least
 }

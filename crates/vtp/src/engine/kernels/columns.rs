@@ -97,7 +97,7 @@ impl Sink {
         // SAFETY: promised by the caller.
         unsafe {
             let to = self.start.add(self.len);
-            if mask.count() == L::COUNT {
+            if L::STORES_SOME_SLOWLY && mask.count() == L::COUNT {
                 windows.b0.store(to);
                 windows.b1.store(to.add(self.stride));
                 windows.px.store(to.add(2 * self.stride));

@@ -97,6 +97,8 @@ operator! { Add add _mm256_add_pd Sub sub _mm256_sub_pd Mul mul _mm256_mul_pd Di
 impl Lanes for Avx2 {
     const COUNT: usize = 4;
 
+    const STORES_SOME_SLOWLY: bool = true;
+
     type Mask = Mask4;
 
     #[inline(always)]

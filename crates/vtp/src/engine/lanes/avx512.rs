@@ -37,6 +37,8 @@ operator! { Add add _mm512_add_pd Sub sub _mm512_sub_pd Mul mul _mm512_mul_pd Di
 impl Lanes for Avx512 {
     const COUNT: usize = 8;
 
+    const STORES_SOME_SLOWLY: bool = false;
+
     type Mask = Mask8;
 
     #[inline(always)]

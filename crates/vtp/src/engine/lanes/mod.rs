@@ -29,6 +29,9 @@ pub(crate) trait Lanes:
     /// How many.
     const COUNT: usize;
 
+    /// Whether storing some lanes takes so much longer than storing all that a branch on it pays, though it is foreseen badly.
+    const STORES_SOME_SLOWLY: bool;
+
     /// One answer for each lane.
     type Mask: LaneMask;
 

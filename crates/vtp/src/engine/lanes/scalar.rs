@@ -30,6 +30,8 @@ operator! { Add add + Sub sub - Mul mul * Div div / }
 impl Lanes for Scalar {
     const COUNT: usize = 1;
 
+    const STORES_SOME_SLOWLY: bool = false;
+
     type Mask = ScalarMask;
 
     #[inline(always)]

@@ -77,7 +77,7 @@ impl VtpFast<'_> {
         probe.add(Counter::Spawned, 1);
         // The vertex filter: each end's own path along the edge beats the farthest ray.
         let margin = crate::engine::kernels::MARGIN;
-        if at_b * margin + l < to_a || at_a * margin + l < to_b {
+        if (at_b + l) * margin < to_a || (at_a + l) * margin < to_b {
             probe.add(Counter::Filtered, 1);
             return;
         }

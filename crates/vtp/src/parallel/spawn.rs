@@ -72,7 +72,7 @@ impl Worker {
         self.tally.spawned += 1;
         let [at_a, at_b] = [a, b].map(|v| field.distance(v));
         // The vertex filter: each end's own path along the edge beats the farthest ray.
-        if at_b * MARGIN + l < to_a || at_a * MARGIN + l < to_b {
+        if (at_b + l) * MARGIN < to_a || (at_a + l) * MARGIN < to_b {
             self.tally.filtered += 1;
             return;
         }

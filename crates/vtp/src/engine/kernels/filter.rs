@@ -4,7 +4,8 @@ use super::columns::{Columns, Sink, Windows, within};
 use crate::engine::lanes::{LaneMask, Lanes};
 use crate::engine::store::Line;
 
-/// How much shorter a path through a vertex must be, relatively, before it deletes a window.
+/// How much shorter a path through a vertex must be, relative to itself and the edge, before it deletes a window: rounding
+/// may be that of the edge, where the vertex is much nearer than that.
 pub(crate) const MARGIN: f64 = 1.0 + 1e-12;
 
 /// What the passes must know of the half-edge.
@@ -34,8 +35,8 @@ impl<L: Lanes> Filter<L> {
         // SAFETY: promised by the caller.
         unsafe {
             Self {
-                tail: L::splat(gate.ends[0] * MARGIN),
-                head: L::splat(gate.ends[1] * MARGIN + gate.l),
+                tail: L::splat((gate.ends[0] + gate.l) * MARGIN - gate.l),
+                head: L::splat((gate.ends[1] + gate.l) * MARGIN),
             }
         }
     }

@@ -38,7 +38,8 @@ pub(crate) trait Past {
 /// Which windows are stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Keep {
-    /// All that have been merged, until the end of the run, as in the paper: the distance is then known along every edge.
+    /// All that merging leaves, until the end of the run, as in the paper: the distance is then known along every edge, with the filter together
+    /// with those of its ends.
     All,
     /// Those on edges that the wave has not passed yet. Distances of vertices are the same; the windows propagated for them
     /// are, but for three in ten thousand on the horse.

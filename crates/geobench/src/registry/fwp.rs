@@ -6,7 +6,7 @@ use geobench_fwp::{
 };
 use geobench_window::Counter;
 
-use super::mmp::{FILTER, LISTS, filter, keep};
+use super::mmp::{FILTER, LIST_FILTER, LISTS, filter, keep};
 use super::threshold::{self, THRESHOLD};
 use super::{Algorithm, Parameter, Value, Values};
 
@@ -49,9 +49,6 @@ const TURN: Parameter = Parameter::word(
     &["list", "window"],
     "`list` takes the windows of a half-edge together, as far as the queue does not part them; `window` one at a time",
 );
-
-/// Of lists only: one at a time windows are those of the paper.
-const LIST_FILTER: Parameter = FILTER.only_with(TURN.name, "list");
 
 const BUCKET_AND_LIST_PARAMETERS: &[Parameter] =
     &[BUCKET, K, K_MAX, TURN, LIST_FILTER, LISTS, THRESHOLD];

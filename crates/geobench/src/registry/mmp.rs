@@ -10,7 +10,7 @@ use super::{Algorithm, Parameter, Values};
 pub(super) const LISTS: Parameter = Parameter::word(
     "lists",
     &["forget", "keep"],
-    "`forget` gives up the windows of an edge once the wave is past it; `keep` stores all, as in the paper",
+    "`forget` gives up the windows of an edge once the wave is past it; `keep` stores all that are left until the end, with filter=none as in the paper",
 );
 
 /// What `values` say of [`LISTS`].
@@ -25,7 +25,7 @@ pub(super) fn keep(values: &Values) -> Keep {
 pub(super) const FILTER: Parameter = Parameter::word(
     "filter",
     &["vertices", "none"],
-    "`vertices` drops windows that a path through an end of their edge beats, as ich does; `none` compares all with those of the edge, as in the paper",
+    "`vertices` drops windows that a path through an end of their edge beats, as ich does by three tests; `none` compares all with those of the edge, as in the paper",
 );
 
 /// What `values` say of [`FILTER`].
@@ -35,6 +35,9 @@ pub(super) fn filter(values: &Values) -> VertexFilter {
         _ => VertexFilter::On,
     }
 }
+
+/// The same where `turn` may be `window`: one at a time windows are never filtered, as in the papers.
+pub(super) const LIST_FILTER: Parameter = FILTER.only_with(TURN.name, "list");
 
 /// What is propagated at a time.
 const TURN: Parameter = Parameter::word(
@@ -63,13 +66,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "as the reference; with filter=none,lists=keep it stores as much as the papers' programs do, with turn=window it keeps to their order and has no filter",
         memory_counter: Counter::StoredWindows,
         comfortable_faces: None,
-        parameters: &[
-            TURN,
-            SLACK,
-            FILTER.only_with(TURN.name, "list"),
-            LISTS,
-            THRESHOLD,
-        ],
+        parameters: &[TURN, SLACK, LIST_FILTER, LISTS, THRESHOLD],
         build: |mesh, values| {
             let threshold = threshold::width(mesh, values);
             if values.word(&TURN) == Some("window") {

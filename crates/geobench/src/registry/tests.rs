@@ -218,4 +218,8 @@ fn parameters_are_refused_with_what_would_be_right() {
         }
     );
     assert!(select("all{k=5}").is_err());
+    for name in ["mmp", "fwp-mmp", "lc-mmp"] {
+        assert!(select(&format!("{name}{{turn=window,filter=none}}")).is_err());
+    }
+    assert!(select("vtp-mmp{filter=none}").is_ok());
 }

@@ -309,7 +309,7 @@ fn the_papers_ratios_stand_beside_ours() {
 #[test]
 fn a_mean_of_ratios_is_compared_with_ours() {
     let outcome = rehearse(
-        &plan(&["a", "b"], "mmp,ich,vtp", "0"),
+        &plan(&["a", "b"], "mmp{filter=none},ich,vtp", "0"),
         &mut Rehearsal::default(),
     );
     let wanted = Options {
@@ -319,6 +319,10 @@ fn a_mean_of_ratios_is_compared_with_ours() {
     let report = report_on(result(outcome), &wanted);
     let csv = file(&report, Form::Csv, "g1-paper-1-table.csv");
     assert!(csv.contains("Time,ich / vtp,6.21 \u{b1} 1.88,"), "{csv}");
+    assert!(
+        csv.contains("Time,mmp{filter=none} / vtp,6.11 \u{b1} 1.90,"),
+        "{csv}"
+    );
     assert!(!csv.contains("fwp-ch"), "{csv}");
 }
 

@@ -7,7 +7,7 @@
 //! models of some thousands of faces, six to eight on scans.
 //!
 //! How windows are trimmed and when they are given up is the same as where they are taken [one by one](crate::Trimming), and is one
-//! code. Beside vertex order this needs 0.47 of the time on the horse, beside buckets 0.58, beside label correcting 0.47, and 0.5
+//! code. Without the [filter](ByList::filtering), beside vertex order this needs 0.47 of the time on the horse, beside buckets 0.58, beside label correcting 0.47, and 0.5
 //! where a [priority queue](NearLists) gives some slack; without slack, at one window a turn, it takes
 //! 1.1 to 1.8 times as long as one by one, since a turn looks at a whole list.
 

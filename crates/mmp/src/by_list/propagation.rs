@@ -97,8 +97,8 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
         self
     }
 
-    /// Drops windows that a path through an end of their edge beats before they are merged, which is the default, or merges all, as in
-    /// the paper of MMP. Distances are the same.
+    /// Drops windows that a path through an end of their edge beats before they are merged, by two of the three tests of ICH, which is the
+    /// default, or merges all, as in the paper of MMP. Distances are the same.
     #[must_use]
     pub fn filtering(mut self, filter: VertexFilter) -> Self {
         self.front.sieve.filter = filter;

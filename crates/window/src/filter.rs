@@ -25,11 +25,10 @@ const SLACK: f64 = 1e-14;
 /// ray of the window, so the window dies if d0 + b1 < σ + |p b1|; likewise from the head to `b0`.
 /// The comparison is made without a square root.
 #[inline]
-#[allow(clippy::needless_bitwise_bool)]
+#[allow(clippy::needless_bitwise_bool)] // Most windows are beaten by neither: one branch for both.
 pub fn is_beaten_from_ends(w: &Window, l: f64, d0: f64, d1: f64) -> bool {
     let d0 = d0 + (d0 + l) * SLACK;
     let d1 = d1 + (d1 + l) * SLACK;
-    // Most windows are beaten by neither: one branch for both.
     is_shorter(d0 + w.b1 - w.sigma, w.b1 - w.px, w.py)
         | is_shorter(d1 + (l - w.b0) - w.sigma, w.b0 - w.px, w.py)
 }

@@ -73,7 +73,24 @@ struct List {
     /// First line of its block.
     start: u32,
     len: u32,
+    /// Lines of a column of its block; none in [`NO_LIST`].
+    column: u32,
     class: u8,
+}
+
+impl List {
+    /// The lines of its block.
+    #[inline]
+    fn lines(self) -> Range<usize> {
+        let start = self.start as usize;
+        start..start + COLUMNS * self.column as usize
+    }
+
+    /// Windows for which there is room.
+    #[inline]
+    fn room(self) -> usize {
+        self.column as usize * Line::LANES
+    }
 }
 
 /// The lists of windows that wait, each known by a handle.
@@ -114,23 +131,27 @@ impl WindowStore {
 
     /// Makes room for `more` windows in `list`, which may be [`NO_LIST`], and returns the list, which
     /// may have moved into another block, under another handle.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn reserve(&mut self, list: u32, more: usize) -> u32 {
-        let old = self.lists[list as usize];
+        let entry = self.lists[list as usize];
+        if entry.len as usize + more <= entry.room() {
+            return list;
+        }
+        self.move_to_larger(list, entry, more)
+    }
+
+    /// Takes `list`, which is `old`, to a block with room for `more` windows.
+    fn move_to_larger(&mut self, list: u32, old: List, more: usize) -> u32 {
         if list == NO_LIST {
             // As many are likely to come from the other side of the face below.
             return self.allocate(class_for(2 * more));
         }
-        let needed = old.len as usize + more;
-        if needed <= lines_of(old.class) as usize * Line::LANES {
-            return list;
-        }
-        let new = self.allocate(class_for(needed));
+        let new = self.allocate(class_for(old.len as usize + more));
         let (from, to) = (old.start as usize, self.lists[new as usize]);
         let filled = (old.len as usize).div_ceil(Line::LANES);
         for column in 0..COLUMNS {
-            let source = from + column * lines_of(old.class) as usize;
-            let target = to.start as usize + column * lines_of(to.class) as usize;
+            let source = from + column * old.column as usize;
+            let target = to.start as usize + column * to.column as usize;
             self.lines.copy_within(source..source + filled, target);
         }
         self.lists[new as usize].len = old.len;
@@ -150,11 +171,13 @@ impl WindowStore {
     #[cold]
     fn grow(&mut self, class: u8) -> u32 {
         let start = self.used as u32;
-        self.used += COLUMNS * lines_of(class) as usize;
+        let column = lines_of(class);
+        self.used += COLUMNS * column as usize;
         self.lines.resize(self.used + 1, Line::default());
         self.lists.push(List {
             start,
             len: 0,
+            column,
             class,
         });
         (self.lists.len() - 1) as u32
@@ -176,22 +199,24 @@ impl WindowStore {
     /// Writes a window at place `i` of `list`, which has room there.
     #[inline]
     pub(crate) fn put(&mut self, list: u32, i: usize, window: [f64; COLUMNS]) {
-        let List { start, class, .. } = self.lists[list as usize];
+        let List { start, column, .. } = self.lists[list as usize];
         let mut line = start as usize + i / Line::LANES;
         for value in window {
             self.lines[line].0[i % Line::LANES] = value;
-            line += lines_of(class) as usize;
+            line += column as usize;
         }
     }
 
     /// Adds the windows of `list` to `columns`, a column behind the other.
     pub(crate) fn copy_out(&self, list: u32, columns: &mut Vec<f64>) {
-        let List { start, len, class } = self.lists[list as usize];
+        let List {
+            start, len, column, ..
+        } = self.lists[list as usize];
         let mut line = start as usize;
         for _ in 0..COLUMNS {
             let numbers = self.lines[line..].iter().flat_map(|line| line.0);
             columns.extend(numbers.take(len as usize));
-            line += lines_of(class) as usize;
+            line += column as usize;
         }
     }
 
@@ -204,13 +229,13 @@ impl WindowStore {
         }
         let list = self.reserve(list, more);
         let len = self.len(list);
-        let List { start, class, .. } = self.lists[list as usize];
+        let List { start, column, .. } = self.lists[list as usize];
         let mut first = start as usize;
-        for column in columns.chunks_exact(more) {
-            for (i, &number) in (len..).zip(column) {
+        for numbers in columns.chunks_exact(more) {
+            for (i, &number) in (len..).zip(numbers) {
                 self.lines[first + i / Line::LANES].0[i % Line::LANES] = number;
             }
-            first += lines_of(class) as usize;
+            first += column as usize;
         }
         self.set_len(list, len + more)
     }
@@ -238,10 +263,9 @@ impl WindowStore {
     /// The window at place `i` of `list`.
     #[inline]
     pub(crate) fn get(&self, list: u32, i: usize) -> [f64; COLUMNS] {
-        let List { start, class, .. } = self.lists[list as usize];
-        let column = lines_of(class) as usize;
+        let List { start, column, .. } = self.lists[list as usize];
         let first = start as usize + i / Line::LANES;
-        std::array::from_fn(|c| self.lines[first + c * column].0[i % Line::LANES])
+        std::array::from_fn(|c| self.lines[first + c * column as usize].0[i % Line::LANES])
     }
 
     /// The blocks of different lists; none of [`NO_LIST`].
@@ -250,14 +274,16 @@ impl WindowStore {
     ///
     /// When a list is there twice.
     #[allow(unsafe_code)] // To compare the ranges of blocks takes a twentieth of a solve.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn blocks<const N: usize>(&mut self, lists: [u32; N]) -> [&mut [Line]; N] {
+        // Without a branch on whether there is a list, which is hard to predict.
+        let mut twice = false;
         for (i, &list) in lists.iter().enumerate() {
-            assert!(
-                list == NO_LIST || !lists[..i].contains(&list),
-                "a list is there twice"
-            );
+            for &other in &lists[..i] {
+                twice |= list == other && list != NO_LIST;
+            }
         }
+        assert!(!twice, "a list is there twice");
         let ranges = lists.map(|list| self.range(list));
         let lines = self.lines.as_mut_ptr();
         // SAFETY: every block lies within `lines`, and `grow` makes it of lines that no other block has; that of no
@@ -268,12 +294,8 @@ impl WindowStore {
     }
 
     #[inline]
-    fn range(&self, list: u32) -> std::ops::Range<usize> {
-        if list == NO_LIST {
-            return 0..0;
-        }
-        let List { start, class, .. } = self.lists[list as usize];
-        start as usize..start as usize + COLUMNS * lines_of(class) as usize
+    fn range(&self, list: u32) -> Range<usize> {
+        self.lists[list as usize].lines()
     }
 
     /// The windows of `list` at `places`.

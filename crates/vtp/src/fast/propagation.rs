@@ -6,7 +6,7 @@ use geobench_window::{Counter, Phase, Probe, Propagate, Solution};
 use super::options::Options;
 use crate::engine::buckets::Buckets;
 use crate::engine::dispatch::{self, Program};
-use crate::engine::kernels::{self, BestPath, Cuts, Gate, Measured, Target};
+use crate::engine::kernels::{self, BestPath, Cuts, Gate, Measured, Target, Triangle};
 use crate::engine::lanes::Lanes;
 use crate::engine::levels::Levels;
 use crate::engine::prefetch::{line, prefetch};
@@ -234,7 +234,9 @@ impl<'m> VtpFast<'m> {
         let face = &mut self.surface.faces[f];
         face.queued[corner] = false;
         let list = std::mem::replace(&mut face.list[corner], NO_LIST);
-        let face = *face;
+        let [tail, head, apex] = [corner, after, before].map(|k| face.vertex[k]);
+        let exits = [face.twin[before], face.twin[after]];
+        let triangle = face.triangle(corner);
         let arrived = self.store.len(list);
         let mut len = arrived;
         probe.enter(Phase::Pruning);
@@ -243,10 +245,9 @@ impl<'m> VtpFast<'m> {
             // SAFETY: promised by the caller.
             len = unsafe { kernels::compare::<L>(block, len, &mut self.cuts) };
         }
-        let [tail, head, apex] = [corner, after, before].map(|k| face.vertex[k]);
         let gate = Gate {
-            l: face.length[corner],
-            apex: face.apex(corner),
+            l: triangle.l,
+            apex: triangle.apex,
             ends: [self.distances[tail as usize], self.distances[head as usize]],
         };
         let block = self.store.block(list);
@@ -272,7 +273,7 @@ impl<'m> VtpFast<'m> {
             };
             self.improved += usize::from(nearer);
             // SAFETY: promised by the caller.
-            unsafe { self.send::<L, P>(list, h, &face, &found, &best, probe) };
+            unsafe { self.send::<L, P>(list, h, exits, &triangle, &found, &best, probe) };
         }
         probe.enter(Phase::Management);
         self.store.set_len(list, 0);
@@ -282,24 +283,25 @@ impl<'m> VtpFast<'m> {
         probe.raise(Counter::PeakWindows, self.store.waiting() as u64);
     }
 
-    /// Sends what `found` counted in `list` across `face`, into the lists behind its two exits.
+    /// Sends what `found` counted in the `list` on `h` across its face, which is `triangle`, into the lists behind its two
+    /// exits.
     ///
     /// # Safety
     ///
     /// The processor must know the instructions of `L`.
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
+    #[allow(clippy::too_many_arguments)] // All of what the caller has found out.
     #[inline(always)]
     unsafe fn send<L: Lanes, P: Probe>(
         &mut self,
         list: u32,
         h: u32,
-        face: &crate::engine::surface::Face,
+        exits: [u32; 2],
+        triangle: &Triangle,
         found: &Measured,
         best: &BestPath,
         probe: &mut P,
     ) {
-        let (_, corner) = parts(h);
-        let exits = [face.twin[prev(corner)], face.twin[next(corner)]];
         let mut lists = [NO_LIST; 2];
         for side in 0..2 {
             if exits[side] != NOBODY && found.bound[side] > 0 {
@@ -321,14 +323,13 @@ impl<'m> VtpFast<'m> {
             len: before[1],
             open: lists[1] != NO_LIST,
         };
-        let triangle = face.triangle(corner);
         // SAFETY: promised by the caller; `keep` and the bounds are of this list.
         let carried = unsafe {
             kernels::carry::<L, BestPath>(
                 block,
                 found.len,
                 &self.keep,
-                &triangle,
+                triangle,
                 best,
                 0.0,
                 [&mut left, &mut right],
@@ -337,7 +338,7 @@ impl<'m> VtpFast<'m> {
         let after = [left.len, right.len];
         probe.enter(Phase::Management);
         if P::COUNTS {
-            let departure = self.levels.leave(h, &triangle);
+            let departure = self.levels.leave(h, triangle);
             for side in (0..2).filter(|&side| lists[side] != NO_LIST) {
                 let children = self
                     .store

@@ -6,10 +6,6 @@ use super::filter::{Filter, Gate, squares};
 use crate::engine::lanes::{LaneMask, Lanes};
 use crate::engine::store::Line;
 
-/// By how much, relative to the shortest path so far, a window may seem too long and still have its
-/// path measured: far more than rounding can make of it.
-const LENIENCY: f64 = 1.0 + 1e-13;
-
 /// What the pass found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Measured {
@@ -30,10 +26,11 @@ pub(crate) struct Measured {
 ///
 /// With e = cy - py and D = cy·px - cx·py, a ray through abscissa s leaves to the left if
 /// m(s) = s·e - D < 0: the sides of both ends of a window take no division. It offers the apex C
-/// σ + |pC| if it sees it, else σ + |p s| + |s C| with s its end nearest to the ray to C. With
-/// r = |p s|² (or |pC|²), w = |s C|² (or 0) and t the length to beat less σ, that is shorter if
-/// u = t² - r - w > 0 and 4rw < u²; so the square roots are taken only where the shortest path
-/// becomes shorter, a few times a list.
+/// σ + |pC| if it sees it, else σ + |p s| + |s C| with s its end nearest to the ray to C.
+///
+/// All paths are measured, and each lane keeps its shortest until the end. Two square roots take less time than a branch
+/// on whether a path is the shortest so far, which is foreseen badly: 8 % of a solve one window at a time, 4 % four
+/// at a time, nothing eight at a time.
 ///
 /// # Safety
 ///
@@ -66,7 +63,9 @@ pub(crate) unsafe fn measure<L: Lanes, const FILTER: bool>(
         let filter = Filter::<L>::new(gate);
         let (cx, cy) = (L::splat(gate.apex[0]), L::splat(gate.apex[1]));
         let cy2 = cy * cy;
-        let mut limit = L::splat(f64::INFINITY);
+        let nothing = L::splat(f64::INFINITY);
+        // The shortest path in each lane, and the number of the first window in its register.
+        let (mut shortest, mut register) = (nothing, zero);
         let mut i = start;
         while i < len {
             let windows = columns.load::<L>(i);
@@ -91,30 +90,101 @@ pub(crate) unsafe fn measure<L: Lanes, const FILTER: bool>(
             found.kept += kept.count();
             found.bound[0] += (kept & !only_right).count();
             found.bound[1] += (kept & !only_left).count();
-            // Whether its path to the apex is shorter than the others'.
-            let to_apex = cx - px;
-            let seen = to_apex * to_apex + e * e;
-            let r = L::select(only_right, r0, L::select(only_left, r1, seen));
-            let bend = L::select(only_right, b0, b1);
-            let beside = cx - bend;
-            let w = L::select(only_right | only_left, beside * beside + cy2, zero);
-            let t = limit - sigma;
-            let u = t * t - r - w;
-            let four = L::splat(4.0);
-            let shorter = kept & zero.lt(t) & zero.lt(u) & (four * (r * w)).lt(u * u);
-            if shorter.any() {
-                let path = sigma + r.sqrt() + w.sqrt();
-                let path = L::select(shorter, path, L::splat(f64::INFINITY));
-                let least = path.least();
-                if least < found.distance {
-                    let first = path.le(L::splat(least)).bits().trailing_zeros();
-                    found.distance = least;
-                    found.best = i + first as usize;
-                    limit = L::splat(least * LENIENCY);
-                }
+            if kept.any() {
+                let to_apex = cx - px;
+                let seen = to_apex * to_apex + e * e;
+                let r = L::select(only_right, r0, L::select(only_left, r1, seen));
+                let bend = L::select(only_right, b0, b1);
+                let beside = cx - bend;
+                let w = L::select(only_right | only_left, beside * beside + cy2, zero);
+                let path = L::select(kept, sigma + r.sqrt() + w.sqrt(), nothing);
+                let shorter = path.lt(shortest);
+                shortest = L::select(shorter, path, shortest);
+                register = L::select(shorter, L::splat(i as f64), register);
             }
             i += L::COUNT;
         }
+        found.distance = shortest.least();
+        let least = shortest.le(L::splat(found.distance));
+        found.best = if len <= start + L::COUNT {
+            start + least.bits().trailing_zeros() as usize
+        } else {
+            let numbers = L::select(least, register + L::places(), nothing);
+            #[allow(clippy::cast_sign_loss)] // Numbers of windows.
+            let first = numbers.least() as u32;
+            first as usize
+        };
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::dispatch::{self, Program};
+    use crate::engine::instructions::Instructions;
+    use crate::engine::store::{NO_LIST, WindowStore};
+
+    /// Measures a whole list.
+    struct Whole<'a>(&'a [Line], usize, &'a Gate);
+
+    impl Program for Whole<'_> {
+        type Output = Measured;
+
+        #[inline(always)]
+        unsafe fn run<L: Lanes>(self) -> Measured {
+            // SAFETY: promised by the caller.
+            unsafe { measure::<L, true>(self.0, 0, self.1, self.2, &mut Vec::new()) }
+        }
+    }
+
+    /// Straight paths to the apex of a flat triangle, of these lengths.
+    fn measured(lengths: &[f64], instructions: Instructions) -> Measured {
+        let gate = Gate {
+            l: 1.0,
+            apex: [0.5, 0.5],
+            ends: [2.5; 2],
+        };
+        let mut store = WindowStore::new();
+        let list = store.reserve(NO_LIST, lengths.len());
+        for (i, length) in lengths.iter().enumerate() {
+            store.put(list, i, [0.4, 0.6, 0.5, -0.5, length - 1.0]);
+        }
+        let whole = Whole(store.block(list), lengths.len(), &gate);
+        dispatch::run(whole, instructions)
+    }
+
+    #[test]
+    fn the_first_of_the_shortest_paths_is_found_in_whatever_register_it_lies() {
+        let all = [
+            Instructions::Scalar,
+            Instructions::Avx2,
+            Instructions::Avx512,
+        ];
+        for instructions in all.into_iter().filter(|i| i.is_available()) {
+            for (count, shortest) in [
+                (1, &[0][..]),
+                (5, &[4]),
+                (8, &[3, 2]),
+                (30, &[29]),
+                (30, &[9, 17, 24]),
+                (30, &[12, 11, 19]),
+            ] {
+                let mut lengths = vec![1.5; count];
+                for &i in shortest {
+                    lengths[i] = 1.25;
+                }
+                let found = measured(&lengths, instructions);
+                let first = *shortest.iter().min().unwrap();
+                assert_eq!(
+                    (found.best, found.distance),
+                    (first, 1.25),
+                    "{instructions}"
+                );
+                assert_eq!((found.kept, found.bound), (count, [count; 2]));
+            }
+            let none = measured(&[4.0, 5.0], instructions);
+            assert_eq!((none.kept, none.distance), (0, f64::INFINITY));
+        }
+    }
 }

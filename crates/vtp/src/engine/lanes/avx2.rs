@@ -6,8 +6,8 @@ use std::arch::x86_64::{
     _mm256_castpd_ps, _mm256_castpd256_pd128, _mm256_castps_pd, _mm256_castsi256_pd, _mm256_cmp_pd,
     _mm256_div_pd, _mm256_extractf128_pd, _mm256_load_si256, _mm256_loadu_pd, _mm256_maskstore_pd,
     _mm256_max_pd, _mm256_min_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_or_pd,
-    _mm256_permutevar8x32_ps, _mm256_set1_epi64x, _mm256_set1_pd, _mm256_sqrt_pd, _mm256_storeu_pd,
-    _mm256_sub_pd, _mm256_xor_pd,
+    _mm256_permutevar8x32_ps, _mm256_set_pd, _mm256_set1_epi64x, _mm256_set1_pd, _mm256_sqrt_pd,
+    _mm256_storeu_pd, _mm256_sub_pd, _mm256_xor_pd,
 };
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
@@ -105,6 +105,12 @@ impl Lanes for Avx2 {
     unsafe fn splat(x: f64) -> Self {
         // SAFETY: promised by the caller.
         Self(unsafe { _mm256_set1_pd(x) })
+    }
+
+    #[inline(always)]
+    unsafe fn places() -> Self {
+        // SAFETY: promised by the caller.
+        Self(unsafe { _mm256_set_pd(3.0, 2.0, 1.0, 0.0) })
     }
 
     #[inline(always)]

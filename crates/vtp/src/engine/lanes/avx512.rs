@@ -4,7 +4,7 @@ use std::arch::x86_64::{
     __m512d, _CMP_LE_OQ, _CMP_LT_OQ, _mm512_abs_pd, _mm512_add_pd, _mm512_cmp_pd_mask,
     _mm512_div_pd, _mm512_loadu_pd, _mm512_mask_blend_pd, _mm512_mask_storeu_pd,
     _mm512_maskz_compress_pd, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd, _mm512_reduce_min_pd,
-    _mm512_set1_pd, _mm512_sqrt_pd, _mm512_storeu_pd, _mm512_sub_pd,
+    _mm512_set_pd, _mm512_set1_pd, _mm512_sqrt_pd, _mm512_storeu_pd, _mm512_sub_pd,
 };
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
@@ -45,6 +45,12 @@ impl Lanes for Avx512 {
     unsafe fn splat(x: f64) -> Self {
         // SAFETY: promised by the caller.
         Self(unsafe { _mm512_set1_pd(x) })
+    }
+
+    #[inline(always)]
+    unsafe fn places() -> Self {
+        // SAFETY: promised by the caller.
+        Self(unsafe { _mm512_set_pd(7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0, 0.0) })
     }
 
     #[inline(always)]

@@ -43,6 +43,13 @@ pub(crate) trait Lanes:
     /// functions.
     unsafe fn splat(x: f64) -> Self;
 
+    /// The number of each lane, from 0.
+    ///
+    /// # Safety
+    ///
+    /// As for [`splat`](Self::splat).
+    unsafe fn places() -> Self;
+
     /// The `COUNT` numbers from `from` on.
     ///
     /// # Safety

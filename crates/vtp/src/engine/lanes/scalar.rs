@@ -40,6 +40,11 @@ impl Lanes for Scalar {
     }
 
     #[inline(always)]
+    unsafe fn places() -> Self {
+        Self(0.0)
+    }
+
+    #[inline(always)]
     unsafe fn load(from: *const f64) -> Self {
         // SAFETY: promised by the caller.
         Self(unsafe { from.read() })

@@ -22,7 +22,7 @@
 //! neighbours apart from each other are not compared; the vertex filter takes windows from vertices before they wait. And
 //! in the whole family, since nothing is lost by it: a face is a record of two cache lines; the sides on which the ends of
 //! a window pass the apex take signs and no division; both ends of a child take one division together; the shortest path
-//! to the apex is found without square roots, except where it becomes shorter. Here improved distances take effect
+//! to the apex is found without a branch on each window. Here improved distances take effect
 //! some thousand crossings later, too.
 //!
 //! **Cost.** As [`vtp`](super::vtp): time O(n²) for n faces in the worst case, space O(n). **Keeps** the

@@ -103,6 +103,13 @@ fn fast(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver + '_>)> {
             },
         ),
         (
+            "parted",
+            FastOptions {
+                reunite: false,
+                ..all
+            },
+        ),
+        (
             "own numbers",
             FastOptions {
                 renumber: false,
@@ -132,6 +139,8 @@ fn all_agree_where_everything_ties() {
     for spec in [
         "gen:grid,n=14",
         "gen:cube,n=5",
+        "gen:holes,holes=2",
+        "gen:holes,holes=2,jitter=0.2,subdivide=1",
         "gen:tetrahedron,subdiv=3",
         "gen:sphere,subdiv=3",
         "gen:torus,faces=800",
@@ -203,6 +212,10 @@ fn any_number_of_threads_finds_the_same_distances() {
         FastOptions {
             shadow: false,
             pairs: 0,
+            ..all
+        },
+        FastOptions {
+            reunite: false,
             ..all
         },
         FastOptions {
@@ -394,6 +407,38 @@ fn every_improvement_leaves_its_mark_on_the_counts() {
     assert!(2 * spawned(true) < spawned(false));
     let rounds = |bucket| get(FastOptions { bucket, ..all }, Counter::Iterations);
     assert!(rounds(0.1) > 2 * rounds(0.5));
+}
+
+/// Children of runs on one thread and on one of the parallel form.
+fn children(mesh: &Mesh, reunite: bool) -> [u64; 2] {
+    let options = FastOptions {
+        reunite,
+        ..FastOptions::default()
+    };
+    let source = [VertexId::new(0)];
+    let one = VtpFast::with_options(mesh, options).count(&source);
+    let parallel = Pvtp::with_options(mesh, 1, options).count(&source);
+    [one, parallel].map(|run| run.unwrap().1.get(Counter::Children).unwrap())
+}
+
+#[test]
+fn windows_that_flat_vertices_part_are_one_behind_them() {
+    // The second surface is flat but for its edges, the third is divided without changing its shape.
+    for (spec, gain) in [
+        ("gen:grid,n=30", 4),
+        ("gen:cube,n=10", 2),
+        ("gen:terrain,n=8,seed=3,subdivide=3", 2),
+    ] {
+        let mesh = scaled(soup_of(spec), 1.0);
+        let [with, without] = [true, false].map(|reunite| children(&mesh, reunite));
+        for (with, without) in with.into_iter().zip(without) {
+            assert!(gain * with < without, "{spec}: {with} of {without}");
+        }
+    }
+    let plane = scaled(soup_of("gen:grid,n=30"), 1.0);
+    assert!(children(&plane, true)[0] < plane.half_edge_count() as u64);
+    let curved = scaled(soup_of("gen:sphere,subdiv=4,noise=0.05,seed=2"), 1.0);
+    assert_eq!(children(&curved, true), children(&curved, false));
 }
 
 fn counts(mesh: &Mesh) -> Vec<(&'static str, Counters)> {

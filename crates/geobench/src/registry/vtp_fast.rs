@@ -32,6 +32,12 @@ const SHADOW: Parameter = Parameter::word(
     "sends windows from a vertex only into the shadow of the path that reached it",
 );
 
+const REUNITE: Parameter = Parameter::word(
+    "reunite",
+    &["on", "off"],
+    "makes one window again of those that a flat vertex has parted, if an eighth of the vertices is flat",
+);
+
 const RENUMBER: Parameter = Parameter::word(
     "renumber",
     &["on", "off"],
@@ -57,7 +63,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "for distances at vertices, always: it is the fastest, with little memory",
         memory_counter: Counter::PeakWindows,
         comfortable_faces: None,
-        parameters: &[SIMD, PAIRS, BUCKET, SHADOW, RENUMBER],
+        parameters: &[SIMD, PAIRS, BUCKET, SHADOW, REUNITE, RENUMBER],
         build: |mesh, values| Box::new(VtpFast::with_options(mesh, options(values))),
     },
     Algorithm {
@@ -71,7 +77,15 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "for large models on a machine with idle processors (--threads)",
         memory_counter: Counter::PeakWindows,
         comfortable_faces: None,
-        parameters: &[THREADS, SIMD, PAIRS, BUCKET, SHADOW, RENUMBER_CURVE],
+        parameters: &[
+            THREADS,
+            SIMD,
+            PAIRS,
+            BUCKET,
+            SHADOW,
+            REUNITE,
+            RENUMBER_CURVE,
+        ],
         build: |mesh, values| {
             let options = options(values);
             Box::new(Pvtp::with_options(mesh, threads(values), options))
@@ -94,6 +108,7 @@ fn options(values: &Values) -> FastOptions {
         pairs: values.integer(&PAIRS) as u32,
         bucket: values.real(&BUCKET),
         shadow: values.word(&SHADOW) == Some("on"),
+        reunite: values.word(&REUNITE) == Some("on"),
         renumber: values.word(&RENUMBER) == Some("on"),
     }
 }

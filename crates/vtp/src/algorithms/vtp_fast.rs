@@ -15,6 +15,9 @@
 //! * **Windows into the shadow** (`shadow`). A shortest path that bends at a vertex leaves it opposite to where it
 //!   came from; so a vertex sends windows only into a wedge as wide as its angle exceeds 2π, one face or two
 //!   instead of all.
+//! * **Windows made one again** (`reunite`). A flat vertex parts a window into two that come together again behind it, side by
+//!   side, with one source image; they go on as one. A plane takes one window to a half-edge so, instead of one for each vertex that
+//!   the source sees. Where fewer than an eighth of the vertices is flat nothing is looked for, and nothing paid.
 //! * **An order of its own** (`renumber`). Vertices and faces are renumbered breadth first, so that a wavefront finds its
 //!   faces near each other in memory.
 //!

@@ -14,6 +14,7 @@ pub(crate) mod kernels;
 pub(crate) mod lanes;
 pub(crate) mod levels;
 pub(crate) mod prefetch;
+pub(crate) mod reunite;
 pub(crate) mod sample;
 pub(crate) mod shadow;
 pub(crate) mod store;

@@ -1,5 +1,6 @@
 //! The mesh laid out for crossing, in an order of its own.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
@@ -9,6 +10,9 @@ use super::store::NO_LIST;
 
 /// Stands for a neighbour that does not exist.
 pub(crate) const NOBODY: u32 = u32::MAX;
+
+/// By how much the angle around a flat vertex may differ from 2π, in radians; whether windows fit together is asked of each two of them.
+const FLATNESS: f64 = 1e-8;
 
 /// Number 4f + k for corner k of face f, so that the face and the corner are bits of it.
 pub(crate) const fn half_edge(face: u32, corner: usize) -> u32 {
@@ -59,6 +63,9 @@ pub(crate) struct Face {
     pub(crate) apex_x: [f64; 3],
     pub(crate) inverse_length: [f64; 3],
     pub(crate) twice_area: f64,
+    /// Whether the surface is flat at the vertex opposite to each half-edge, so that windows which have passed it on either
+    /// side and meet on that half-edge may be one.
+    pub(crate) flat: [bool; 3],
 }
 
 const _: () = assert!(size_of::<Face>() == 128);
@@ -78,6 +85,7 @@ impl Face {
             apex_x: sides.map(|h| mesh.apex(h)[0]),
             inverse_length: length.map(f64::recip),
             twice_area: mesh.apex(sides[0])[1] * length[0],
+            flat: sides.map(|h| is_flat(mesh, mesh.tail(h.prev()))),
         }
     }
 
@@ -104,6 +112,12 @@ impl Face {
             directions: [[cx * to_c, cy * to_c], [(l - cx) * from_c, -cy * from_c]],
         }
     }
+}
+
+/// Whether all rays go on straight when they pass `v`, on either side.
+fn is_flat(mesh: &Mesh, v: VertexId) -> bool {
+    let bends = mesh.is_boundary(v) || mesh.is_pseudo_source(v);
+    !bends && (mesh.total_angle(v) - TAU).abs() <= FLATNESS
 }
 
 /// What stands at a vertex.

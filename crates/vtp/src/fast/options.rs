@@ -16,6 +16,9 @@ pub struct Options {
     pub renumber: bool,
     /// Whether pseudo-sources send windows only into the shadow of the path that reached them.
     pub shadow: bool,
+    /// Whether windows that a flat vertex has parted become one again behind it, on surfaces where at least an eighth of the
+    /// vertices is flat.
+    pub reunite: bool,
 }
 
 impl Default for Options {
@@ -26,6 +29,7 @@ impl Default for Options {
             bucket: 0.25,
             renumber: true,
             shadow: true,
+            reunite: true,
         }
     }
 }

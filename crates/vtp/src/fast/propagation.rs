@@ -7,9 +7,10 @@ use super::options::Options;
 use crate::engine::buckets::Buckets;
 use crate::engine::dispatch::{self, Program};
 use crate::engine::kernels::{self, BestPath, Cuts, Gate, Measured, Target, Triangle};
-use crate::engine::lanes::Lanes;
+use crate::engine::lanes::{Lanes, Scalar};
 use crate::engine::levels::Levels;
 use crate::engine::prefetch::{line, prefetch};
+use crate::engine::reunite::FEW;
 use crate::engine::sample::Sample;
 use crate::engine::shadow::Origin;
 use crate::engine::store::{NO_LIST, WindowStore};
@@ -36,6 +37,8 @@ pub struct VtpFast<'m> {
     pub(super) options: Options,
     /// Lists whose pairs are compared.
     compared: Sample,
+    /// Whether windows parted by flat vertices become one again.
+    reunites: bool,
     numbering: Numbering,
     pub(super) surface: Surface,
     pub(super) store: WindowStore,
@@ -83,6 +86,7 @@ impl<'m> VtpFast<'m> {
             },
             buckets: Buckets::new(vertices, options.bucket * surface.mean_length),
             compared: Sample::new(options.pairs),
+            reunites: options.reunite && surface.has_many_flat_vertices(),
             numbering,
             surface,
             store: WindowStore::new(),
@@ -183,14 +187,14 @@ impl<'m> VtpFast<'m> {
         probe.raise(Counter::QueuePeak, self.buckets.len() as u64);
     }
 
-    /// All turns and crossings.
+    /// All turns and crossings; windows are reunited if `REUNITE`, of which nothing is left otherwise in the code that runs.
     ///
     /// # Safety
     ///
     /// The processor must know the instructions of `L`.
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
-    unsafe fn run<L: Lanes, P: Probe>(&mut self, probe: &mut P) {
+    unsafe fn run<L: Lanes, P: Probe, const REUNITE: bool>(&mut self, probe: &mut P) {
         let mut turn = Vec::new();
         loop {
             let mut place = 0;
@@ -204,8 +208,13 @@ impl<'m> VtpFast<'m> {
                 self.prefetch_face(place + 6);
                 self.prefetch_beyond(place + 3);
                 place += 1;
-                // SAFETY: promised by the caller.
-                unsafe { self.cross::<L, P>(h, probe) };
+                if REUNITE && L::COUNT > 1 && self.waiting_at(h) <= FEW {
+                    // SAFETY: every processor can count to one.
+                    unsafe { self.cross::<Scalar, P, REUNITE>(h, probe) };
+                } else {
+                    // SAFETY: promised by the caller.
+                    unsafe { self.cross::<L, P, REUNITE>(h, probe) };
+                }
             }
             self.ready.clear();
             if !self.buckets.pop(&mut turn) {
@@ -221,6 +230,13 @@ impl<'m> VtpFast<'m> {
         }
     }
 
+    /// How many windows wait on `h`.
+    #[inline(always)]
+    fn waiting_at(&self, h: u32) -> usize {
+        let (f, corner) = parts(h);
+        self.store.len(self.surface.faces[f].list[corner])
+    }
+
     /// Takes the list on `h` across its face.
     ///
     /// # Safety
@@ -228,7 +244,7 @@ impl<'m> VtpFast<'m> {
     /// The processor must know the instructions of `L`.
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
-    unsafe fn cross<L: Lanes, P: Probe>(&mut self, h: u32, probe: &mut P) {
+    unsafe fn cross<L: Lanes, P: Probe, const REUNITE: bool>(&mut self, h: u32, probe: &mut P) {
         let (f, corner) = parts(h);
         let (after, before) = (next(corner), prev(corner));
         let face = &mut self.surface.faces[f];
@@ -273,7 +289,9 @@ impl<'m> VtpFast<'m> {
             };
             self.improved += usize::from(nearer);
             // SAFETY: promised by the caller.
-            unsafe { self.send::<L, P>(list, h, exits, &triangle, &found, &best, probe) };
+            unsafe {
+                self.send::<L, P, REUNITE>(list, h, exits, &triangle, &found, &best, probe);
+            };
         }
         probe.enter(Phase::Management);
         self.store.set_len(list, 0);
@@ -292,7 +310,7 @@ impl<'m> VtpFast<'m> {
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[allow(clippy::too_many_arguments)] // All of what the caller has found out.
     #[inline(always)]
-    unsafe fn send<L: Lanes, P: Probe>(
+    unsafe fn send<L: Lanes, P: Probe, const REUNITE: bool>(
         &mut self,
         list: u32,
         h: u32,
@@ -335,7 +353,8 @@ impl<'m> VtpFast<'m> {
                 [&mut left, &mut right],
             )
         };
-        let after = [left.len, right.len];
+        let mut after = [left.len, right.len];
+        let children = after[0] + after[1] - before[0] - before[1];
         probe.enter(Phase::Management);
         if P::COUNTS {
             let departure = self.levels.leave(h, triangle);
@@ -347,6 +366,13 @@ impl<'m> VtpFast<'m> {
                 probe.raise(Counter::Levels, u64::from(deepest));
             }
         }
+        if REUNITE {
+            let (f, corner) = parts(h);
+            let face = &self.surface.faces[f];
+            after = self
+                .store
+                .reunite_behind(face, corner, lists, before, after);
+        }
         for side in 0..2 {
             if lists[side] != NO_LIST {
                 let (f, k) = parts(exits[side]);
@@ -357,7 +383,6 @@ impl<'m> VtpFast<'m> {
                 }
             }
         }
-        let children = after[0] + after[1] - before[0] - before[1];
         probe.add(Counter::Propagated, carried.tried as u64);
         probe.add(Counter::Children, children as u64);
     }
@@ -396,19 +421,19 @@ impl<'m> VtpFast<'m> {
 }
 
 /// A run whose sources have had their turns.
-struct Turns<'s, 'm, P> {
+struct Turns<'s, 'm, P, const REUNITE: bool> {
     solver: &'s mut VtpFast<'m>,
     probe: &'s mut P,
 }
 
-impl<P: Probe> Program for Turns<'_, '_, P> {
+impl<P: Probe, const REUNITE: bool> Program for Turns<'_, '_, P, REUNITE> {
     type Output = ();
 
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     unsafe fn run<L: Lanes>(self) {
         // SAFETY: promised by the caller.
-        unsafe { self.solver.run::<L, P>(self.probe) }
+        unsafe { self.solver.run::<L, P, REUNITE>(self.probe) }
     }
 }
 
@@ -448,13 +473,12 @@ impl Propagate for VtpFast<'_> {
             self.start_from(s, probe);
         }
         let instructions = self.options.instructions;
-        dispatch::run(
-            Turns {
-                solver: self,
-                probe,
-            },
-            instructions,
-        );
+        let solver = &mut *self;
+        if solver.reunites {
+            dispatch::run(Turns::<P, true> { solver, probe }, instructions);
+        } else {
+            dispatch::run(Turns::<P, false> { solver, probe }, instructions);
+        }
         Solution::new(self.numbering.restore(&self.distances))
     }
 }

@@ -7,8 +7,9 @@ use super::jitter::jitter;
 use super::mail::Offer;
 use super::worker::Worker;
 use crate::engine::kernels::{self, BestPath, Gate, Measured, Target};
-use crate::engine::lanes::Lanes;
+use crate::engine::lanes::{Lanes, Scalar};
 use crate::engine::prefetch::{line, prefetch};
+use crate::engine::reunite::FEW;
 use crate::engine::store::NO_LIST;
 use crate::engine::surface::{Face, NOBODY, next, parts, prev};
 
@@ -26,7 +27,11 @@ impl Worker {
     /// The processor must know the instructions of `L`.
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
-    pub(super) unsafe fn cross_all<L: Lanes, P: Probe>(&mut self, field: &Field, probe: &mut P) {
+    pub(super) unsafe fn cross_all<L: Lanes, P: Probe, const REUNITE: bool>(
+        &mut self,
+        field: &Field,
+        probe: &mut P,
+    ) {
         let (mut place, mut exchange) = (0, LISTS);
         loop {
             if place == self.ready.len() || self.offers.len() >= OFFERS {
@@ -44,10 +49,22 @@ impl Worker {
             self.prefetch_beyond(field, place + 3);
             place += 1;
             jitter();
-            // SAFETY: promised by the caller.
-            unsafe { self.cross::<L, P>(field, h, probe) };
+            if REUNITE && L::COUNT > 1 && self.waiting_at(field, h) <= FEW {
+                // SAFETY: every processor can count to one.
+                unsafe { self.cross::<Scalar, P, REUNITE>(field, h, probe) };
+            } else {
+                // SAFETY: promised by the caller.
+                unsafe { self.cross::<L, P, REUNITE>(field, h, probe) };
+            }
         }
         self.ready.clear();
+    }
+
+    /// How many windows wait on `h`.
+    #[inline(always)]
+    fn waiting_at(&self, field: &Field, h: u32) -> usize {
+        let (f, corner) = parts(h);
+        self.store.len(field.faces[f].list(corner))
     }
 
     /// Takes the list on `h` across its face.
@@ -57,7 +74,12 @@ impl Worker {
     /// The processor must know the instructions of `L`.
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
-    unsafe fn cross<L: Lanes, P: Probe>(&mut self, field: &Field, h: u32, probe: &mut P) {
+    unsafe fn cross<L: Lanes, P: Probe, const REUNITE: bool>(
+        &mut self,
+        field: &Field,
+        h: u32,
+        probe: &mut P,
+    ) {
         let (f, corner) = parts(h);
         let face = &field.surface.faces[f];
         let list = field.faces[f].take(corner);
@@ -94,7 +116,9 @@ impl Worker {
                 },
             );
             // SAFETY: promised by the caller.
-            unsafe { self.carry::<L, P>(field, list, corner, face, &found, &best, probe) };
+            unsafe {
+                self.carry::<L, P, REUNITE>(field, list, corner, face, &found, &best, probe);
+            };
         }
         probe.enter(Phase::Management);
         self.store.set_len(list, 0);
@@ -110,7 +134,7 @@ impl Worker {
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[allow(clippy::too_many_arguments)] // All of what the caller has found out.
     #[inline(always)]
-    unsafe fn carry<L: Lanes, P: Probe>(
+    unsafe fn carry<L: Lanes, P: Probe, const REUNITE: bool>(
         &mut self,
         field: &Field,
         list: u32,
@@ -160,15 +184,20 @@ impl Worker {
                 [&mut left, &mut right],
             )
         };
-        let after = [left.len, right.len];
+        let mut after = [left.len, right.len];
+        let children = after[0] + after[1] - before[0] - before[1];
         probe.enter(Phase::Management);
+        if REUNITE {
+            after = self
+                .store
+                .reunite_behind(face, corner, lists, before, after);
+        }
         for side in 0..2 {
             if lists[side] != NO_LIST {
                 let list = self.store.set_len(lists[side], after[side]);
                 self.deliver(field, exits[side], list, owners[side]);
             }
         }
-        let children = after[0] + after[1] - before[0] - before[1];
         self.tally.propagated += carried.tried as u64;
         self.tally.children += children as u64;
     }

@@ -11,6 +11,7 @@ use super::split::Split;
 use crate::engine::sample::Sample;
 use crate::engine::shadow::Origin;
 use crate::engine::surface::Surface;
+use crate::fast::Options;
 
 /// Faces and vertices of a block, which belongs to one thread, as powers of 2. Of smaller blocks more windows travel, and larger
 /// ones are shared out too long before their lists cross.
@@ -170,6 +171,8 @@ impl Number {
 pub(super) struct Field {
     pub(super) surface: Surface,
     pub(super) shadow: bool,
+    /// Whether windows parted by flat vertices become one again.
+    pub(super) reunites: bool,
     /// Lists whose pairs are compared.
     pub(super) compared: Sample,
     pub(super) threads: usize,
@@ -186,11 +189,12 @@ pub(super) struct Field {
 }
 
 impl Field {
-    pub(super) fn new(surface: Surface, shadow: bool, compared: Sample, threads: usize) -> Self {
+    pub(super) fn new(surface: Surface, options: &Options, threads: usize) -> Self {
         let (faces, vertices) = (surface.faces.len(), surface.vertices.len());
         Self {
-            shadow,
-            compared,
+            shadow: options.shadow,
+            reunites: options.reunite && surface.has_many_flat_vertices(),
+            compared: Sample::new(options.pairs),
             threads,
             run: 0,
             faces: (0..faces).map(|_| FaceState::default()).collect(),

@@ -33,7 +33,6 @@ use self::worker::Worker;
 use crate::engine::Instructions;
 use crate::engine::dispatch::{self, Program};
 use crate::engine::lanes::Lanes;
-use crate::engine::sample::Sample;
 use crate::engine::surface::Surface;
 use crate::fast::Options;
 
@@ -70,7 +69,6 @@ impl<'m> Pvtp<'m> {
         };
         let surface = Surface::new(mesh, &numbering);
         numbering.keep_new_vertices();
-        let compared = Sample::new(options.pairs);
         Self {
             mesh,
             options: Options {
@@ -79,7 +77,7 @@ impl<'m> Pvtp<'m> {
             },
             numbering,
             workers: workers(threads, &surface, &options),
-            field: Field::new(surface, options.shadow, compared, threads),
+            field: Field::new(surface, &options, threads),
             pool: pool_of(threads - 1),
         }
     }
@@ -120,7 +118,20 @@ struct Run<'a> {
 impl Run<'_> {
     /// The part of `worker`, with its share of the distances, in the mesh's order.
     fn part(&self, worker: &mut Worker, distances: &mut [f64], probe: &mut impl Probe) {
-        let part = Part {
+        if self.field.reunites {
+            self.part_with::<true>(worker, distances, probe);
+        } else {
+            self.part_with::<false>(worker, distances, probe);
+        }
+    }
+
+    fn part_with<const REUNITE: bool>(
+        &self,
+        worker: &mut Worker,
+        distances: &mut [f64],
+        probe: &mut impl Probe,
+    ) {
+        let part = Part::<_, REUNITE> {
             run: self,
             worker,
             distances,
@@ -131,14 +142,14 @@ impl Run<'_> {
 }
 
 /// One thread's part of a run.
-struct Part<'a, P> {
+struct Part<'a, P, const REUNITE: bool> {
     run: &'a Run<'a>,
     worker: &'a mut Worker,
     distances: &'a mut [f64],
     probe: &'a mut P,
 }
 
-impl<P: Probe> Program for Part<'_, P> {
+impl<P: Probe, const REUNITE: bool> Program for Part<'_, P, REUNITE> {
     type Output = ();
 
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
@@ -152,7 +163,7 @@ impl<P: Probe> Program for Part<'_, P> {
         } = self.run;
         let _guard = BreakOnPanic(&field.pace);
         // SAFETY: promised by the caller.
-        unsafe { self.worker.run::<L, P>(field, sources, self.probe) };
+        unsafe { self.worker.run::<L, P, REUNITE>(field, sources, self.probe) };
         let first = self.worker.share(field, field.vertices.len()).start;
         for (i, distance) in self.distances.iter_mut().enumerate() {
             let v = numbering.new_vertex(VertexId::new((first + i) as u32));

@@ -6,8 +6,8 @@ use geobench_mesh::{Mesh, Numbering};
 use super::field::Field;
 use super::mail::Offer;
 use super::worker::Worker;
-use crate::engine::sample::Sample;
 use crate::engine::surface::{Surface, half_edge, next, parts};
+use crate::fast::Options;
 
 /// A run of two threads on a terrain, before its first turn.
 pub(super) fn two_threads() -> (Field, [Worker; 2]) {
@@ -15,7 +15,7 @@ pub(super) fn two_threads() -> (Field, [Worker; 2]) {
     let (mesh, _) = Mesh::from_soup(soup).unwrap();
     let surface = Surface::new(&mesh, &Numbering::along_curve(&mesh));
     let workers = [0, 1].map(|thread| Worker::new(thread, 2, &surface, 1.0));
-    let mut field = Field::new(surface, true, Sample::new(8), 2);
+    let mut field = Field::new(surface, &Options::default(), 2);
     field.start();
     (field, workers)
 }

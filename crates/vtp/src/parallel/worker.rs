@@ -124,14 +124,14 @@ impl Worker {
         start..(start + size).min(count)
     }
 
-    /// All that is this thread's in a run from `sources`.
+    /// All that is this thread's in a run from `sources`; windows that flat vertices have parted become one again if `REUNITE`.
     ///
     /// # Safety
     ///
     /// The processor must know the instructions of `L`.
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
-    pub(super) unsafe fn run<L: Lanes, P: Probe>(
+    pub(super) unsafe fn run<L: Lanes, P: Probe, const REUNITE: bool>(
         &mut self,
         field: &Field,
         sources: &[u32],
@@ -147,7 +147,7 @@ impl Worker {
         }
         loop {
             // SAFETY: promised by the caller.
-            unsafe { self.cross_all::<L, P>(field, probe) };
+            unsafe { self.cross_all::<L, P, REUNITE>(field, probe) };
             self.send(field);
             jitter();
             if self.has_mail(field) {

@@ -1,0 +1,146 @@
+//! Windows of one source image that meet are one window.
+//!
+//! A vertex parts a window into one that passes on its left and one that passes on its right. Where the surface is flat,
+//! the two come together again on the edge behind the vertex, side by side, with the same source image, and from there on cover
+//! what one window across both intervals would. No rule drops a window for being narrow; so without this a plane
+//! is crossed by a window for every vertex that the source sees.
+
+use super::store::{COLUMNS, WindowStore};
+use super::surface::{Face, Surface, next, prev};
+
+/// Lists with so many windows or fewer cross one by one where windows are reunited: most lists are no longer, and
+/// one number is computed sooner than eight of which seven are of no use.
+pub(crate) const FEW: usize = 4;
+
+/// The part of the half-edges that must lie behind flat vertices for windows to be reunited.
+const ENOUGH: f64 = 0.125;
+
+/// How far apart two places of a source image may lie, relative to its distance and the edge, to be one but for rounding.
+const SAME_IMAGE: f64 = 1e-13;
+
+/// How wide, relative to the edge, a gap between two intervals may be that rounding has left.
+const GAP: f64 = 1e-12;
+
+impl Surface {
+    /// Whether so many windows can be reunited that looking for them pays.
+    pub(crate) fn has_many_flat_vertices(&self) -> bool {
+        let behind = self.faces.iter().flat_map(|face| face.flat);
+        let flat = behind.filter(|&flat| flat).count();
+        flat as f64 > ENOUGH * 3.0 * self.faces.len() as f64
+    }
+}
+
+impl WindowStore {
+    /// Reunites windows in the `lists` behind both exits of `face`, which windows have crossed from half-edge `corner`: those that
+    /// were there `before` with those that came, `after` which there are so many. Returns how many are left.
+    #[inline(always)]
+    pub(crate) fn reunite_behind(
+        &mut self,
+        face: &Face,
+        corner: usize,
+        lists: [u32; 2],
+        before: [usize; 2],
+        mut after: [usize; 2],
+    ) -> [usize; 2] {
+        for (side, exit) in [prev(corner), next(corner)].into_iter().enumerate() {
+            if face.flat[exit] && before[side] > 0 {
+                let (list, l) = (lists[side], face.length[exit]);
+                after[side] = self.reunite(list, before[side], after[side], l);
+            }
+        }
+        after
+    }
+
+    /// Gives the windows from number `waiting` up to `len` of `list`, on a half-edge of length `l`, that continue one of the
+    /// first `waiting` to that one, and returns how many windows are left; O(waiting · (len - waiting)).
+    ///
+    /// No distance changes but by rounding: a ray in a gap passes the flat vertex on the one side or the other.
+    fn reunite(&mut self, list: u32, waiting: usize, len: usize, l: f64) -> usize {
+        let mut left = waiting;
+        for i in waiting..len {
+            let window = self.get(list, i);
+            // Windows of other sources lie between the two in any order.
+            let mut others = (0..waiting).map(|i| (i, self.get(list, i)));
+            if let Some((place, half)) = others.find(|(_, other)| are_halves(&window, other, l)) {
+                self.put(list, place, united(&window, &half));
+            } else {
+                self.put(list, left, window);
+                left += 1;
+            }
+        }
+        left
+    }
+}
+
+/// Whether two windows on a half-edge of length `l` have one source image and meet.
+#[inline]
+fn are_halves(a: &[f64; COLUMNS], b: &[f64; COLUMNS], l: f64) -> bool {
+    let [a0, a1, ax, ay, a_sigma] = *a;
+    let [b0, b1, bx, by, b_sigma] = *b;
+    let apart = (ax - bx).abs() + (ay - by).abs();
+    a_sigma == b_sigma
+        && apart <= SAME_IMAGE * (ax.abs() + ay.abs() + l)
+        && a0.max(b0) - a1.min(b1) <= GAP * l
+}
+
+/// The window across the intervals of `a` and `b`, with the source image of `b`.
+#[inline]
+fn united(a: &[f64; COLUMNS], b: &[f64; COLUMNS]) -> [f64; COLUMNS] {
+    [a[0].min(b[0]), a[1].max(b[1]), b[2], b[3], b[4]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::store::NO_LIST;
+
+    /// What is left of `waiting` and of those that `came`, on a half-edge of length 1.
+    fn reunited(waiting: &[[f64; COLUMNS]], came: &[[f64; COLUMNS]]) -> Vec<[f64; COLUMNS]> {
+        let mut store = WindowStore::new();
+        let len = waiting.len() + came.len();
+        let list = store.reserve(NO_LIST, len);
+        for (i, &window) in waiting.iter().chain(came).enumerate() {
+            store.put(list, i, window);
+        }
+        let left = store.reunite(list, waiting.len(), len, 1.0);
+        (0..left).map(|i| store.get(list, i)).collect()
+    }
+
+    const LEFT: [f64; COLUMNS] = [0.25, 0.5, 3.0, -40.0, 2.0];
+    const RIGHT: [f64; COLUMNS] = [0.5, 0.75, 3.0, -40.0, 2.0];
+    const WHOLE: [f64; COLUMNS] = [0.25, 0.75, 3.0, -40.0, 2.0];
+
+    #[test]
+    fn halves_become_one_in_whatever_order_they_come() {
+        let other = [0.0, 1.0, 1.0, -1.0, 39.0];
+        assert_eq!(reunited(&[LEFT], &[RIGHT]), [WHOLE]);
+        assert_eq!(reunited(&[RIGHT], &[LEFT]), [WHOLE]);
+        assert_eq!(reunited(&[RIGHT, other], &[other, LEFT]), [WHOLE, other]);
+        let (many, far) = ([other; 9], RIGHT.map(|x| 3.0 * x));
+        let waiting = [&many[..], &[LEFT]].concat();
+        assert_eq!(
+            reunited(&waiting, &[far, RIGHT]),
+            [&many[..], &[WHOLE, far]].concat()
+        );
+    }
+
+    #[test]
+    fn halves_that_rounding_has_moved_become_one() {
+        let moved = |c: usize, by: f64| {
+            let mut window = RIGHT;
+            window[c] += by;
+            reunited(&[LEFT], &[window]).len()
+        };
+        for (c, noise, difference) in [(0, 1e-13, 1e-11), (2, 1e-12, 1e-10), (3, -1e-12, -1e-10)] {
+            assert_eq!((moved(c, noise), moved(c, difference)), (1, 2), "{c}");
+        }
+        assert_eq!((moved(4, 0.0), moved(4, 1e-15)), (1, 2));
+    }
+
+    /// Between two windows of one source there is the shadow of a hole, whose rays nobody has.
+    #[test]
+    fn windows_of_one_source_apart_from_each_other_stay_two() {
+        let beyond = [0.6, 0.75, 3.0, -40.0, 2.0];
+        assert_eq!(reunited(&[LEFT], &[beyond]), [LEFT, beyond]);
+    }
+}

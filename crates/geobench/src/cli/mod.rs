@@ -8,6 +8,7 @@ mod distance;
 mod generate;
 mod info;
 mod isolation;
+mod live;
 mod merge;
 mod outputs;
 mod pool;

@@ -1,8 +1,9 @@
 //! What a run shows while it runs: on standard error, and only if that is a terminal.
 
-use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{self, Stderr};
 
 use super::board::Board;
+use super::live::{LiveLines, cut};
 use super::terminal;
 use crate::plan::Plan;
 use crate::record::Status;
@@ -11,57 +12,117 @@ use crate::runner::{Purpose, Step};
 /// Lines of the terminal that are left to what was printed before.
 const LINES_LEFT: usize = 4;
 
+/// Letters within the bar.
+const BAR: usize = 30;
+
 /// A live table of the model that is being worked on, and a bar over all runs below it. They have no clock of
 /// their own and change between runs, so that nothing is drawn while a run is being timed.
 #[derive(Debug)]
 pub(super) struct Progress {
-    all: MultiProgress,
-    bar: ProgressBar,
+    /// Where it stands, if it is shown.
+    live: Option<LiveLines<Stderr>>,
+    view: View,
+}
+
+/// What is to be seen.
+#[derive(Debug, Default)]
+struct View {
     board: Board,
-    lines: Vec<ProgressBar>,
-    shown: bool,
-    /// Runs that have started or will not happen.
-    started: u64,
+    /// Whether the table of the board is part of it.
+    table: bool,
+    /// What is being done.
+    message: String,
+    /// Runs that have started or will not happen when this is shown.
+    position: usize,
+    /// The same by now.
+    started: usize,
+    /// All runs.
+    runs: usize,
 }
 
 impl Progress {
     /// Shows `runs` runs, or nothing unless `shown`.
     pub(super) fn new(runs: usize, shown: bool) -> Self {
-        let target = if shown {
-            ProgressDrawTarget::stderr()
-        } else {
-            ProgressDrawTarget::hidden()
-        };
-        let all = MultiProgress::with_draw_target(target);
-        let bar = all.add(ProgressBar::new(runs as u64));
-        if let Ok(style) = ProgressStyle::with_template("[{bar:30}] {pos}/{len} {wide_msg}") {
-            bar.set_style(style.progress_chars("=> "));
-        }
         Self {
-            all,
-            bar,
-            board: Board::default(),
-            lines: Vec::new(),
-            shown,
-            started: 0,
+            live: (shown && terminal::standard_error_can_move())
+                .then(|| LiveLines::new(io::stderr())),
+            view: View {
+                runs,
+                ..View::default()
+            },
         }
     }
 
     /// The runs of a plan follow.
     pub(super) fn begin(&mut self, plan: &Plan) {
         self.clear_table();
-        self.board = Board::new(plan);
+        self.view.board = Board::new(plan);
     }
 
     /// Shows that a model is being loaded.
     pub(super) fn loading(&mut self, model: &str) {
-        self.clear_table();
-        self.bar.set_message(format!("loading {model}"));
-        self.bar.force_draw();
+        self.view.table = false;
+        self.view.message = format!("loading {model}");
+        self.draw();
     }
 
     /// Shows the run that is about to start.
     pub(super) fn step(&mut self, step: &Step<'_>) {
+        self.view.step(step);
+        self.draw();
+        self.view.started += 1;
+    }
+
+    /// Shows what came of a run.
+    pub(super) fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
+        self.view.board.ran(step, outcome);
+    }
+
+    /// Shows that the instructions of an algorithm are being counted.
+    pub(super) fn counting_instructions(&mut self, model: &str, algorithm: &str) {
+        self.view.message = format!("{model}: counting instructions of {algorithm}");
+        self.draw();
+    }
+
+    /// Moves over runs that do not happen.
+    pub(super) fn skip(&mut self, runs: usize) {
+        self.view.started = self.view.started.saturating_add(runs);
+    }
+
+    /// Does `work`, which writes to the terminal, with everything out of the way.
+    pub(super) fn suspend<T>(&mut self, work: impl FnOnce() -> T) -> T {
+        let Some(live) = &mut self.live else {
+            return work();
+        };
+        live.clear();
+        let done = work();
+        self.draw();
+        done
+    }
+
+    /// Takes the table away: what is known for good is printed instead.
+    pub(super) fn clear_table(&mut self) {
+        self.view.table = false;
+        self.draw();
+    }
+
+    fn draw(&mut self) {
+        if let (Some(live), Some(size)) = (&mut self.live, terminal::size_of_standard_error()) {
+            live.draw(&self.view.lines(size));
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(live) = &mut self.live {
+            live.clear();
+        }
+    }
+}
+
+impl View {
+    fn step(&mut self, step: &Step<'_>) {
         let purpose = match step.purpose {
             Purpose::WarmUp => "warming up",
             Purpose::Time => "timing",
@@ -69,74 +130,107 @@ impl Progress {
             Purpose::Clock => "clocking phases of",
         };
         let algorithm = step.algorithm.label();
-        self.bar.set_message(format!(
+        self.message = format!(
             "{}, source {}: {purpose} {algorithm}",
             step.model, step.source
-        ));
-        self.bar.set_position(self.started);
+        );
+        self.position = self.started;
         self.board.starts(step);
-        self.draw_table();
-        // The bar limits how often it draws, but this may be what stands there for minutes.
-        self.bar.force_draw();
-        self.started += 1;
+        self.table = true;
     }
 
-    /// Shows what came of a run.
-    pub(super) fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
-        self.board.ran(step, outcome);
-    }
-
-    /// Shows that the instructions of an algorithm are being counted.
-    pub(super) fn counting_instructions(&self, model: &str, algorithm: &str) {
-        self.bar
-            .set_message(format!("{model}: counting instructions of {algorithm}"));
-        self.bar.force_draw();
-    }
-
-    /// Moves over runs that do not happen.
-    pub(super) fn skip(&mut self, runs: usize) {
-        self.started = self.started.saturating_add(runs as u64);
-    }
-
-    /// Does `work`, which writes to the terminal, with everything out of the way.
-    pub(super) fn suspend<T>(&self, work: impl FnOnce() -> T) -> T {
-        self.all.suspend(work)
-    }
-
-    /// Takes the table away: what is known for good is printed instead.
-    pub(super) fn clear_table(&mut self) {
-        for line in self.lines.drain(..) {
-            line.finish_and_clear();
-            self.all.remove(&line);
-        }
-    }
-
-    /// Draws the table, if the terminal is high enough for it.
-    fn draw_table(&mut self) {
-        let size = terminal::size_of_standard_error().filter(|_| self.shown);
-        let fits = |[_, height]: &[usize; 2]| self.board.len() + LINES_LEFT <= *height;
-        let Some([width, _]) = size.filter(fits) else {
-            self.clear_table();
-            return;
-        };
-        while self.lines.len() < self.board.len() {
-            let line = self.all.insert_before(&self.bar, ProgressBar::no_length());
-            if let Ok(style) = ProgressStyle::with_template("{msg}") {
-                line.set_style(style);
-            }
-            self.lines.push(line);
-        }
+    /// The lines of it on a terminal of this many columns and lines: the bar, and above it the table if there is
+    /// room.
+    fn lines(&self, [columns, lines]: [usize; 2]) -> Vec<String> {
         // The last column stays free: some terminals would begin a new line.
-        let texts = self.board.lines(width.saturating_sub(1));
-        for (line, text) in self.lines.iter().zip(texts) {
-            line.set_message(text);
+        let columns = columns.saturating_sub(1);
+        let table = self.table && self.board.len() + LINES_LEFT <= lines;
+        let mut texts = if table {
+            self.board.lines(columns)
+        } else {
+            Vec::new()
+        };
+        if !self.message.is_empty() {
+            texts.push(self.bar());
         }
+        texts.iter().map(|text| cut(text, columns)).collect()
+    }
+
+    fn bar(&self) -> String {
+        let Self { position, runs, .. } = *self;
+        let full = match BAR.saturating_mul(position).checked_div(runs) {
+            Some(full) => full.min(BAR),
+            None => BAR,
+        };
+        let tip = if (1..BAR).contains(&full) { ">" } else { "" };
+        let done = "=".repeat(full - tip.len()) + tip;
+        format!("[{done:BAR$}] {position}/{runs} {}", self.message)
     }
 }
 
-impl Drop for Progress {
-    fn drop(&mut self) {
-        self.clear_table();
-        self.bar.finish_and_clear();
+#[cfg(test)]
+mod tests {
+    use geobench_mesh::VertexId;
+
+    use super::*;
+    use crate::rehearsal::plan;
+
+    fn view() -> View {
+        let plan = plan(&["horse"], "mmp,vtp", "0");
+        let mut view = View {
+            board: Board::new(&plan),
+            runs: 40,
+            started: 13,
+            ..View::default()
+        };
+        let step = |place: usize, purpose| Step {
+            model: "horse",
+            algorithm: &plan.algorithms[place],
+            source: VertexId::new(0),
+            purpose,
+        };
+        view.board.ran(&step(0, Purpose::Time), Ok(Some(2.0)));
+        view.step(&step(1, Purpose::Time));
+        view
+    }
+
+    #[test]
+    fn the_table_stands_above_the_bar() {
+        insta::assert_snapshot!(view().lines([80, 24]).join("\n"), @"
+          mmp  1/5  2.00 s    ████████████████████████████████████████████████████████
+        > vtp  0/5
+        [========>                     ] 13/40 horse, source 0: timing vtp
+        ");
+    }
+
+    #[test]
+    fn a_low_terminal_has_the_bar_alone_and_a_narrow_one_less_of_it() {
+        insta::assert_snapshot!(view().lines([50, 5]).join("\n"), @"[========>                     ] 13/40 horse, sou");
+    }
+
+    #[test]
+    fn the_bar_begins_empty_and_ends_full() {
+        let bar = |position, runs| {
+            let view = View {
+                position,
+                runs,
+                message: "horse".to_owned(),
+                ..View::default()
+            };
+            view.bar()
+        };
+        let bars = [bar(0, 9), bar(1, 60), bar(59, 60), bar(60, 60), bar(0, 0)];
+        insta::assert_snapshot!(bars.join("\n"), @"
+        [                              ] 0/9 horse
+        [                              ] 1/60 horse
+        [============================> ] 59/60 horse
+        [==============================] 60/60 horse
+        [==============================] 0/0 horse
+        ");
+    }
+
+    #[test]
+    fn nothing_is_shown_before_there_is_something_to_say() {
+        assert_eq!(View::default().lines([80, 24]), [""; 0]);
     }
 }

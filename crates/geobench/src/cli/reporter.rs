@@ -48,7 +48,7 @@ impl Reporter {
     }
 
     /// All cells of a group are known.
-    pub(super) fn end(&self, group: &GroupRecord) -> anyhow::Result<()> {
+    pub(super) fn end(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
         self.show(&export::ratio_table(
             group,
             &self.result.cells,
@@ -57,7 +57,7 @@ impl Reporter {
     }
 
     /// Prints a part of the tables, if tables are what is to be printed.
-    fn show(&self, text: &str) -> anyhow::Result<()> {
+    fn show(&mut self, text: &str) -> anyhow::Result<()> {
         if self.format == Format::Table && !text.is_empty() {
             self.progress.suspend(|| terminal::print(text))?;
         }

@@ -41,6 +41,11 @@ impl Terminal {
     }
 }
 
+/// Whether standard error is a terminal on which what stands can be drawn over.
+pub(super) fn standard_error_can_move() -> bool {
+    io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+}
+
 /// Letters on a line and lines of standard error, if that is a terminal.
 pub(super) fn size_of_standard_error() -> Option<[usize; 2]> {
     let (Width(width), Height(height)) = terminal_size_of(io::stderr())?;

@@ -24,8 +24,9 @@ const RULES_HELP: &str = "A rule is NAME=LIMIT, such as time=10%,propagated=0,he
     95 % interval of the ratio of the times lies wholly beyond the limit. A counter (`geobench algos \
     --counters`) may change by no more than the limit in either direction, or, with a plus as in \
     propagated=+0, only not grow by more. `instructions` and the memories papers_bytes, \
-    windows_peak_bytes, heap_peak_bytes and rss_peak_bytes may shrink. Exit status: 0 nothing is worse; 1 \
-    a cell is worse; 2 a file cannot be used.";
+    windows_peak_bytes, heap_peak_bytes and rss_peak_bytes may shrink. `missing` is broken if the new file lacks \
+    more than this share of the cells of the old one. Exit status: 0 nothing is worse; 1 \
+    something is worse; 2 a file cannot be used.";
 
 /// Runs, checks and compares exact geodesic-distance algorithms on triangle meshes.
 #[derive(Debug, Parser)]

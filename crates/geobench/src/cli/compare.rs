@@ -16,7 +16,7 @@ pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::R
         file.write(format.render(&comparison, false)?.as_bytes())?;
     }
     terminal::print(&options.format.render(&comparison, terminal.styled)?)?;
-    Ok(if comparison.regressions > 0 {
+    Ok(if comparison.is_worse() {
         Verdict::Failed
     } else {
         Verdict::Passed

@@ -10,6 +10,8 @@
 //! * Counts do not vary: any other count means that the algorithm does something else, be it more or
 //!   less. Instructions and memory are costs, of which less is never wrong.
 //! * A cell that was well and is not any more is a regression under any rules.
+//! * A cell that the new file lacks is one only under a rule on missing cells: to compare a part of a benchmark with
+//!   the whole is nothing unusual.
 
 mod matching;
 mod measure;
@@ -22,7 +24,7 @@ use serde::{Serialize, Serializer};
 
 pub use matching::Key;
 pub use measure::Measure;
-pub use rules::{Rule, RuleError, Rules};
+pub use rules::{Rule, RuleError, Rules, Subject};
 pub use time::{TimeChange, TimeMethod};
 
 use crate::export::number::group;
@@ -52,8 +54,17 @@ pub struct Comparison {
     pub missing: Vec<Key>,
     /// Cells of the new file that the old one lacks.
     pub added: Vec<Key>,
+    /// In what the new file as a whole is worse.
+    pub overall: Vec<Regression>,
     /// What else a reader must know.
     pub notes: Vec<String>,
+}
+
+impl Comparison {
+    /// Whether anything is worse.
+    pub fn is_worse(&self) -> bool {
+        self.regressions > 0 || !self.overall.is_empty()
+    }
 }
 
 /// One of the two files.
@@ -169,9 +180,23 @@ pub fn compare(
         paired,
         regressions: cells.iter().filter(|c| !c.regressions.is_empty()).count(),
         cells,
+        overall: too_many_missing(matched.missing.len(), old.cells.len(), rules)
+            .into_iter()
+            .collect(),
         missing: matched.missing,
         added: matched.added,
         notes,
+    })
+}
+
+/// That more cells are missing than a rule allows.
+fn too_many_missing(missing: usize, all: usize, rules: &Rules) -> Option<Regression> {
+    let rule = rules.on(Subject::Missing)?;
+    let share = missing as f64 / all as f64;
+    let are = if missing == 1 { "is" } else { "are" };
+    (share > rule.limit).then(|| Regression {
+        rule: Some(rule.to_string()),
+        what: format!("{missing} of {all} cells {are} missing"),
     })
 }
 
@@ -195,7 +220,7 @@ fn change(cell: Key, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> Cel
     }
     let both_ok = old.status == Status::Ok && new.status == Status::Ok;
     let time = TimeChange::between(&old.time, &new.time, paired).filter(|_| both_ok);
-    if let Some(rule) = rules.on(None).filter(|_| both_ok)
+    if let Some(rule) = rules.on(Subject::Time).filter(|_| both_ok)
         && let Some(what) = worse_time(time.as_ref(), old, new, rule)
     {
         regressions.push(Regression {
@@ -214,7 +239,7 @@ fn change(cell: Key, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> Cel
             continue;
         }
         figures.push(figure);
-        let Some(rule) = rules.on(Some(measure)).filter(|_| both_ok) else {
+        let Some(rule) = rules.on(Subject::Figure(measure)).filter(|_| both_ok) else {
             continue;
         };
         let what = match (figure.old, figure.new) {
@@ -309,7 +334,7 @@ fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
         .filter(|c| c.status == [Status::Ok; 2])
         .collect();
     let mut notes = Vec::new();
-    let rule_on_time = rules.on(None).map(Rule::to_string);
+    let rule_on_time = rules.on(Subject::Time).map(Rule::to_string);
     let without_effect = rule_on_time.as_ref().map_or_else(String::new, |rule| {
         format!(", so that the rule {rule} cannot be broken there")
     });
@@ -335,7 +360,7 @@ fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
         "lack times above 0 in one of the files",
     );
     for rule in rules.iter() {
-        let Some(measure) = rule.measure else {
+        let Subject::Figure(measure) = rule.subject else {
             continue;
         };
         let name = measure.name();

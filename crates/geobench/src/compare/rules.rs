@@ -6,21 +6,55 @@ use std::str::FromStr;
 use super::measure::Measure;
 use crate::registry::nearest;
 
-/// How far a figure may go.
+/// What a rule is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// Times.
+    Time,
+    /// How many cells of the old file the new one lacks.
+    Missing,
+    /// A figure that is compared as it is.
+    Figure(Measure),
+}
+
+impl Subject {
+    fn all() -> impl Iterator<Item = Self> {
+        [Self::Time, Self::Missing]
+            .into_iter()
+            .chain(Measure::all().map(Self::Figure))
+    }
+
+    /// The name of rules on it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Missing => "missing",
+            Self::Figure(measure) => measure.name(),
+        }
+    }
+
+    /// Whether more of it is worse and less is better.
+    fn is_cost(self) -> bool {
+        match self {
+            Self::Time | Self::Missing => true,
+            Self::Figure(measure) => measure.is_cost(),
+        }
+    }
+}
+
+/// How far something may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {
-    /// The figure; time if none.
-    pub measure: Option<Measure>,
-    /// The largest change that passes, as a share of the old value.
+    /// What.
+    pub subject: Subject,
+    /// The largest change that passes, as a share of the old value; of missing cells, their largest share of all
+    /// that the old file has.
     pub limit: f64,
     /// Whether a change for the smaller passes, whatever its size.
     pub only_more: bool,
 }
 
-/// The name of the rule on times.
-const TIME: &str = "time";
-
-/// Rules, each for another figure.
+/// Rules, each on something else.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rules(Vec<Rule>);
 
@@ -51,7 +85,7 @@ pub enum RuleError {
         /// The limit as it was given.
         limit: String,
     },
-    /// The same figure has two rules.
+    /// Two rules are on the same.
     #[error("there are two rules for `{0}`")]
     Twice(String),
 }
@@ -61,11 +95,6 @@ fn did_you_mean(suggestion: Option<&str>) -> String {
 }
 
 impl Rule {
-    /// The name of the figure.
-    pub fn name(&self) -> &'static str {
-        self.measure.map_or(TIME, Measure::name)
-    }
-
     /// Whether a change from `old` to `new` of a figure that is compared as it is breaks the rule.
     pub fn is_broken(&self, old: f64, new: f64) -> bool {
         // From nothing, any change is infinitely large.
@@ -75,9 +104,9 @@ impl Rule {
 }
 
 impl Rules {
-    /// The rule on `measure`, or on times if none.
-    pub fn on(&self, measure: Option<Measure>) -> Option<&Rule> {
-        self.0.iter().find(|rule| rule.measure == measure)
+    /// The rule on `subject`.
+    pub fn on(&self, subject: Subject) -> Option<&Rule> {
+        self.0.iter().find(|rule| rule.subject == subject)
     }
 
     /// Each of them.
@@ -93,8 +122,8 @@ impl FromStr for Rules {
         let mut rules: Vec<Rule> = Vec::new();
         for item in text.split(',') {
             let rule: Rule = item.parse()?;
-            if rules.iter().any(|other| other.measure == rule.measure) {
-                return Err(RuleError::Twice(rule.name().to_owned()));
+            if rules.iter().any(|other| other.subject == rule.subject) {
+                return Err(RuleError::Twice(rule.subject.name().to_owned()));
             }
             rules.push(rule);
         }
@@ -110,12 +139,8 @@ impl FromStr for Rule {
             .split_once('=')
             .ok_or_else(|| RuleError::Form(item.trim().to_owned()))?;
         let name = name.trim().to_lowercase();
-        let measure = match name.as_str() {
-            TIME => None,
-            _ => match Measure::all().find(|measure| measure.name() == name) {
-                Some(measure) => Some(measure),
-                None => return Err(unknown(name)),
-            },
+        let Some(subject) = Subject::all().find(|subject| subject.name() == name) else {
+            return Err(unknown(name));
         };
         let (sign, size) = match limit.trim().strip_prefix('+') {
             Some(size) => (true, size),
@@ -127,9 +152,9 @@ impl FromStr for Rule {
         };
         match percent.filter(|p: &f64| p.is_finite() && *p >= 0.0) {
             Some(percent) => Ok(Self {
-                measure,
+                subject,
                 limit: percent / 100.0,
-                only_more: sign || measure.is_none_or(Measure::is_cost),
+                only_more: sign || subject.is_cost(),
             }),
             None => Err(RuleError::Limit {
                 name,
@@ -140,9 +165,7 @@ impl FromStr for Rule {
 }
 
 fn unknown(name: String) -> RuleError {
-    let known: Vec<&str> = std::iter::once(TIME)
-        .chain(Measure::all().map(Measure::name))
-        .collect();
+    let known: Vec<&str> = Subject::all().map(Subject::name).collect();
     RuleError::Unknown {
         suggestion: nearest(&name, &known),
         name,
@@ -152,13 +175,12 @@ fn unknown(name: String) -> RuleError {
 
 impl fmt::Display for Rule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let by_itself = self.measure.is_none_or(Measure::is_cost);
-        let sign = if self.only_more && !by_itself {
+        let sign = if self.only_more && !self.subject.is_cost() {
             "+"
         } else {
             ""
         };
-        write!(f, "{}={sign}", self.name())?;
+        write!(f, "{}={sign}", self.subject.name())?;
         if self.limit == 0.0 {
             f.write_str("0")
         } else {
@@ -182,14 +204,20 @@ mod tests {
 
     #[test]
     fn rules_are_read_and_shown_as_they_were_written() {
-        let text = "time=10%,propagated=0,heap_peak_bytes=5%,kept=+2.5%,instructions=0.1%";
+        let text =
+            "time=10%,missing=0,propagated=0,heap_peak_bytes=5%,kept=+2.5%,instructions=0.1%";
         let shown: Vec<String> = rules(text).iter().map(Rule::to_string).collect();
         assert_eq!(shown.join(","), text);
         assert_eq!(rules(" Time = 10 % "), rules("time=10%"));
-        for measure in Measure::all() {
-            let rules = rules(&format!("{}=1%", measure.name()));
-            assert_eq!(rules.on(Some(measure)).unwrap().limit, 0.01);
-            assert!(rules.on(None).is_none());
+        for subject in Subject::all() {
+            let rules = rules(&format!("{}=1%", subject.name()));
+            assert_eq!(rules.on(subject).unwrap().limit, 0.01);
+            let others = Subject::all().filter(|other| *other != subject);
+            assert!(
+                others
+                    .map(|other| rules.on(other))
+                    .all(|rule| rule.is_none())
+            );
         }
     }
 
@@ -204,7 +232,7 @@ mod tests {
         let unknown = refused("propogated=0");
         assert!(
             unknown.starts_with(
-                "there is no rule `propogated`, did you mean `propagated`?; known are time, "
+                "there is no rule `propogated`, did you mean `propagated`?; known are time, missing, "
             ),
             "{unknown}"
         );

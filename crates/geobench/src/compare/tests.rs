@@ -240,6 +240,21 @@ fn times_that_are_gone_or_0_do_not_pass_a_rule_on_time_in_silence() {
 }
 
 #[test]
+fn a_gate_on_missing_cells_does_not_pass_a_file_that_lacks_some() {
+    let (old, mut new) = (file(), file());
+    new.cells.pop();
+    assert!(!compared(&old, &new, "propagated=0").is_worse());
+    assert!(!compared(&old, &new, "missing=20%").is_worse());
+    let comparison = compared(&old, &new, "missing=0");
+    assert!(comparison.is_worse());
+    assert_eq!(comparison.regressions, 0);
+    assert_eq!(comparison.overall[0].what, "1 of 6 cells is missing");
+    assert_eq!(comparison.overall[0].rule.as_deref(), Some("missing=0"));
+    // What is new is not missing.
+    assert!(!compared(&new, &old, "missing=0").is_worse());
+}
+
+#[test]
 fn cells_are_matched_by_what_they_are_and_not_by_their_names() {
     let (mut old, mut new) = (file(), file());
     // The model has another name, and its cells are in another order.

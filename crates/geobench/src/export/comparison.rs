@@ -5,7 +5,9 @@ use std::path::Path;
 use super::grid::{Entry, Grid, Look};
 use super::number::decimals;
 use super::{UnknownEnding, of_ending};
-use crate::compare::{CellChange, Comparison, FigureChange, Key, Side, TimeMethod, exact, percent};
+use crate::compare::{
+    CellChange, Comparison, FigureChange, Key, Regression, Side, TimeMethod, exact, percent,
+};
 use crate::record::Status;
 
 /// A form in which a comparison can be written.
@@ -126,11 +128,19 @@ fn markdown(comparison: &Comparison) -> String {
 
 fn summary(comparison: &Comparison) -> String {
     let cells = comparison.cells.len();
-    match comparison.regressions {
+    let compared = match comparison.regressions {
         0 => format!("none of {cells} cells is worse"),
         1 => format!("1 of {cells} cells is worse"),
         worse => format!("{worse} of {cells} cells are worse"),
-    }
+    };
+    let overall = comparison
+        .overall
+        .iter()
+        .map(|regression| regression.what.clone());
+    std::iter::once(compared)
+        .chain(overall)
+        .collect::<Vec<String>>()
+        .join("; ")
 }
 
 fn side(side: &Side) -> String {
@@ -156,17 +166,21 @@ fn method(comparison: &Comparison) -> String {
 }
 
 fn worse(comparison: &Comparison) -> Vec<String> {
-    let of = |change: &CellChange| {
-        let cell = change.cell.to_string();
+    let with_rule = |regression: &Regression| {
+        let rule = regression.rule.as_ref();
+        let rule = rule.map_or_else(String::new, |rule| format!(" [{rule}]"));
+        format!("{}{rule}", regression.what)
+    };
+    let of_cell = |change: &CellChange| {
         let regressions = change.regressions.iter();
-        let lines = regressions.map(move |regression| {
-            let rule = regression.rule.as_ref();
-            let rule = rule.map_or_else(String::new, |rule| format!(" [{rule}]"));
-            format!("{cell}: {}{rule}", regression.what)
-        });
+        let lines =
+            regressions.map(|regression| format!("{}: {}", change.cell, with_rule(regression)));
         lines.collect::<Vec<String>>()
     };
-    comparison.cells.iter().flat_map(of).collect()
+    let of_cells = comparison.cells.iter().flat_map(of_cell);
+    of_cells
+        .chain(comparison.overall.iter().map(with_rule))
+        .collect()
 }
 
 fn listed(keys: &[Key]) -> Vec<String> {

@@ -44,6 +44,37 @@ fn another_count_is_status_1_if_a_rule_says_so() {
 }
 
 #[test]
+fn missing_cells_are_status_1_if_a_rule_says_so() {
+    let sandbox = Sandbox::with_square();
+    stored(&sandbox, "a.json");
+    let mut part = sandbox.json("a.json");
+    part["cells"].as_array_mut().unwrap().remove(0);
+    sandbox.write("part.json", &part.to_string());
+    let listed = sandbox.succeed("compare a.json part.json");
+    assert!(
+        listed.contains("only in the old file:\n  square, mmp"),
+        "{listed}"
+    );
+    let outcome = sandbox.call("compare a.json part.json --fail-on missing=0");
+    assert_eq!(outcome.code, 1);
+    assert!(
+        outcome
+            .stdout
+            .ends_with("none of 3 cells is worse; 1 of 4 cells is missing\n"),
+        "{}",
+        outcome.stdout
+    );
+    let markdown = sandbox.call("compare a.json part.json --fail-on missing=0 --format markdown");
+    assert!(
+        markdown
+            .stdout
+            .contains("\n- 1 of 4 cells is missing [missing=0]\n"),
+        "{}",
+        markdown.stdout
+    );
+}
+
+#[test]
 fn what_cannot_be_compared_is_status_2_and_names_file_and_field() {
     let sandbox = Sandbox::with_square();
     stored(&sandbox, "a.json");

@@ -2,7 +2,7 @@
 //!
 //! * One set of samples: [`summarise`], median, deviation, interval and outliers.
 //! * Two sets that were taken in turns: [`paired_ratio`], which a drifting machine does not disturb.
-//! * Two sets that were not: [`unpaired_ratio`] for the size of the difference, [`mann_whitney`] for
+//! * Two sets that were not: [`unpaired_ratio`] for the size of the difference, [`mann_whitney()`] for
 //!   whether there is one.
 //!
 //! Intervals come from the percentile bootstrap of Efron (1979) with a fixed seed, so that the same
@@ -32,7 +32,7 @@ pub struct Summary {
     /// 95 % confidence interval of the median by the percentile bootstrap; none from fewer than
     /// [`FEWEST_FOR_INTERVAL`] samples.
     pub ci95: Option<[f64; 2]>,
-    /// How many of the samples are [`outliers`]; they count in all other figures. None from fewer
+    /// How many of the samples are [`outliers()`]; they count in all other figures. None from fewer
     /// than [`FEWEST_FOR_INTERVAL`] samples.
     pub outliers: Option<usize>,
 }

@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use crate::frames::{apexes_from_lengths, apexes_from_positions};
 use crate::ids::{HalfEdgeId, VertexId};
 use crate::mesh::{Mesh, VertexFlags};
 
@@ -26,14 +25,6 @@ pub(crate) fn build(
     lengths: Vec<[f64; 3]>,
     twins: Vec<u32>,
 ) -> Mesh {
-    let mut apexes = Vec::with_capacity(3 * triangles.len());
-    for (t, &l) in triangles.iter().zip(&lengths) {
-        apexes.extend_from_slice(&if positions.is_empty() {
-            apexes_from_lengths(l)
-        } else {
-            apexes_from_positions(t.map(|v| positions[v as usize]), l)
-        });
-    }
     let mut mesh = Mesh {
         positions,
         tails: triangles
@@ -43,7 +34,6 @@ pub(crate) fn build(
             .collect(),
         twins,
         lengths: lengths.into_flattened(),
-        apexes,
         outgoing_starts: Vec::new(),
         outgoing: Vec::new(),
         total_angles: Vec::new(),
@@ -56,11 +46,12 @@ pub(crate) fn build(
 
 /// Flags the corners of faces of next to no area.
 fn mark_slivers(mesh: &mut Mesh) {
-    for (face, lengths) in mesh.lengths.chunks_exact(3).enumerate() {
+    for face in mesh.faces() {
+        let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
         let longest = lengths[0].max(lengths[1]).max(lengths[2]);
-        let twice_area = lengths[0] * mesh.apexes[3 * face][1];
+        let twice_area = lengths[0] * mesh.apexes(face)[0][1];
         if twice_area < SLIVER_HEIGHT * longest * longest {
-            for v in &mesh.tails[3 * face..3 * face + 3] {
+            for v in mesh.face_vertices(face) {
                 mesh.flags[v.index()].beside_sliver = true;
             }
         }

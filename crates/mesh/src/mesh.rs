@@ -1,5 +1,6 @@
 //! The half-edge mesh that every solver reads.
 
+use crate::frames::{apexes_from_lengths, apexes_from_positions};
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 
 /// A triangulated 2-manifold, with or without boundary, immutable after construction.
@@ -17,7 +18,6 @@ pub struct Mesh {
     pub(crate) tails: Vec<VertexId>,
     pub(crate) twins: Vec<u32>,
     pub(crate) lengths: Vec<f64>,
-    pub(crate) apexes: Vec<[f64; 2]>,
     pub(crate) outgoing_starts: Vec<u32>,
     pub(crate) outgoing: Vec<HalfEdgeId>,
     pub(crate) total_angles: Vec<f64>,
@@ -114,9 +114,22 @@ impl Mesh {
 
     /// Position of the apex vertex in the frame of `h`; its y is positive, in a face without area
     /// some 1e-30 of its shorter edges.
-    #[inline]
+    ///
+    /// It is found anew each time: solvers keep what they need of it in a layout of their own, and kept here as
+    /// well it would be a third of the mesh. Who wants all of a face takes [`apexes`](Self::apexes).
     pub fn apex(&self, h: HalfEdgeId) -> [f64; 2] {
-        self.apexes[h.index()]
+        self.apexes(h.face())[h.corner() as usize]
+    }
+
+    /// The [`apex`](Self::apex) in the frame of each half-edge of `face`.
+    pub fn apexes(&self, face: FaceId) -> [[f64; 2]; 3] {
+        let lengths = [0, 1, 2].map(|k| self.length(face.half_edge(k)));
+        if self.positions.is_empty() {
+            apexes_from_lengths(lengths)
+        } else {
+            let corners = self.face_vertices(face).map(|v| self.positions[v.index()]);
+            apexes_from_positions(corners, lengths)
+        }
     }
 
     /// The half-edges that start at `v`, counter-clockwise within each fan, fan after fan.

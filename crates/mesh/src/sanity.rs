@@ -70,7 +70,6 @@ impl Mesh {
             ("tails", half_edges, 3 * self.face_count()),
             ("twins", self.twins.len(), half_edges),
             ("lengths", self.lengths.len(), half_edges),
-            ("apexes", self.apexes.len(), half_edges),
             ("outgoing_starts", self.outgoing_starts.len(), vertices + 1),
             ("outgoing", self.outgoing.len(), half_edges),
             ("outgoing of all vertices", out_ends, half_edges),

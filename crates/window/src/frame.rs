@@ -147,22 +147,27 @@ pub(crate) struct HalfEdge {
 }
 
 impl HalfEdge {
-    /// The half-edge `h` of `mesh`, in the numbers of `numbering`.
-    fn new(mesh: &Mesh, numbering: &Numbering, h: HalfEdgeId) -> Self {
-        let length = mesh.length(h);
-        let first = h.face().half_edge(0);
+    /// The half-edges of `face` of `mesh`, in the numbers of `numbering`.
+    fn of_face(mesh: &Mesh, numbering: &Numbering, face: FaceId) -> [Self; 3] {
+        let apexes = mesh.apexes(face);
         // The area of the face is one number, from whichever side it is looked at.
-        let twice_area = mesh.apex(first)[1] * mesh.length(first);
-        Self {
-            length,
-            inverse_length: length.recip(),
-            apex: [mesh.apex(h)[0], twice_area * length.recip()],
-            outlet: Outlet {
-                twin: (mesh.twin(h)).map_or(u32::MAX, |twin| numbering.new_half_edge(twin).raw()),
-                corners: [mesh.head(h), mesh.tail(h), mesh.tail(h.prev())],
-            },
-            exits: [h.prev(), h.next()].map(|e| numbering.new_half_edge(e)),
-        }
+        let twice_area = apexes[0][1] * mesh.length(face.half_edge(0));
+        [0, 1, 2].map(|corner| {
+            let h = face.half_edge(corner);
+            let length = mesh.length(h);
+            Self {
+                length,
+                inverse_length: length.recip(),
+                apex: [apexes[corner as usize][0], twice_area * length.recip()],
+                outlet: Outlet {
+                    twin: mesh
+                        .twin(h)
+                        .map_or(u32::MAX, |twin| numbering.new_half_edge(twin).raw()),
+                    corners: [mesh.head(h), mesh.tail(h), mesh.tail(h.prev())],
+                },
+                exits: [h.prev(), h.next()].map(|e| numbering.new_half_edge(e)),
+            }
+        })
     }
 
     /// The tail, the head and the apex.
@@ -200,8 +205,7 @@ impl Faces {
         let mut half_edges = Vec::with_capacity(mesh.half_edge_count());
         for f in 0..mesh.face_count() as u32 {
             let face = numbering.old_face(FaceId::new(f));
-            let sides = [0, 1, 2].map(|corner| face.half_edge(corner));
-            half_edges.extend(sides.map(|h| HalfEdge::new(mesh, &numbering, h)));
+            half_edges.extend(HalfEdge::of_face(mesh, &numbering, face));
         }
         numbering.keep_new_faces();
         Self {

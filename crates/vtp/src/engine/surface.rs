@@ -75,6 +75,7 @@ impl Face {
         let f = numbering.old_face(FaceId::new(face));
         let sides = [0, 1, 2].map(|corner| f.half_edge(corner));
         let length = sides.map(|h| mesh.length(h));
+        let apexes = mesh.apexes(f);
         Self {
             length,
             vertex: sides.map(|h| numbering.new_vertex(mesh.tail(h)).raw()),
@@ -82,9 +83,9 @@ impl Face {
             list: [NO_LIST; 3],
             joined: 0,
             queued: [false; 3],
-            apex_x: sides.map(|h| mesh.apex(h)[0]),
+            apex_x: apexes.map(|[x, _]| x),
             inverse_length: length.map(f64::recip),
-            twice_area: mesh.apex(sides[0])[1] * length[0],
+            twice_area: apexes[0][1] * length[0],
             flat: sides.map(|h| is_flat(mesh, mesh.tail(h.prev()))),
         }
     }
@@ -149,20 +150,22 @@ pub(crate) struct Surface {
 
 impl Surface {
     pub(crate) fn new(mesh: &Mesh, numbering: &Numbering) -> Self {
-        let faces = (0..mesh.face_count() as u32)
+        let faces: Vec<Face> = (0..mesh.face_count() as u32)
             .map(|face| Face::new(mesh, numbering, face))
             .collect();
         let mut ring_starts = vec![0];
         let mut rings = Vec::with_capacity(mesh.half_edge_count());
         let mut angles = Vec::with_capacity(mesh.half_edge_count());
-        let angle = |h: HalfEdgeId| {
-            let [x, y] = mesh.apex(h);
+        let angle = |h: u32| {
+            let (face, corner) = parts(h);
+            let [x, y] = faces[face].apex(corner);
             libm::atan2(y, x) as f32
         };
         let vertex_of = |v: u32| {
             let v = numbering.old_vertex(VertexId::new(v));
+            let start = rings.len();
             rings.extend(mesh.outgoing(v).iter().map(|&h| number(numbering, h)));
-            angles.extend(mesh.outgoing(v).iter().map(|&h| angle(h)));
+            angles.extend(rings[start..].iter().map(|&h| angle(h)));
             ring_starts.push(rings.len() as u32);
             Vertex {
                 pseudo_source: mesh.is_pseudo_source(v),

@@ -25,7 +25,7 @@ impl Terminal {
             ColorChoice::Auto => {
                 io::stdout().is_terminal()
                     && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
-                    && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+                    && !is_dumb()
             }
         };
         let width = terminal_size_of(io::stdout()).map(|(Width(width), _)| usize::from(width));
@@ -43,7 +43,12 @@ impl Terminal {
 
 /// Whether standard error is a terminal on which what stands can be drawn over.
 pub(super) fn standard_error_can_move() -> bool {
-    io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+    io::stderr().is_terminal() && !is_dumb()
+}
+
+/// Whether the terminal knows no more than letters and line breaks.
+fn is_dumb() -> bool {
+    std::env::var_os("TERM").is_some_and(|term| term == "dumb")
 }
 
 /// Letters on a line and lines of standard error, if that is a terminal.

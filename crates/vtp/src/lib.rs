@@ -53,6 +53,7 @@ mod propagation;
 mod pruning;
 mod schedule;
 mod trim;
+mod wave;
 
 pub mod algorithms;
 

@@ -69,16 +69,6 @@ impl Buckets {
         true
     }
 
-    /// Replaces the contents of `turn` by the vertices of the nearest bucket; returns whether there are any.
-    pub(crate) fn pop(&mut self, turn: &mut Vec<u32>) -> bool {
-        let nearest = self.nearest();
-        match nearest {
-            Some(bucket) => self.take(bucket, turn),
-            None => turn.clear(),
-        }
-        nearest.is_some()
-    }
-
     /// The nearest bucket that has a vertex.
     pub(crate) fn nearest(&mut self) -> Option<u32> {
         if self.far_least < self.current.saturating_add(RING) {
@@ -171,7 +161,8 @@ mod tests {
 
     fn drain(buckets: &mut Buckets) -> Vec<Vec<u32>> {
         let (mut turns, mut turn) = (Vec::new(), Vec::new());
-        while buckets.pop(&mut turn) {
+        while let Some(bucket) = buckets.nearest() {
+            buckets.take(bucket, &mut turn);
             turn.sort_unstable();
             turns.push(turn.clone());
         }
@@ -252,10 +243,11 @@ mod tests {
         let mut buckets = Buckets::new(2, 1.0);
         let mut turn = Vec::new();
         buckets.push(0, 5.0);
-        assert!(buckets.pop(&mut turn));
+        buckets.take(5, &mut turn);
         buckets.push(1, 1.0);
         buckets.push(0, 5.5);
-        assert!(buckets.pop(&mut turn));
+        assert_eq!(buckets.nearest(), Some(5));
+        buckets.take(5, &mut turn);
         assert_eq!(turn, [1, 0]);
     }
 }

@@ -58,3 +58,36 @@ unsafe fn run_avx512<T: Program>(program: T) -> T::Output {
     // SAFETY: promised by the caller.
     unsafe { program.run::<Avx512>() }
 }
+
+/// Runs `program` with the instructions of `L`, from within one that was compiled for `L` as well, in a function of its own where
+/// registers have 512 bits.
+///
+/// Constants that the program keeps in such registers would be loaded again and again by what runs around it, and one such instruction
+/// slows down all others for a while.
+///
+/// # Safety
+///
+/// The processor must know the instructions of `L`.
+#[inline(always)]
+pub(crate) unsafe fn run_apart<L: Lanes, T: Program>(program: T) -> T::Output {
+    #[cfg(target_arch = "x86_64")]
+    if L::COUNT == Avx512::COUNT {
+        // SAFETY: promised by the caller; nothing else has so many lanes.
+        return unsafe { run_avx512_apart(program) };
+    }
+    // SAFETY: promised by the caller.
+    unsafe { program.run::<L>() }
+}
+
+/// [`run_avx512`] is not inlined into a function without its features, and this one into none; on one that has both attributes, the
+/// compiler forgets the one against inlining.
+///
+/// # Safety
+///
+/// The processor must have the features.
+#[cfg(target_arch = "x86_64")]
+#[inline(never)]
+unsafe fn run_avx512_apart<T: Program>(program: T) -> T::Output {
+    // SAFETY: promised by the caller.
+    unsafe { run_avx512(program) }
+}

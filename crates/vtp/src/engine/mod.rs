@@ -8,6 +8,7 @@
 pub mod bench_support;
 pub(crate) mod buckets;
 pub(crate) mod dispatch;
+pub(crate) mod face_state;
 pub(crate) mod hand;
 mod instructions;
 pub(crate) mod kernels;

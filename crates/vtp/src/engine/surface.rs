@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
 
+use super::face_state::FaceState;
 use super::kernels::{Gate, Triangle};
-use super::store::NO_LIST;
 
 /// Stands for a neighbour that does not exist.
 pub(crate) const NOBODY: u32 = u32::MAX;
@@ -53,12 +53,8 @@ pub(crate) struct Face {
     pub(crate) vertex: [u32; 3],
     /// The half-edge of the neighbour along each, or [`NOBODY`].
     pub(crate) twin: [u32; 3],
-    /// The windows that wait on each half-edge to cross this face.
-    pub(crate) list: [u32; 3],
-    /// The run in which the face joined the traversed area last.
-    pub(crate) joined: u8,
-    /// Whether the list on each half-edge is about to cross.
-    pub(crate) queued: [bool; 3],
+    /// What changes, for a solver that keeps it here.
+    pub(crate) state: FaceState,
     /// Abscissa of the opposite vertex in the frame of each half-edge.
     pub(crate) apex_x: [f64; 3],
     pub(crate) inverse_length: [f64; 3],
@@ -80,9 +76,7 @@ impl Face {
             length,
             vertex: sides.map(|h| numbering.new_vertex(mesh.tail(h)).raw()),
             twin: sides.map(|h| mesh.twin(h).map_or(NOBODY, |twin| number(numbering, twin))),
-            list: [NO_LIST; 3],
-            joined: 0,
-            queued: [false; 3],
+            state: FaceState::default(),
             apex_x: apexes.map(|[x, _]| x),
             inverse_length: length.map(f64::recip),
             twice_area: apexes[0][1] * length[0],

@@ -1,12 +1,11 @@
-//! VTP for speed; see [`vtp_fast`](crate::algorithms::vtp_fast) for what it does, and
-//! [`propagation`] for how.
+//! VTP for speed; see [`vtp_fast`](crate::algorithms::vtp_fast) for what it does, and [`wave`](crate::wave) for how.
 
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
 
+mod alone;
 mod options;
-mod propagation;
-mod spawn;
+mod solver;
 
 pub use options::{Instructions, Options};
-pub use propagation::VtpFast;
+pub use solver::VtpFast;

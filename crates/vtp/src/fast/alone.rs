@@ -1,0 +1,117 @@
+//! The field of a wave that is alone on it.
+
+use geobench_mesh::{Mesh, Numbering};
+
+use crate::engine::prefetch::{line, prefetch};
+use crate::engine::surface::Surface;
+use crate::wave::Field;
+
+/// A surface that one wave runs over; what changes of a face is in its record.
+#[derive(Clone, Debug)]
+pub(super) struct Alone {
+    surface: Surface,
+    /// The number of this run: faces that joined in it belong to the traversed area.
+    run: u8,
+    pub(super) distances: Vec<f64>,
+}
+
+impl Alone {
+    pub(super) fn new(mesh: &Mesh, numbering: &Numbering) -> Self {
+        Self {
+            surface: Surface::new(mesh, numbering),
+            run: 0,
+            distances: Vec::new(),
+        }
+    }
+
+    /// Forgets what the last run has learnt.
+    pub(super) fn reset(&mut self) {
+        if self.run == u8::MAX {
+            self.run = 0;
+            for face in &mut self.surface.faces {
+                face.state.leave();
+            }
+        }
+        self.run += 1;
+        self.distances.clear();
+        let vertices = self.surface.vertices.len();
+        self.distances.resize(vertices, f64::INFINITY);
+    }
+}
+
+impl Field for Alone {
+    const COUNTS_LEVELS: bool = true;
+
+    #[inline(always)]
+    fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    #[inline(always)]
+    fn list(&self, f: usize, corner: usize) -> u32 {
+        self.surface.faces[f].state.list(corner)
+    }
+
+    #[inline(always)]
+    fn set_list(&mut self, f: usize, corner: usize, list: u32) {
+        self.surface.faces[f].state.set_list(corner, list);
+    }
+
+    #[inline(always)]
+    fn take_list(&mut self, f: usize, corner: usize) -> u32 {
+        self.surface.faces[f].state.take_list(corner)
+    }
+
+    #[inline(always)]
+    fn enqueue(&mut self, f: usize, corner: usize) -> bool {
+        self.surface.faces[f].state.enqueue(corner, self.run)
+    }
+
+    #[inline(always)]
+    fn join(&mut self, f: usize) -> bool {
+        self.surface.faces[f].state.join(self.run)
+    }
+
+    #[inline(always)]
+    fn distance(&self, v: u32) -> f64 {
+        self.distances[v as usize]
+    }
+
+    /// Without a branch: whether a path is the shortest is hard to predict.
+    #[inline(always)]
+    fn offer(&mut self, v: u32, d: f64) -> bool {
+        let known = &mut self.distances[v as usize];
+        let nearer = d < *known;
+        *known = if nearer { d } else { *known };
+        nearer
+    }
+
+    #[inline(always)]
+    fn reached(&self, v: u32) -> f64 {
+        self.distance(v)
+    }
+
+    /// Nobody else finds paths.
+    #[inline(always)]
+    fn reach(&mut self, _: u32, _: f64) {}
+
+    #[inline(always)]
+    fn prefetch_face(&self, f: usize) {
+        if let Some(face) = self.surface.faces.get(f) {
+            line(face);
+            line(&face.apex_x);
+        }
+    }
+
+    #[inline(always)]
+    fn prefetch_lists(&self, f: usize) {
+        if let Some(face) = self.surface.faces.get(f) {
+            line(face);
+        }
+    }
+
+    #[inline(always)]
+    fn prefetch_distance(&self, v: u32) {
+        prefetch(&self.distances, v as usize);
+    }
+}

@@ -1,0 +1,126 @@
+//! One wave on one mesh.
+
+use geobench_mesh::{Mesh, Numbering, VertexId};
+use geobench_window::{Counter, Probe, Propagate, Solution};
+
+use super::alone::Alone;
+use super::options::Options;
+use crate::engine::dispatch::{self, Program};
+use crate::engine::lanes::Lanes;
+use crate::wave::{Field, Wave};
+
+/// VTP for speed, on one mesh; see [the page](crate::algorithms::vtp_fast).
+#[derive(Clone, Debug)]
+pub struct VtpFast<'m> {
+    mesh: &'m Mesh,
+    options: Options,
+    /// Whether windows parted by flat vertices become one again.
+    reunites: bool,
+    numbering: Numbering,
+    field: Alone,
+    wave: Wave,
+}
+
+impl<'m> VtpFast<'m> {
+    /// Sets up for `mesh`, with every improvement; O(faces).
+    pub fn new(mesh: &'m Mesh) -> Self {
+        Self::with_options(mesh, Options::default())
+    }
+
+    /// Sets up for `mesh`; O(faces).
+    pub fn with_options(mesh: &'m Mesh, options: Options) -> Self {
+        let instructions = options.instructions.or_less();
+        let mut numbering = if options.renumber {
+            Numbering::breadth_first(mesh)
+        } else {
+            Numbering::same()
+        };
+        let field = Alone::new(mesh, &numbering);
+        numbering.keep_new_vertices();
+        Self {
+            mesh,
+            options: Options {
+                instructions,
+                ..options
+            },
+            reunites: options.reunite && field.surface().has_many_flat_vertices(),
+            numbering,
+            wave: Wave::new(field.surface(), &options),
+            field,
+        }
+    }
+
+    /// The options in force, with instructions that the processor has.
+    pub fn options(&self) -> Options {
+        self.options
+    }
+}
+
+/// A run whose sources have had their turns.
+struct Turns<'s, P, const REUNITE: bool> {
+    wave: &'s mut Wave,
+    field: &'s mut Alone,
+    probe: &'s mut P,
+}
+
+impl<P: Probe, const REUNITE: bool> Program for Turns<'_, P, REUNITE> {
+    type Output = ();
+
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
+    #[inline(always)]
+    unsafe fn run<L: Lanes>(self) {
+        let Self { wave, field, probe } = self;
+        loop {
+            // SAFETY: promised by the caller.
+            unsafe { wave.cross_all::<L, Alone, P, REUNITE>(field, probe) };
+            let Some(bucket) = wave.buckets.nearest() else {
+                break;
+            };
+            wave.take_turn(field, bucket, probe);
+        }
+    }
+}
+
+impl Propagate for VtpFast<'_> {
+    fn counters() -> Vec<Counter> {
+        vec![
+            Counter::Propagated,
+            Counter::Parents,
+            Counter::Children,
+            Counter::Spawned,
+            Counter::Filtered,
+            Counter::PeakWindows,
+            Counter::WindowBytes,
+            Counter::QueuePushes,
+            Counter::QueuePeak,
+            Counter::Iterations,
+            Counter::Levels,
+            Counter::PseudoSources,
+        ]
+    }
+
+    fn mesh(&self) -> &Mesh {
+        self.mesh
+    }
+
+    fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+        let instructions = self.options.instructions;
+        let Self { wave, field, .. } = self;
+        wave.reset();
+        field.reset();
+        probe.add(Counter::WindowBytes, 40);
+        let new = |&s| self.numbering.new_vertex(s).raw();
+        for s in sources.iter().map(new) {
+            field.distances[s as usize] = 0.0;
+        }
+        for s in sources.iter().map(new) {
+            wave.start_from(field, s, probe);
+        }
+        if self.reunites {
+            dispatch::run(Turns::<P, true> { wave, field, probe }, instructions);
+        } else {
+            dispatch::run(Turns::<P, false> { wave, field, probe }, instructions);
+        }
+        Solution::new(self.numbering.restore(&self.field.distances))
+    }
+}

@@ -1,0 +1,259 @@
+//! Lists cross faces.
+
+use geobench_window::{Counter, Phase, Probe};
+
+use super::{Field, Improvement, Wave};
+use crate::engine::dispatch::{self, Program};
+use crate::engine::kernels::{self, BestPath, Gate, Measured, Target, Triangle};
+use crate::engine::lanes::{Lanes, Scalar};
+use crate::engine::reunite::FEW;
+use crate::engine::store::NO_LIST;
+use crate::engine::surface::{NOBODY, next, parts, prev};
+
+impl Wave {
+    /// Lists cross until none is ready; windows are reunited if `REUNITE`, of which nothing is left otherwise in the code that runs.
+    ///
+    /// # Safety
+    ///
+    /// The processor must know the instructions of `L`.
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
+    #[inline(always)]
+    pub(crate) unsafe fn cross_all<L: Lanes, F: Field, P: Probe, const REUNITE: bool>(
+        &mut self,
+        field: &mut F,
+        probe: &mut P,
+    ) {
+        let mut place = 0;
+        loop {
+            if place == self.ready.len() || self.is_full_of_news() {
+                self.settle(field, probe);
+            }
+            let Some(&h) = self.ready.get(place) else {
+                break;
+            };
+            self.prefetch_face(field, place + 6);
+            self.prefetch_beyond(field, place + 3);
+            place += 1;
+            if !REUNITE || L::COUNT == 1 {
+                // SAFETY: promised by the caller.
+                unsafe { self.cross::<L, F, P, REUNITE>(field, h, probe) };
+            } else if self.waiting_at(field, h) <= FEW {
+                // SAFETY: every processor can count to one.
+                unsafe { self.cross::<Scalar, F, P, REUNITE>(field, h, probe) };
+            } else {
+                let list = List::<F, P, REUNITE> {
+                    wave: self,
+                    field,
+                    h,
+                    probe,
+                };
+                // SAFETY: promised by the caller.
+                unsafe { dispatch::run_apart::<L, _>(list) };
+            }
+        }
+        self.ready.clear();
+    }
+
+    /// How many windows wait on `h`.
+    #[inline(always)]
+    fn waiting_at(&self, field: &impl Field, h: u32) -> usize {
+        let (f, corner) = parts(h);
+        self.store.len(field.list(f, corner))
+    }
+
+    /// Takes the list on `h` across its face.
+    ///
+    /// # Safety
+    ///
+    /// The processor must know the instructions of `L`.
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
+    #[inline(always)]
+    unsafe fn cross<L: Lanes, F: Field, P: Probe, const REUNITE: bool>(
+        &mut self,
+        field: &mut F,
+        h: u32,
+        probe: &mut P,
+    ) {
+        let (f, corner) = parts(h);
+        let (after, before) = (next(corner), prev(corner));
+        let list = field.take_list(f, corner);
+        let face = &field.surface().faces[f];
+        let [tail, head, apex] = [corner, after, before].map(|k| face.vertex[k]);
+        let exits = [face.twin[before], face.twin[after]];
+        let triangle = face.triangle(corner);
+        let arrived = self.store.len(list);
+        let mut len = arrived;
+        probe.enter(Phase::Pruning);
+        if self.compared.takes(h, len) {
+            let block = self.store.block_and_line_behind(list);
+            // SAFETY: promised by the caller.
+            len = unsafe { kernels::compare::<L>(block, len, &mut self.cuts) };
+        }
+        let gate = Gate {
+            l: triangle.l,
+            apex: triangle.apex,
+            ends: [tail, head].map(|v| field.distance(v)),
+        };
+        let block = self.store.block(list);
+        // SAFETY: promised by the caller.
+        let found = unsafe { kernels::measure::<L, true>(block, 0, len, &gate, &mut self.keep) };
+        probe.enter(Phase::Propagation);
+        probe.add(Counter::Filtered, (arrived - found.kept) as u64);
+        probe.add(Counter::Parents, found.kept as u64);
+        if probe.wants_sample(found.kept as u64) {
+            probe.sample(self.store.windows().map(|w| w.min_distance()));
+        }
+        if found.kept > 0 {
+            let best = BestPath::of(self.store.block(list), found.best, gate.apex, gate.l);
+            // The consequences wait: whether a path is the shortest is hard to predict.
+            let news = field.offer(apex, found.distance);
+            let path = Improvement {
+                vertex: apex,
+                h,
+                entry: best.entry,
+                distance: found.distance,
+            };
+            self.note(path, news);
+            // SAFETY: promised by the caller.
+            unsafe {
+                self.send::<L, F, P, REUNITE>(
+                    field, list, h, exits, &triangle, &found, &best, probe,
+                );
+            };
+        }
+        probe.enter(Phase::Management);
+        self.store.set_len(list, 0);
+        if P::COUNTS && F::COUNTS_LEVELS {
+            self.levels.forget(h);
+        }
+        probe.raise(Counter::PeakWindows, self.store.waiting() as u64);
+    }
+
+    /// Sends what `found` counted in the `list` on `h` across its face, which is `triangle`, into the lists behind its two
+    /// exits.
+    ///
+    /// # Safety
+    ///
+    /// The processor must know the instructions of `L`.
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
+    #[allow(clippy::too_many_arguments)] // All of what the caller has found out.
+    #[inline(always)]
+    unsafe fn send<L: Lanes, F: Field, P: Probe, const REUNITE: bool>(
+        &mut self,
+        field: &mut F,
+        list: u32,
+        h: u32,
+        exits: [u32; 2],
+        triangle: &Triangle,
+        found: &Measured,
+        best: &BestPath,
+        probe: &mut P,
+    ) {
+        let mut lists = [NO_LIST; 2];
+        for side in 0..2 {
+            if exits[side] != NOBODY && found.bound[side] > 0 {
+                let (f, k) = parts(exits[side]);
+                lists[side] = self.store.reserve(field.list(f, k), found.bound[side]);
+            }
+        }
+        let before = lists.map(|list| self.store.len(list));
+        let [block, left, right] = self.store.blocks([list, lists[0], lists[1]]);
+        let mut left = Target {
+            block: left,
+            len: before[0],
+            open: lists[0] != NO_LIST,
+        };
+        let mut right = Target {
+            block: right,
+            len: before[1],
+            open: lists[1] != NO_LIST,
+        };
+        // SAFETY: promised by the caller; `keep` and the bounds are of this list.
+        let carried = unsafe {
+            kernels::carry::<L, BestPath>(
+                block,
+                found.len,
+                &self.keep,
+                triangle,
+                best,
+                0.0,
+                [&mut left, &mut right],
+            )
+        };
+        let mut after = [left.len, right.len];
+        let children = after[0] + after[1] - before[0] - before[1];
+        probe.enter(Phase::Management);
+        if P::COUNTS && F::COUNTS_LEVELS {
+            let departure = self.levels.leave(h, triangle);
+            for side in (0..2).filter(|&side| lists[side] != NO_LIST) {
+                let children = self
+                    .store
+                    .windows_at(lists[side], before[side]..after[side]);
+                let deepest = self.levels.arrive(exits[side], children, &departure, side);
+                probe.raise(Counter::Levels, u64::from(deepest));
+            }
+        }
+        if REUNITE {
+            let (f, corner) = parts(h);
+            let face = &field.surface().faces[f];
+            after = self
+                .store
+                .reunite_behind(face, corner, lists, before, after);
+        }
+        for side in 0..2 {
+            if lists[side] != NO_LIST {
+                let (f, k) = parts(exits[side]);
+                let list = self.store.set_len(lists[side], after[side]);
+                field.set_list(f, k, list);
+                if list != NO_LIST {
+                    self.make_ready(field, f, k);
+                }
+            }
+        }
+        probe.add(Counter::Propagated, carried.tried as u64);
+        probe.add(Counter::Children, children as u64);
+    }
+
+    /// Asks for the face that the list at `place` of the queue will cross.
+    #[inline(always)]
+    fn prefetch_face(&self, field: &impl Field, place: usize) {
+        if let Some(&h) = self.ready.get(place) {
+            field.prefetch_face(parts(h).0);
+        }
+    }
+
+    /// Asks for what the list at `place` of the queue touches beyond its face.
+    #[inline(always)]
+    fn prefetch_beyond(&self, field: &impl Field, place: usize) {
+        if let Some(&h) = self.ready.get(place) {
+            let (f, corner) = parts(h);
+            let face = &field.surface().faces[f];
+            for twin in [face.twin[next(corner)], face.twin[prev(corner)]] {
+                field.prefetch_lists(parts(twin).0);
+            }
+            field.prefetch_distance(face.vertex[prev(corner)]);
+        }
+    }
+}
+
+/// A list about to cross.
+struct List<'a, F, P, const REUNITE: bool> {
+    wave: &'a mut Wave,
+    field: &'a mut F,
+    h: u32,
+    probe: &'a mut P,
+}
+
+impl<F: Field, P: Probe, const REUNITE: bool> Program for List<'_, F, P, REUNITE> {
+    type Output = ();
+
+    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
+    #[inline(always)]
+    unsafe fn run<L: Lanes>(self) {
+        // SAFETY: promised by the caller.
+        unsafe {
+            self.wave
+                .cross::<L, F, P, REUNITE>(self.field, self.h, self.probe)
+        };
+    }
+}

@@ -1,0 +1,97 @@
+//! What `vtp-fast` and each thread of `pvtp` run: buckets of vertices have their turns, and lists cross faces until all wait.
+//!
+//! A [`Wave`] holds what one thread alone changes, its windows and its queues; what it runs over is a [`Field`]. The two programs
+//! differ in their fields, in how a wave starts and in what happens between turns.
+
+// The kernels must be inlined into the functions that have the features of the processor.
+#![allow(clippy::inline_always)]
+
+mod cross;
+mod field;
+mod spawn;
+mod turns;
+
+pub(crate) use self::field::Field;
+use crate::engine::buckets::Buckets;
+use crate::engine::kernels::Cuts;
+use crate::engine::levels::Levels;
+use crate::engine::sample::Sample;
+use crate::engine::shadow::Origin;
+use crate::engine::store::WindowStore;
+use crate::engine::surface::Surface;
+use crate::fast::Options;
+
+/// Improved distances wait for their consequences until so many have come together.
+const IMPROVEMENTS: usize = 4096;
+
+/// A path to a vertex that was the shortest when it was found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Improvement {
+    pub(crate) vertex: u32,
+    /// The half-edge that it crossed last.
+    pub(crate) h: u32,
+    /// Where.
+    pub(crate) entry: f64,
+    /// Its length.
+    pub(crate) distance: f64,
+}
+
+/// Windows on their way, and the queues that say where they go next.
+#[derive(Clone, Debug)]
+pub(crate) struct Wave {
+    /// Lists whose pairs are compared.
+    compared: Sample,
+    /// Whether pseudo-sources send windows only into the shadow of the path that reached them.
+    shadow: bool,
+    pub(crate) store: WindowStore,
+    /// Half-edges whose lists are about to cross.
+    ready: Vec<u32>,
+    pub(crate) buckets: Buckets,
+    /// Vertices that have their turns.
+    turn: Vec<u32>,
+    /// Vertices whose turn has come.
+    passed: Vec<bool>,
+    /// The distance at which each pseudo-source has sent out windows last.
+    spawned: Vec<f64>,
+    /// How the shortest path reached each pseudo-source.
+    pub(crate) origins: Vec<Origin>,
+    improvements: Vec<Improvement>,
+    improved: usize,
+    keep: Vec<u8>,
+    cuts: Cuts,
+    levels: Levels,
+}
+
+impl Wave {
+    /// For a surface; O(vertices).
+    pub(crate) fn new(surface: &Surface, options: &Options) -> Self {
+        let vertices = surface.vertices.len();
+        Self {
+            compared: Sample::new(options.pairs),
+            shadow: options.shadow,
+            store: WindowStore::new(),
+            ready: Vec::new(),
+            buckets: Buckets::new(vertices, options.bucket * surface.mean_length),
+            turn: Vec::new(),
+            passed: Vec::new(),
+            spawned: Vec::new(),
+            origins: vec![Origin::default(); vertices],
+            improvements: vec![Improvement::default(); IMPROVEMENTS],
+            improved: 0,
+            keep: Vec::new(),
+            cuts: Cuts::default(),
+            levels: Levels::default(),
+        }
+    }
+
+    /// Forgets what the last run has learnt. Every list and queue is empty after a run.
+    pub(crate) fn reset(&mut self) {
+        let vertices = self.origins.len();
+        self.buckets.reset();
+        self.levels.clear();
+        self.spawned.clear();
+        self.spawned.resize(vertices, f64::INFINITY);
+        self.passed.clear();
+        self.passed.resize(vertices, false);
+    }
+}

@@ -1,0 +1,147 @@
+//! Windows that start from a vertex.
+
+use geobench_window::{Counter, Probe};
+
+use super::{Field, Wave};
+use crate::engine::kernels::MARGIN;
+use crate::engine::shadow::{Origin, Shadow};
+use crate::engine::store::NO_LIST;
+use crate::engine::surface::{NOBODY, half_edge, next, parts, prev};
+
+impl Wave {
+    /// The turn of a source, which sends windows all around.
+    pub(crate) fn start_from<P: Probe>(
+        &mut self,
+        field: &mut impl Field,
+        source: u32,
+        probe: &mut P,
+    ) {
+        if self.spawned[source as usize] > 0.0 {
+            self.spawned[source as usize] = 0.0;
+            self.spawn(field, source, true, probe);
+            self.pass(field, source, probe);
+        }
+    }
+
+    /// Sends windows from `v` if it is a pseudo-source that has come nearer since it last did.
+    pub(super) fn spawn_if_nearer<P: Probe>(
+        &mut self,
+        field: &mut impl Field,
+        v: u32,
+        probe: &mut P,
+    ) {
+        let (vertex, distance) = (field.surface().vertices[v as usize], field.reached(v));
+        if vertex.pseudo_source
+            && distance < self.spawned[v as usize]
+            // Whoever has found a shorter path sends windows from it.
+            && distance <= field.distance(v)
+        {
+            self.spawned[v as usize] = distance;
+            self.spawn(field, v, vertex.all_around || !self.shadow, probe);
+        }
+    }
+
+    /// Sends paths along edges of `v` and windows across its faces, in all directions or into the
+    /// shadow of the path that reached it.
+    fn spawn<P: Probe>(&mut self, field: &mut impl Field, v: u32, all_around: bool, probe: &mut P) {
+        probe.add(Counter::PseudoSources, 1);
+        let ring = field.surface().ring_places(v);
+        let shadow = if all_around {
+            Shadow::all(ring.len())
+        } else {
+            Shadow::of(field.surface(), v, self.origins[v as usize])
+        };
+        let mut place = ring.start + shadow.first;
+        for i in 0..shadow.count {
+            let h = field.surface().rings[place];
+            place = if place + 1 == ring.end {
+                ring.start
+            } else {
+                place + 1
+            };
+            // The last edge belongs to the next face, if there is one.
+            let last = !all_around && i + 1 == shadow.count;
+            self.spawn_across(field, v, h, last, probe);
+        }
+        probe.raise(Counter::PeakWindows, self.store.waiting() as u64);
+    }
+
+    /// Sends a path along `h`, which starts at `v`, and a window across its face; along the other edge too
+    /// if that is the last one.
+    #[inline]
+    fn spawn_across<F: Field, P: Probe>(
+        &mut self,
+        field: &mut F,
+        v: u32,
+        h: u32,
+        last: bool,
+        probe: &mut P,
+    ) {
+        let (f, corner) = parts(h);
+        let (after, before) = (next(corner), prev(corner));
+        let face = field.surface().faces[f];
+        let d = self.spawned[v as usize];
+        let [a, b] = [face.vertex[after], face.vertex[before]];
+        let [to_a, to_b] = [d + face.length[corner], d + face.length[before]];
+        let l = face.length[after];
+        let twin = face.twin[after];
+        let [x, y] = face.apex(after);
+        let along_b = half_edge(f as u32, before);
+        let length_b = face.length[before];
+        // Seen from the opposite vertices the paths come along the far ends of their half-edges.
+        self.offer_along(
+            field,
+            a,
+            to_a,
+            Origin {
+                h: along_b,
+                entry: length_b,
+            },
+            probe,
+        );
+        if last || field.surface().vertices[v as usize].boundary {
+            self.offer_along(field, b, to_b, Origin { h, entry: 0.0 }, probe);
+        }
+        if twin == NOBODY {
+            return;
+        }
+        let [at_a, at_b] = [a, b].map(|v| field.distance(v));
+        probe.add(Counter::Spawned, 1);
+        // The vertex filter: each end's own path along the edge beats the farthest ray.
+        if (at_b + l) * MARGIN < to_a || (at_a + l) * MARGIN < to_b {
+            probe.add(Counter::Filtered, 1);
+            return;
+        }
+        let (target, k) = parts(twin);
+        let list = self.store.reserve(field.list(target, k), 1);
+        let len = self.store.len(list);
+        debug_assert!(list != NO_LIST);
+        self.store.put(list, len, [0.0, l, l - x, -y, d]);
+        if P::COUNTS && F::COUNTS_LEVELS {
+            self.levels.start(twin, [l - x, -y], d);
+        }
+        field.set_list(target, k, self.store.set_len(list, len + 1));
+        self.make_ready(field, target, k);
+    }
+
+    /// A path of length `d` reaches `v` along an edge.
+    #[inline]
+    fn offer_along<P: Probe>(
+        &mut self,
+        field: &mut impl Field,
+        v: u32,
+        d: f64,
+        origin: Origin,
+        probe: &mut P,
+    ) {
+        if field.offer(v, d) {
+            let known = field.distance(v);
+            if d <= known {
+                self.origins[v as usize] = origin;
+                field.reach(v, d);
+            }
+            let news = self.buckets.push(v, known);
+            probe.add(Counter::QueuePushes, u64::from(news));
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! The turns of vertices, and what follows from paths that reach them.
+
+use geobench_window::{Counter, Probe};
+
+use super::{Field, Improvement, Wave};
+use crate::engine::shadow::Origin;
+use crate::engine::store::NO_LIST;
+use crate::engine::surface::{half_edge, parts};
+
+impl Wave {
+    /// The turns of the vertices of `bucket`, before which no other one may have any.
+    pub(crate) fn take_turn<P: Probe>(
+        &mut self,
+        field: &mut impl Field,
+        bucket: u32,
+        probe: &mut P,
+    ) {
+        let mut turn = std::mem::take(&mut self.turn);
+        self.buckets.take(bucket, &mut turn);
+        probe.add(Counter::Iterations, 1);
+        for (i, &v) in turn.iter().enumerate() {
+            if let Some(&v) = turn.get(i + 6) {
+                for &h in field.surface().ring(v) {
+                    field.prefetch_lists(parts(h).0);
+                }
+            }
+            self.pass(field, v, probe);
+        }
+        self.turn = turn;
+    }
+
+    /// The turn of vertex `v`: the faces around it join the traversed area.
+    pub(crate) fn pass<P: Probe>(&mut self, field: &mut impl Field, v: u32, probe: &mut P) {
+        self.passed[v as usize] = true;
+        for place in field.surface().ring_places(v) {
+            let (f, _) = parts(field.surface().rings[place]);
+            if field.join(f) {
+                for corner in 0..3 {
+                    if field.list(f, corner) != NO_LIST {
+                        self.make_ready(field, f, corner);
+                    }
+                }
+            }
+        }
+        self.spawn_if_nearer(field, v, probe);
+    }
+
+    /// Queues the list on half-edge `corner` of face `f` if that has joined.
+    #[inline(always)]
+    pub(super) fn make_ready(&mut self, field: &mut impl Field, f: usize, corner: usize) {
+        if field.enqueue(f, corner) {
+            self.ready.push(half_edge(f as u32, corner));
+        }
+    }
+
+    /// Has an improvement wait for its consequences. There is room for one.
+    #[inline(always)]
+    pub(super) fn note(&mut self, improvement: Improvement, news: bool) {
+        self.improvements[self.improved] = improvement;
+        self.improved += usize::from(news);
+    }
+
+    /// Whether there is no room for another improvement.
+    #[inline(always)]
+    pub(super) fn is_full_of_news(&self) -> bool {
+        self.improved == self.improvements.len()
+    }
+
+    /// The consequences of distances that have improved.
+    pub(super) fn settle<P: Probe>(&mut self, field: &mut impl Field, probe: &mut P) {
+        for i in 0..std::mem::take(&mut self.improved) {
+            let Improvement {
+                vertex,
+                h,
+                entry,
+                distance,
+            } = self.improvements[i];
+            let (v, known) = (vertex as usize, field.distance(vertex));
+            // What came later has its own consequences.
+            if distance <= known && field.surface().vertices[v].pseudo_source {
+                self.origins[v] = Origin { h, entry };
+                field.reach(vertex, distance);
+                if self.passed[v] {
+                    self.spawn_if_nearer(field, vertex, probe);
+                }
+            }
+            if !self.passed[v] {
+                let news = self.buckets.push(vertex, known);
+                probe.add(Counter::QueuePushes, u64::from(news));
+            }
+        }
+        probe.raise(Counter::QueuePeak, self.buckets.len() as u64);
+    }
+}

@@ -284,7 +284,7 @@ fn one_thread_of_the_parallel_form_takes_as_many_windows_as_the_other_one() {
     }
 }
 
-/// A thread that had nothing to do, or was far ahead, once held nobody back while a letter waited for it. When it did
+/// A thread that had nothing to do, or was far ahead, once held nobody back while windows from another one waited for it. When it did
 /// not run for a while, the others flooded its part of the surface with windows, up to three times as many.
 #[test]
 fn threads_do_not_run_away_from_one_that_is_late() {
@@ -307,7 +307,7 @@ fn threads_do_not_run_away_from_one_that_is_late() {
     }
 }
 
-/// A run that was broken off once left windows, letters and queues behind for the next one, which found distances too short.
+/// A run that was broken off once left windows, gifts and queues behind for the next one, which found distances too short.
 #[test]
 fn a_run_that_was_broken_off_leaves_nothing_for_the_next_one() {
     struct Breaks(u32);

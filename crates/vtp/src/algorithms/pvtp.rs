@@ -2,50 +2,46 @@
 //!
 //! The same as [`vtp_fast`](super::vtp_fast), with the same kernels and the same switches, on any number of threads.
 //!
-//! **How.** Every thread runs the loop of `vtp_fast` on its own part of the wavefront: lists cross their faces until none can, then the
-//! vertices of its nearest bucket have their turns. Faces and vertices are numbered along a space-filling curve, and each thread has a
-//! range of numbers. Blocks of 32 faces and of 16 vertices belong to the thread in whose range they are
-//! when a window or a path reaches them, or a face joins, first. The ranges are cut anew every four buckets: by where windows have crossed since, and such
-//! that all threads are at work for as long. Then blocks near the wavefront that have come to lie in the range of another thread are handed
-//! over to it, with the windows that wait there and the vertices that wait for their turns; without that a cut would tell only when the wave has
-//! come through the blocks that are taken, some 16 buckets later. Neighbouring faces belong to the same thread mostly, and 1 to 5 % of the windows go from
-//! one to another. They travel by mail, with the paths to vertices and the faces that the wave has reached; every 16 lists a thread
-//! looks for letters and sends its own. A letter about a block that its reader has handed over goes on to the new owner.
+//! **How.** Every thread runs the loop of `vtp_fast` on a part of the *windows*: it has lists and queues of its own for the whole surface, and what
+//! comes of its windows stays with it. Two threads may have windows on the same half-edge, which they take across its face each for
+//! itself. Shared are the distances: a window is dropped, and a vertex sends windows, by the shortest path that any thread has found. The first
+//! thread starts alone. Every four buckets each looks whether its part of the wavefront is likely to take it more than a fifth longer than the
+//! mean: by the lists and windows that wait, and by how long turns of so many have taken it so far. If so it gives to the thread that has
+//! least: vertices whose turns are to come, with the windows that wait around them. Vertices are numbered along a space-filling curve, and given
+//! away are those from one end of the numbers, so that the parts of threads lie together. On two threads some twenty gifts are made in a run, with
+//! one window in a hundred.
 //!
-//! **Why it is exact.** In whatever order windows cross, all that may hold a shortest path do, as in any form of VTP. Distances are seen by
-//! all threads, and one that is out of date is too long, which prunes less. Whether a face has joined is seen by all too, and whoever has it
-//! join writes to its owner. Nothing else is read but by its owner, and whoever gets a block sees all that was done with it before.
+//! **Why it is exact.** In whatever order windows cross, all that may hold a shortest path do, as in any form of VTP. A distance that a thread sees may
+//! be out of date, and is too long then, which prunes less. Of threads that find paths to a vertex one finds the shortest, and knows where it
+//! came from: that one sends windows from there. Each list waits until one of the vertices of its face has its turn in the thread whose list it is;
+//! so a thread that meets a vertex for the first time has a turn of it to come, even if another one has found the shorter path, and a
+//! vertex is given away with all windows that wait for it.
 //!
-//! **Who waits.** Nobody waits for others until a bucket is done: a thread may be two buckets ahead of the last one, so that what one has more
-//! to do in one bucket and less in the next evens out. Whoever gets a letter falls back to where the sender is, for others must
-//! not go on without what the letter leads to: they would flood its part of the surface with windows that come too early. So threads do
-//! as much work together as one alone within 0.1 % of the windows, and within 1 % if there are more of them than processors.
+//! **Who waits.** A thread may be two buckets ahead of the last one, so that what one has more
+//! to do in one bucket and less in the next evens out; whoever gets a gift falls back to where the giver is, for others must
+//! not go on without what it leads to. Nobody waits for a thread that has not woken up. On two threads 2 % to 10 % of
+//! the time is waiting, most on models of some thousand faces. More windows than on one thread cross, since what one knows comes late to the other, by up to
+//! 3 %, and since half-edges with windows of two threads have two lists, 5 % to 10 % more lists.
 //!
 //! **Why distances may differ in the last bits.** With one thread they are the same from run to run. With several it is a matter of chance which
 //! window arrives first, so of paths that are equally long but for rounding one or the other is kept, and a window may be cut by
-//! one or the other: distances agree to 1e-12 of their length, and counts to about as much as said above. A form whose threads met at
-//! two barriers in each step, so that bits and counts were the same for any number of threads, took longer, since all waited
-//! for the slowest in every step and windows that came in a step waited for the next: in turns in one run, least times, on two threads it took
-//! 1.0 to 1.1 times as long on models of 70 to 270 thousand faces and 1.2 to 1.45 times on 6 to 13 thousand, and on one 1.04 to 1.25
-//! times.
+//! one or the other: distances agree to 1e-12 of their length, and counts to some percent. A form whose threads met at
+//! two barriers in each step, so that bits and counts were the same for any number of threads, took up to 1.45 times as long, since all waited
+//! for the slowest in every step.
 //!
-//! **Why no work stealing.** A bucket takes some 50 µs of two threads on a model of 70 thousand faces. The fork and join of a pool, or
-//! waking a thread that sleeps, takes tens. Nor could a list be taken by any thread: a window that another processor wrote takes longer to
-//! fetch than to cross. For the same reason parts are cut along a curve: to give what is next to another thread's part to whoever
-//! had less to do was tried, and three times as many windows travelled. Of parts that are cut along directions from the source seven times as many
-//! did: paths run along such a border, and cross it at every face.
+//! **Why by windows, and not by faces.** A form in which each face belonged to one thread, with windows that travel by mail to the owner of the next face,
+//! took 4 to 40 % longer on models of some thousand faces and about as long on large ones: letters, a division of the surface that follows the wavefront,
+//! and faces that change hands cost more than windows of two threads on one half-edge.
 //!
 //! **Why threads are kept.** The solver has a pool of its own, whose threads sleep between runs and wake where they were. One that is started
 //! for a run may begin on the processor of the one that starts it, and stay there for 5 to 15 ms, far longer than a
 //! small model takes: the median of such runs was 4 to 6 times that of these, though the least was the same.
 //!
-//! **Gain.** Two threads on two processors against `vtp_fast`, in turns, by medians: 1.6 to 1.7 on models of 70 to 270 thousand faces, 1.1 to 1.4
-//! on 6 to 13 thousand; one thread is 0.8 to 0.98 as fast. To hand parts over gains up to a sixth of that on small models and
-//! up to 5 % on large ones. What is lost is waiting, letters, and memory that one thread has written and another one reads.
+//! **Gain.** GAIN
 //!
-//! **Cost.** As [`vtp_fast`](super::vtp_fast), and 16 bytes for each face, 8 for each vertex, and 4 for each vertex and thread. Each thread counts
-//! its own most windows and most entries of its queue, without letters; what is reported is the sum. Phases are those of the first thread,
-//! whose waiting counts as management. More threads than idle processors are slower than one, since all wait for those that have
-//! to wait. **Choose it** for large models on a machine that has nothing else to do.
+//! **Cost.** As [`vtp_fast`](super::vtp_fast), and for each thread 16 bytes a face and 38 bytes a vertex. Each thread counts
+//! its own most windows and most entries of its queue; what is reported is the sum. Phases are those of the first thread,
+//! whose waiting counts as management. More threads than idle processors are slower than as many threads as those, since others wait for
+//! what was given to one that does not run. **Choose it** on a machine that has nothing else to do.
 
 pub use crate::parallel::Pvtp;

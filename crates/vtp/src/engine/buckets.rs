@@ -105,10 +105,19 @@ impl Buckets {
         }
     }
 
-    /// The vertices of a bucket of the ring.
-    pub(crate) fn waiting_in(&self, bucket: u32) -> impl Iterator<Item = u32> {
-        let entries = self.ring[(bucket % RING) as usize].iter().copied();
-        entries.filter(move |&v| self.bucket_of[v as usize] == bucket)
+    /// The vertices in the ring, the nearest first.
+    pub(crate) fn near(&self) -> impl Iterator<Item = u32> {
+        let mut left = self.in_ring;
+        let buckets = (self.current..self.current.saturating_add(RING)).map_while(move |bucket| {
+            let entries = &self.ring[(bucket % RING) as usize];
+            let any = left > 0;
+            left -= entries.len();
+            any.then_some((bucket, entries))
+        });
+        buckets.flat_map(move |(bucket, entries)| {
+            let entries = entries.iter().copied();
+            entries.filter(move |&v| self.bucket_of[v as usize] == bucket)
+        })
     }
 
     /// Takes vertex `v` out; returns whether it was there.
@@ -189,7 +198,8 @@ mod tests {
             buckets.push(v, distance);
         }
         buckets.push(0, 6.0);
-        assert_eq!(buckets.waiting_in(7).collect::<Vec<_>>(), [2]);
+        buckets.push(3, 1e4);
+        assert_eq!(buckets.near().collect::<Vec<_>>(), [0, 2, 1]);
     }
 
     #[test]

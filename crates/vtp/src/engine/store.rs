@@ -123,6 +123,12 @@ impl WindowStore {
         self.waiting
     }
 
+    /// Number of lists that have windows.
+    pub(crate) fn lists(&self) -> usize {
+        let free: usize = self.free.iter().map(Vec::len).sum();
+        self.lists.len() - 1 - free
+    }
+
     /// Number of windows in a list; 0 in [`NO_LIST`].
     #[inline]
     pub(crate) fn len(&self, list: u32) -> usize {

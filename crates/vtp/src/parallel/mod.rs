@@ -3,32 +3,25 @@
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
 
-mod cross;
-mod exchange;
-mod field;
-mod handover;
+mod gift;
 mod jitter;
-mod mail;
-mod owners;
+mod load;
 mod pace;
 mod padded;
-mod settle;
-mod spawn;
-mod split;
+mod part;
+mod shared;
 #[cfg(test)]
 mod test_run;
-mod turn;
 mod worker;
 
 use std::sync::{Mutex, PoisonError};
 
 use geobench_mesh::{Mesh, Numbering, VertexId};
-use geobench_window::{Counter, Probe, Propagate, Solution, SolveError};
+use geobench_window::{Count, Counter, Probe, Propagate, Solution, SolveError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use self::field::Field;
-use self::owners::MOST_THREADS;
 use self::pace::BreakOnPanic;
+use self::shared::Shared;
 use self::worker::Worker;
 use crate::engine::Instructions;
 use crate::engine::dispatch::{self, Program};
@@ -36,20 +29,23 @@ use crate::engine::lanes::Lanes;
 use crate::engine::surface::Surface;
 use crate::fast::Options;
 
+/// The most threads of a run.
+const MOST_THREADS: usize = 1024;
+
 /// VTP on several threads, on one mesh; see [the page](crate::algorithms::pvtp).
 #[derive(Debug)]
 pub struct Pvtp<'m> {
     mesh: &'m Mesh,
     options: Options,
     numbering: Numbering,
-    field: Field,
+    shared: Shared,
     workers: Vec<Worker>,
     /// The threads of all workers but the first, which works on the thread of the caller.
     pool: Option<ThreadPool>,
 }
 
 impl<'m> Pvtp<'m> {
-    /// Sets up for `mesh` and a number of threads, from 1 to 1024, with every improvement; O(faces + threads · vertices).
+    /// Sets up for `mesh` and a number of threads, from 1 to 1024, with every improvement; O(threads · faces).
     ///
     /// To solve from within a task of `rayon` is sound, but the thread may take up another of its tasks while it waits for the others
     /// to end; so a task must not hold a lock meanwhile that others take. Where the system does not start so many threads,
@@ -77,7 +73,7 @@ impl<'m> Pvtp<'m> {
             },
             numbering,
             workers: workers(threads, &surface, &options),
-            field: Field::new(surface, &options, threads),
+            shared: Shared::new(surface, &options, threads),
             pool: pool_of(threads - 1),
         }
     }
@@ -94,9 +90,8 @@ impl<'m> Pvtp<'m> {
 }
 
 fn workers(threads: usize, surface: &Surface, options: &Options) -> Vec<Worker> {
-    let bucket = options.bucket * surface.mean_length;
     (0..threads)
-        .map(|thread| Worker::new(thread, threads, surface, bucket))
+        .map(|thread| Worker::new(thread, surface, options))
         .collect()
 }
 
@@ -108,66 +103,70 @@ fn pool_of(threads: usize) -> Option<ThreadPool> {
 }
 
 /// What all threads know of a run.
+#[derive(Clone, Copy)]
 struct Run<'a> {
-    field: &'a Field,
+    shared: &'a Shared,
     numbering: &'a Numbering,
     sources: &'a [u32],
     instructions: Instructions,
 }
 
 impl Run<'_> {
-    /// The part of `worker`, with its share of the distances, in the mesh's order.
-    fn part(&self, worker: &mut Worker, distances: &mut [f64], probe: &mut impl Probe) {
-        if self.field.reunites {
-            self.part_with::<true>(worker, distances, probe);
+    /// The task of `worker`, after which it has filled its share of the distances, in the mesh's order.
+    fn task<P: Probe>(self, worker: &mut Worker, distances: &mut [f64], probe: &mut P) {
+        let instructions = self.instructions;
+        if self.shared.reunites {
+            let task = Task::<P, true> {
+                run: self,
+                worker,
+                distances,
+                probe,
+            };
+            dispatch::run(task, instructions);
         } else {
-            self.part_with::<false>(worker, distances, probe);
+            let task = Task::<P, false> {
+                run: self,
+                worker,
+                distances,
+                probe,
+            };
+            dispatch::run(task, instructions);
         }
-    }
-
-    fn part_with<const REUNITE: bool>(
-        &self,
-        worker: &mut Worker,
-        distances: &mut [f64],
-        probe: &mut impl Probe,
-    ) {
-        let part = Part::<_, REUNITE> {
-            run: self,
-            worker,
-            distances,
-            probe,
-        };
-        dispatch::run(part, self.instructions);
     }
 }
 
-/// One thread's part of a run.
-struct Part<'a, P, const REUNITE: bool> {
-    run: &'a Run<'a>,
+/// What one thread does in a run.
+struct Task<'a, P, const REUNITE: bool> {
+    run: Run<'a>,
     worker: &'a mut Worker,
     distances: &'a mut [f64],
     probe: &'a mut P,
 }
 
-impl<P: Probe, const REUNITE: bool> Program for Part<'_, P, REUNITE> {
+impl<P: Probe, const REUNITE: bool> Program for Task<'_, P, REUNITE> {
     type Output = ();
 
     #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
     unsafe fn run<L: Lanes>(self) {
         let Run {
-            field,
+            shared,
             numbering,
             sources,
             ..
         } = self.run;
-        let _guard = BreakOnPanic(&field.pace);
+        let _guard = BreakOnPanic(&shared.pace);
         // SAFETY: promised by the caller.
-        unsafe { self.worker.run::<L, P, REUNITE>(field, sources, self.probe) };
-        let first = self.worker.share(field, field.vertices.len()).start;
+        unsafe {
+            self.worker
+                .run::<L, P, REUNITE>(shared, sources, self.probe);
+        }
+        let first = shared
+            .share(self.worker.thread, shared.distances.len())
+            .start;
         for (i, distance) in self.distances.iter_mut().enumerate() {
             let v = numbering.new_vertex(VertexId::new((first + i) as u32));
-            *distance = field.distance(v.raw());
+            *distance = shared.take_distance(v.raw());
         }
     }
 }
@@ -202,45 +201,74 @@ impl Propagate for Pvtp<'_> {
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
-        if self.field.pace.is_broken() {
-            // A probe has panicked, and the caller goes on all the same.
-            self.workers = workers(self.threads(), &self.field.surface, &self.options);
-            self.field.recover();
+        let others = self.threads() - 1;
+        if !P::COUNTS {
+            return self.propagate_with(sources, probe, &mut vec![(); others]);
         }
-        self.field.start();
+        // Threads reach their peaks at different times; what is reported is the sum of what they are.
+        let mut first = Count::default();
+        let mut counts = vec![Count::default(); others];
+        let solution = self.propagate_with(sources, &mut first, &mut counts);
+        let all = Self::counters();
+        counts.push(first);
+        for counted in counts.iter().map(|count| count.counters(&all)) {
+            for &counter in &all {
+                probe.add(counter, counted.get(counter).unwrap_or(0));
+            }
+        }
         probe.add(Counter::WindowBytes, 40);
+        solution
+    }
+}
+
+impl Pvtp<'_> {
+    /// As [`propagate`](Propagate::propagate), with probes for the first thread and for the others.
+    fn propagate_with<P: Probe, Q: Probe + Send>(
+        &mut self,
+        sources: &[VertexId],
+        first: &mut P,
+        others: &mut [Q],
+    ) -> Solution {
+        if self.shared.pace.is_broken() {
+            // A probe has panicked, and the caller goes on all the same.
+            self.workers = workers(self.threads(), &self.shared.surface, &self.options);
+            self.shared.recover();
+        }
+        self.shared.start();
         let sources: Vec<u32> = sources
             .iter()
             .map(|&s| self.numbering.new_vertex(s).raw())
             .collect();
         let vertices = self.mesh.vertex_count();
         let mut distances = vec![0.0; vertices];
-        let field = &self.field;
         let run = Run {
-            field,
+            shared: &self.shared,
             numbering: &self.numbering,
             sources: &sources,
             instructions: self.options.instructions,
         };
         let mut rest = distances.as_mut_slice();
-        let mut shares = self.workers.iter_mut().map(|worker| {
-            let share = worker.share(field, vertices).len();
+        let mut shares = self.workers.iter_mut().enumerate().map(|(thread, worker)| {
+            let share = run.shared.share(thread, vertices).len();
             let (own, others) = std::mem::take(&mut rest).split_at_mut(share);
             rest = others;
             (worker, own)
         });
-        let first = shares.next();
-        let others: Vec<_> = shares.map(|share| Mutex::new(Some(share))).collect();
+        let of_first = shares.next();
+        let of_others: Vec<_> = shares
+            .zip(others)
+            .map(|task| Mutex::new(Some(task)))
+            .collect();
         let run_first = || {
-            if let Some((worker, distances)) = first {
-                run.part(worker, distances, probe);
+            if let Some((worker, distances)) = of_first {
+                run.task(worker, distances, first);
             }
         };
         let run_other = |thread: usize| {
-            let share = others[thread].lock();
-            if let Some((worker, distances)) = share.unwrap_or_else(PoisonError::into_inner).take()
-            {
-                run.part(worker, distances, &mut ());
+            let task = of_others[thread].lock();
+            let task = task.unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(((worker, distances), probe)) = task {
+                run.task(worker, distances, probe);
             }
         };
         match &self.pool {
@@ -250,9 +278,6 @@ impl Propagate for Pvtp<'_> {
                 scope.spawn_broadcast(|_, thread| run_other(thread.index()));
                 run_first();
             }),
-        }
-        for worker in &self.workers {
-            worker.tally.report(probe);
         }
         Solution::new(distances)
     }
@@ -276,7 +301,7 @@ mod tests {
             let mut given = 0;
             for run in 0..20 {
                 let distances = solver.solve(&source).unwrap().distances;
-                given += solver.workers.iter().map(|w| w.tally.given).sum::<u64>();
+                given += solver.workers.iter().map(|w| w.given).sum::<usize>();
                 for (v, (d, e)) in distances.iter().zip(&expected).enumerate() {
                     assert!(
                         (d - e).abs() <= 1e-12 * e,

@@ -11,8 +11,9 @@ use super::padded::Padded;
 /// The place of a thread that has no vertex to wait for.
 const NOWHERE: u32 = u32::MAX;
 
-/// How many buckets a thread may be ahead of the last one. With none threads wait for each other three times as long; with many
-/// more, windows that come late cross what others have made of earlier ones once more.
+/// How many buckets a thread may be ahead of the last one. With none threads would wait for each other in each bucket; with more, windows that
+/// come late cross what others have made of earlier ones once more: with 4 it takes as long on two threads, and 16 threads take 22 % more
+/// windows than one instead of 17 %.
 const LEAD: u32 = 2;
 
 /// Turns of a loop of some 40 ns each in which a thread looks again before it lets others run.
@@ -27,9 +28,7 @@ const NAP: Duration = Duration::from_micros(50);
 pub(super) struct Pace {
     /// The bucket whose turn each thread takes or wants to take.
     places: Vec<Padded<AtomicU32>>,
-    /// Threads that have made ready.
-    ready: AtomicUsize,
-    /// Threads at work and letters on their way: when there are none, nothing will ever happen.
+    /// Threads at work and gifts on their way: when there are none, nothing will ever happen.
     pending: Padded<AtomicUsize>,
     broken: AtomicBool,
     spins: u32,
@@ -40,28 +39,18 @@ impl Pace {
         let processors = thread::available_parallelism().map_or(1, usize::from);
         Self {
             places: (0..threads).map(|_| Padded::default()).collect(),
-            ready: AtomicUsize::new(0),
             pending: Padded::default(),
             broken: AtomicBool::new(false),
             spins: if threads > processors { 0 } else { SPINS },
         }
     }
 
-    /// All threads are at work, at the first bucket.
+    /// The first thread is at work, at the first bucket.
     pub(super) fn reset(&mut self) {
-        self.places.fill_with(Padded::default);
-        self.ready = AtomicUsize::new(0);
-        self.pending = Padded(AtomicUsize::new(self.places.len()));
+        self.places.fill_with(|| Padded(AtomicU32::new(NOWHERE)));
+        self.come_to(0, Some(0));
+        self.pending = Padded(AtomicUsize::new(1));
         self.broken = AtomicBool::new(false);
-    }
-
-    /// Waits until all threads are here; what they did before is seen by all.
-    pub(super) fn start(&self) {
-        self.ready.fetch_add(1, Release);
-        let mut patience = self.patience();
-        while self.ready.load(Acquire) < self.places.len() && !self.is_broken() {
-            patience.wait();
-        }
     }
 
     /// A thread has come to a bucket, or has no vertex that waits.
@@ -71,7 +60,7 @@ impl Pace {
             .store(bucket.unwrap_or(NOWHERE), Relaxed);
     }
 
-    /// A letter is to go from one thread to another, which falls back with it: it may be far ahead or have nothing to do, and what
+    /// A gift is to go from one thread to another, which falls back with it: it may be far ahead or have nothing to do, and what
     /// it is sent belongs to where the sender is.
     pub(super) fn call_back(&self, from: usize, to: usize) {
         let place = self.places[from].0.load(Relaxed);
@@ -84,12 +73,12 @@ impl Pace {
         bucket <= last.unwrap_or(NOWHERE).saturating_add(LEAD)
     }
 
-    /// A thread goes to work again, or a letter is sent; by a thread that is at work, or that has a letter.
+    /// A thread goes to work again, or a gift is sent; by a thread that is at work, or that has a gift.
     pub(super) fn begin(&self) {
         self.pending.0.fetch_add(1, Relaxed);
     }
 
-    /// A thread has nothing left to do, or has taken in all that a letter says; what that leads to is counted by the thread, which is
+    /// A thread has nothing left to do, or has taken in all of a gift; what that leads to is counted by the thread, which is
     /// at work.
     pub(super) fn end(&self) {
         self.pending.0.fetch_sub(1, Release);
@@ -157,26 +146,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nobody_starts_before_all_are_ready_however_many_there_are() {
-        for threads in [1, 2, 3, 8] {
-            let mut pace = Pace::new(threads);
-            for _ in 0..50 {
-                pace.reset();
-                let arrived = AtomicUsize::new(0);
-                thread::scope(|scope| {
-                    for _ in 0..threads {
-                        scope.spawn(|| {
-                            arrived.fetch_add(1, Relaxed);
-                            pace.start();
-                            assert_eq!(arrived.load(Relaxed), threads);
-                        });
-                    }
-                });
-            }
-        }
-    }
-
-    #[test]
     fn a_thread_may_be_a_little_ahead_of_the_last_one_that_has_work() {
         let mut pace = Pace::new(3);
         pace.reset();
@@ -195,11 +164,10 @@ mod tests {
     }
 
     #[test]
-    fn it_is_over_when_nobody_works_and_no_letter_is_on_its_way() {
+    fn it_is_over_when_nobody_works_and_no_gift_is_on_its_way() {
         let mut pace = Pace::new(2);
         pace.reset();
-        // One rests; the other sends it a letter and rests; the first reads it.
-        pace.end();
+        // The first sends the other a gift and rests; the other takes it.
         pace.begin();
         pace.end();
         assert!(!pace.is_over());
@@ -219,9 +187,6 @@ mod tests {
                 let _guard = BreakOnPanic(&pace);
                 assert_eq!(pace.places.len(), 0, "on purpose");
             });
-            for _ in 0..2 {
-                scope.spawn(|| pace.start());
-            }
             assert!(panics.join().is_err());
         });
         assert!(pace.is_broken());

@@ -3,27 +3,67 @@
 use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, Numbering};
 
-use super::field::Field;
-use super::mail::Offer;
-use super::worker::Worker;
+use super::part::{Own, Part};
+use super::shared::Shared;
 use crate::engine::surface::{Surface, half_edge, next, parts};
 use crate::fast::Options;
+use crate::wave::{Field, Improvement, Wave};
+
+/// What a thread has.
+pub(super) struct Thread {
+    pub(super) wave: Wave,
+    pub(super) own: Own,
+}
+
+impl Thread {
+    pub(super) fn part<'a>(&'a mut self, shared: &'a Shared) -> (&'a mut Wave, Part<'a>) {
+        (&mut self.wave, Part::new(shared, &mut self.own))
+    }
+
+    /// Finds a path, and settles what follows.
+    pub(super) fn find(&mut self, shared: &Shared, path: Improvement) {
+        let (wave, mut part) = self.part(shared);
+        if part.offer(path.vertex, path.distance) {
+            wave.hear_of(&mut part, path, &mut ());
+            wave.settle(&mut part, &mut ());
+        }
+    }
+}
 
 /// A run of two threads on a terrain, before its first turn.
-pub(super) fn two_threads() -> (Field, [Worker; 2]) {
+pub(super) fn two_threads() -> (Shared, [Thread; 2]) {
     let soup = generate(&"gen:terrain,n=20,seed=2".parse().unwrap()).unwrap();
     let (mesh, _) = Mesh::from_soup(soup).unwrap();
     let surface = Surface::new(&mesh, &Numbering::along_curve(&mesh));
-    let workers = [0, 1].map(|thread| Worker::new(thread, 2, &surface, 1.0));
-    let mut field = Field::new(surface, &Options::default(), 2);
-    field.start();
-    (field, workers)
+    let options = Options {
+        bucket: 1.0 / surface.mean_length,
+        ..Options::default()
+    };
+    let threads = [0, 1].map(|_| {
+        let mut thread = Thread {
+            wave: Wave::new(&surface, &options),
+            own: Own::new(&surface),
+        };
+        thread.wave.reset();
+        thread.own.reset();
+        thread
+    });
+    let mut shared = Shared::new(surface, &options, 2);
+    shared.start();
+    (shared, threads)
+}
+
+/// A vertex inside from which windows start into the shadow of a path.
+pub(super) fn saddle(surface: &Surface) -> u32 {
+    let mut vertices = (0..).zip(&surface.vertices);
+    let saddle = vertices.find(|(_, v)| v.pseudo_source && !v.all_around);
+    saddle.unwrap().0
 }
 
 /// A path of length `distance` to `vertex`, across the face at `place` of its ring.
-pub(super) fn path(field: &Field, vertex: u32, place: usize, distance: f64) -> Offer {
-    let (f, corner) = parts(field.surface.ring(vertex)[place]);
-    Offer {
+pub(super) fn path(surface: &Surface, vertex: u32, place: usize, distance: f64) -> Improvement {
+    let (f, corner) = parts(surface.ring(vertex)[place]);
+    Improvement {
         vertex,
         h: half_edge(f as u32, next(corner)),
         entry: 0.0,

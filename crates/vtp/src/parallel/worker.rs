@@ -1,56 +1,22 @@
 //! What one thread does in a run.
 
 use std::mem;
-use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use geobench_window::{Counter, Probe};
+use geobench_window::Probe;
 
-use super::field::Field;
+use super::gift::Gift;
 use super::jitter::jitter;
-use super::mail::{Mail, Offer};
-use crate::engine::buckets::Buckets;
-use crate::engine::kernels::Cuts;
+use super::load::{LIST, Load};
+use super::part::{Own, Part};
+use super::shared::Shared;
 use crate::engine::lanes::Lanes;
-use crate::engine::store::WindowStore;
 use crate::engine::surface::Surface;
+use crate::fast::Options;
+use crate::wave::Wave;
 
-/// What has been counted.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tally {
-    pub(super) propagated: u64,
-    pub(super) parents: u64,
-    pub(super) children: u64,
-    pub(super) spawned: u64,
-    pub(super) filtered: u64,
-    pub(super) pushes: u64,
-    pub(super) pseudo_sources: u64,
-    pub(super) turns: u64,
-    pub(super) peak_windows: u64,
-    pub(super) peak_queue: u64,
-    /// Blocks given to other threads; for tests.
-    pub(super) given: u64,
-}
-
-impl Tally {
-    /// Tells `probe`. Of peaks, which threads reach at different times, it gets the sum of what they are.
-    pub(super) fn report(&self, probe: &mut impl Probe) {
-        for (counter, n) in [
-            (Counter::Propagated, self.propagated),
-            (Counter::Parents, self.parents),
-            (Counter::Children, self.children),
-            (Counter::Spawned, self.spawned),
-            (Counter::Filtered, self.filtered),
-            (Counter::QueuePushes, self.pushes),
-            (Counter::PseudoSources, self.pseudo_sources),
-            (Counter::Iterations, self.turns),
-            (Counter::PeakWindows, self.peak_windows),
-            (Counter::QueuePeak, self.peak_queue),
-        ] {
-            probe.add(counter, n);
-        }
-    }
-}
+/// Buckets between two times that a thread looks whether it has too much. From 1 to 4 it makes no difference.
+const BUCKETS: u32 = 4;
 
 /// How long a thread has worked.
 #[derive(Debug)]
@@ -79,49 +45,33 @@ impl Clock {
 #[repr(align(128))]
 pub(super) struct Worker {
     pub(super) thread: usize,
-    pub(super) store: WindowStore,
-    /// Half-edges whose lists are about to cross.
-    pub(super) ready: Vec<u32>,
-    /// Paths to vertices of this thread that were the shortest when they were found, whose consequences wait.
-    pub(super) offers: Vec<Offer>,
-    /// Vertices whose turn it is.
-    pub(super) turn: Vec<u32>,
-    pub(super) buckets: Buckets,
-    /// What is to go to each other thread.
-    pub(super) out: Vec<Mail>,
-    pub(super) letter: Mail,
-    /// The division of the surface that it knows.
-    division: u32,
-    pub(super) keep: Vec<u8>,
-    pub(super) cuts: Cuts,
+    wave: Wave,
+    own: Own,
+    /// The vertices near the wavefront that it might give away.
+    near: Vec<u32>,
+    /// The gift that it got last.
+    gift: Gift,
+    load: Load,
+    /// The bucket from which on it looks again whether it has too much.
+    looks: u32,
     clock: Clock,
-    pub(super) tally: Tally,
+    /// Windows given to other threads in this run.
+    pub(super) given: usize,
 }
 
 impl Worker {
-    pub(super) fn new(thread: usize, threads: usize, surface: &Surface, bucket: f64) -> Self {
+    pub(super) fn new(thread: usize, surface: &Surface, options: &Options) -> Self {
         Self {
             thread,
-            store: WindowStore::new(),
-            ready: Vec::new(),
-            offers: Vec::new(),
-            turn: Vec::new(),
-            buckets: Buckets::new(surface.vertices.len(), bucket),
-            out: vec![Mail::default(); threads],
-            letter: Mail::default(),
-            division: 0,
-            keep: Vec::new(),
-            cuts: Cuts::default(),
+            wave: Wave::new(surface, options),
+            own: Own::new(surface),
+            near: Vec::new(),
+            gift: Gift::default(),
+            load: Load::default(),
+            looks: 0,
             clock: Clock::start(),
-            tally: Tally::default(),
+            given: 0,
         }
-    }
-
-    /// This thread's share of `count` things.
-    pub(super) fn share(&self, field: &Field, count: usize) -> Range<usize> {
-        let size = count.div_ceil(field.threads);
-        let start = (self.thread * size).min(count);
-        start..(start + size).min(count)
     }
 
     /// All that is this thread's in a run from `sources`; windows that flat vertices have parted become one again if `REUNITE`.
@@ -133,36 +83,33 @@ impl Worker {
     #[inline(always)]
     pub(super) unsafe fn run<L: Lanes, P: Probe, const REUNITE: bool>(
         &mut self,
-        field: &Field,
+        shared: &Shared,
         sources: &[u32],
         probe: &mut P,
     ) {
-        self.tally = Tally::default();
-        self.buckets.reset();
-        field.reset_vertices(self.share(field, field.vertices.len()));
-        field.pace.start();
-        self.clock = Clock::start();
-        if self.thread == 0 {
-            self.start_from(field, sources);
+        if !self.start(shared, sources, probe) {
+            return;
         }
         loop {
+            let part = &mut Part::new(shared, &mut self.own);
             // SAFETY: promised by the caller.
-            unsafe { self.cross_all::<L, P, REUNITE>(field, probe) };
-            self.send(field);
+            unsafe { self.wave.cross_all::<L, Part<'_>, P, REUNITE>(part, probe) };
             jitter();
-            if self.has_mail(field) {
-                // Until it is read, others must see this thread where its letter has called it back to.
-                self.receive(field);
+            if self.receive(shared, probe) {
                 continue;
             }
-            jitter();
-            let nearest = self.buckets.nearest();
-            field.pace.come_to(self.thread, nearest);
+            let nearest = self.wave.buckets.nearest();
+            shared.pace.come_to(self.thread, nearest);
+            self.note_load(shared);
             match nearest {
-                _ if field.pace.is_broken() => break,
-                Some(bucket) if field.pace.allows(bucket) => self.take_turn(field, bucket),
+                _ if shared.pace.is_broken() => break,
+                Some(bucket) if shared.pace.allows(bucket) => {
+                    self.give(shared, bucket);
+                    let part = &mut Part::new(shared, &mut self.own);
+                    self.wave.take_turn(part, bucket, probe);
+                }
                 _ => {
-                    if !self.wait(field, nearest) {
+                    if !self.wait(shared, nearest) {
                         break;
                     }
                 }
@@ -170,49 +117,118 @@ impl Worker {
         }
     }
 
-    /// The turn of a bucket.
-    fn take_turn(&mut self, field: &Field, bucket: u32) {
-        if field.threads > 1 {
-            let busy = self.clock.busy();
-            field
-                .split
-                .come_to(self.thread, bucket, busy, &field.surface);
-            let division = field.split.divisions();
-            if mem::replace(&mut self.division, division) != division {
-                self.hand_over(field, bucket);
-            }
+    /// The first thread starts with the turns of the sources, the others wait until they are given something: nobody waits for a thread that
+    /// takes its time to wake up. Returns whether there is anything to do.
+    fn start<P: Probe>(&mut self, shared: &Shared, sources: &[u32], probe: &mut P) -> bool {
+        self.wave.reset();
+        self.own.reset();
+        self.load = Load::default();
+        self.looks = 0;
+        self.given = 0;
+        self.clock = Clock::start();
+        shared.loads.publish(self.thread, 0);
+        if self.thread > 0 {
+            return self.rest(shared);
         }
-        self.tally.turns += 1;
-        self.buckets.take(bucket, &mut self.turn);
-        self.pass(field);
+        for &s in sources {
+            shared.distances[s as usize].set(0.0);
+        }
+        let part = &mut Part::new(shared, &mut self.own);
+        for &s in sources {
+            self.wave.start_from(part, s, probe);
+        }
+        true
     }
 
-    /// Waits for a letter, which it takes in, or until `nearest`, the nearest bucket that has a vertex, may have its turn; returns
-    /// whether there is anything left to do, and nobody has panicked.
-    fn wait(&mut self, field: &Field, nearest: Option<u32>) -> bool {
-        let since = Instant::now();
-        let mut patience = field.pace.patience();
-        if nearest.is_none() {
-            field.pace.end();
+    /// Tells the others how much it has before it.
+    fn note_load(&mut self, shared: &Shared) {
+        if shared.threads > 1 {
+            let store = &self.wave.store;
+            let (windows, lists) = (store.waiting(), store.lists());
+            let expected = self.load.note(windows, lists, self.clock.busy());
+            shared.loads.publish(self.thread, expected);
         }
-        let goes_on = loop {
-            jitter();
-            if self.has_mail(field) {
-                if nearest.is_none() {
-                    field.pace.begin();
-                }
-                break true;
-            }
-            if nearest.is_some_and(|bucket| field.pace.allows(bucket)) {
-                break true;
-            }
-            if nearest.is_none() && field.pace.is_over() || field.pace.is_broken() {
-                break false;
-            }
-            patience.wait();
+    }
+
+    /// Gives a part of the wavefront to the thread that has least, if this one has too much and the last time is a while ago. The bucket is
+    /// that of the next turn.
+    ///
+    /// Faces and vertices are numbered along a space-filling curve, so that what is given away from the end of the numbers lies
+    /// together; from that end where the parts of the other thread are likely to lie, since it gives from the other one.
+    fn give(&mut self, shared: &Shared, bucket: u32) {
+        if shared.threads == 1 || bucket < self.looks {
+            return;
+        }
+        self.looks = bucket.saturating_add(BUCKETS);
+        let Some((to, share)) = shared.loads.advice(self.thread) else {
+            return;
         };
+        let mut near = mem::take(&mut self.near);
+        shared.gifts.send(self.thread, to, &shared.pace, |gift| {
+            near.clear();
+            near.extend(self.wave.buckets.near());
+            near.sort_unstable();
+            if to < self.thread {
+                near.reverse();
+            }
+            let part = &mut Part::new(shared, &mut self.own);
+            let (wanted, mut given) = (share * self.load.weight(), 0);
+            // It keeps one at least.
+            while (given as f64) < wanted
+                && near.len() > 1
+                && let Some(v) = near.pop()
+            {
+                jitter();
+                given += gift.add(&mut self.wave, part, v, LIST);
+            }
+            self.load.lose(given);
+            self.given += gift.windows();
+            shared.loads.moved(self.thread, to, share);
+        });
+        self.near = near;
+    }
+
+    /// Takes in what another thread has given it; returns whether there was anything.
+    fn receive<P: Probe>(&mut self, shared: &Shared, probe: &mut P) -> bool {
+        let part = &mut Part::new(shared, &mut self.own);
+        let (gift, wave) = (&mut self.gift, &mut self.wave);
+        let gifts = &shared.gifts;
+        gifts.receive(self.thread, &shared.pace, gift, wave, part, probe)
+    }
+
+    /// Waits for a gift, or until `nearest`, the nearest bucket that has a vertex, may have its turn; returns whether there is
+    /// anything left to do, and nobody has panicked.
+    fn wait(&mut self, shared: &Shared, nearest: Option<u32>) -> bool {
+        let Some(bucket) = nearest else {
+            shared.pace.end();
+            return self.rest(shared);
+        };
+        let since = Instant::now();
+        let mut patience = shared.pace.patience();
+        while !shared.gifts.has(self.thread) && !shared.pace.allows(bucket) {
+            if shared.pace.is_broken() {
+                return false;
+            }
+            jitter();
+            patience.wait();
+        }
         self.clock.waited += since.elapsed();
-        self.receive(field);
-        goes_on
+        true
+    }
+
+    /// Waits for a gift, with nothing else to do; returns whether there is one.
+    fn rest(&mut self, shared: &Shared) -> bool {
+        let since = Instant::now();
+        let mut patience = shared.pace.patience();
+        while !shared.gifts.has(self.thread) {
+            if shared.pace.is_over() || shared.pace.is_broken() {
+                return false;
+            }
+            jitter();
+            patience.wait();
+        }
+        shared.pace.begin();
+        self.clock.waited += since.elapsed();
+        true
     }
 }

@@ -25,7 +25,7 @@ impl Wave {
     ) {
         let mut place = 0;
         loop {
-            if place == self.ready.len() || self.is_full_of_news() {
+            if place == self.ready.len() || self.must_settle() {
                 self.settle(field, probe);
             }
             let Some(&h) = self.ready.get(place) else {
@@ -253,7 +253,7 @@ impl<F: Field, P: Probe, const REUNITE: bool> Program for List<'_, F, P, REUNITE
         // SAFETY: promised by the caller.
         unsafe {
             self.wave
-                .cross::<L, F, P, REUNITE>(self.field, self.h, self.probe)
-        };
+                .cross::<L, F, P, REUNITE>(self.field, self.h, self.probe);
+        }
     }
 }

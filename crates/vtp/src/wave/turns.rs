@@ -47,7 +47,7 @@ impl Wave {
 
     /// Queues the list on half-edge `corner` of face `f` if that has joined.
     #[inline(always)]
-    pub(super) fn make_ready(&mut self, field: &mut impl Field, f: usize, corner: usize) {
+    pub(crate) fn make_ready(&mut self, field: &mut impl Field, f: usize, corner: usize) {
         if field.enqueue(f, corner) {
             self.ready.push(half_edge(f as u32, corner));
         }
@@ -60,14 +60,27 @@ impl Wave {
         self.improved += usize::from(news);
     }
 
+    /// A path of which another wave knew the origin; or none, only a vertex that is to have a turn, if it is infinitely long.
+    pub(crate) fn hear_of<P: Probe>(
+        &mut self,
+        field: &mut impl Field,
+        improvement: Improvement,
+        probe: &mut P,
+    ) {
+        self.note(improvement, true);
+        if self.must_settle() {
+            self.settle(field, probe);
+        }
+    }
+
     /// Whether there is no room for another improvement.
     #[inline(always)]
-    pub(super) fn is_full_of_news(&self) -> bool {
+    pub(super) fn must_settle(&self) -> bool {
         self.improved == self.improvements.len()
     }
 
     /// The consequences of distances that have improved.
-    pub(super) fn settle<P: Probe>(&mut self, field: &mut impl Field, probe: &mut P) {
+    pub(crate) fn settle<P: Probe>(&mut self, field: &mut impl Field, probe: &mut P) {
         for i in 0..std::mem::take(&mut self.improved) {
             let Improvement {
                 vertex,

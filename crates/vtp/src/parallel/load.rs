@@ -1,0 +1,150 @@
+//! How much threads have before them, and who gives how much to whom.
+
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
+
+use super::padded::Padded;
+
+/// What a list that waits costs besides its windows, in windows.
+pub(super) const LIST: usize = 16;
+
+/// How much more than the mean a thread must have before it gives, relatively. From 0.1 to 0.35 it makes no difference.
+const TOO_MUCH: f64 = 0.2;
+
+/// How much of what turns have taken so far counts against what the last one took.
+const KEPT: f64 = 0.9;
+
+/// What a thread's part of the wavefront weighs, and how long turns of so much take it.
+#[derive(Debug, Default)]
+pub(super) struct Load {
+    /// Lists and windows that wait; at the start of the last turn.
+    weight: f64,
+    /// How long the thread had worked then, in nanoseconds.
+    worked: u64,
+    /// Sums over the turns so far, of which older ones count less and less.
+    times: f64,
+    weights: f64,
+}
+
+impl Load {
+    /// A turn is about to start, with so many windows and lists that wait, by a thread that has worked for so many nanoseconds. Returns how
+    /// long that is likely to take, in no unit but the same for all threads.
+    pub(super) fn note(&mut self, windows: usize, lists: usize, worked: u64) -> u64 {
+        let took = worked.saturating_sub(self.worked);
+        self.times = KEPT * self.times + took as f64;
+        self.weights = KEPT * self.weights + self.weight;
+        self.weight = (windows + LIST * lists) as f64;
+        self.worked = worked;
+        #[allow(clippy::cast_sign_loss)] // Neither is negative.
+        let expected = (self.weight * self.pace()) as u64;
+        expected
+    }
+
+    /// Time for each unit of weight.
+    fn pace(&self) -> f64 {
+        if self.weights > 0.0 && self.times > 0.0 {
+            1000.0 * self.times / self.weights
+        } else {
+            1000.0
+        }
+    }
+
+    /// Lists and windows that wait.
+    pub(super) fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    /// Some of it has been given away.
+    pub(super) fn lose(&mut self, weight: usize) {
+        self.weight = (self.weight - weight as f64).max(0.0);
+    }
+}
+
+/// Stands for what a thread expects that has not woken up.
+const ABSENT: u64 = u64::MAX;
+
+/// What all threads expect.
+#[derive(Debug)]
+pub(super) struct Loads(Vec<Padded<AtomicU64>>);
+
+impl Loads {
+    pub(super) fn new(threads: usize) -> Self {
+        let absent = |_| Padded(AtomicU64::new(ABSENT));
+        Self((0..threads).map(absent).collect())
+    }
+
+    /// Nobody has woken up.
+    pub(super) fn reset(&mut self) {
+        self.0.fill_with(|| Padded(AtomicU64::new(ABSENT)));
+    }
+
+    /// What a thread expects now.
+    pub(super) fn publish(&self, thread: usize, expected: u64) {
+        self.0[thread].0.store(expected, Relaxed);
+    }
+
+    /// To whom a thread is to give, and how much of what it has: so much that both would have the mean, if it has too much.
+    pub(super) fn advice(&self, thread: usize) -> Option<(usize, f64)> {
+        let loads = self.0.iter().map(|load| load.0.load(Relaxed)).enumerate();
+        let awake = loads.filter(|&(_, load)| load != ABSENT);
+        let (mut total, mut count, mut poorest) = (0.0, 0.0, None);
+        for (other, load) in awake {
+            total += load as f64;
+            count += 1.0;
+            if poorest.is_none_or(|(_, least)| load < least) {
+                poorest = Some((other, load));
+            }
+        }
+        let (to, least) = poorest?;
+        let own = self.0[thread].0.load(Relaxed) as f64;
+        let mean = total / count;
+        let surplus = (own - mean).min(mean - least as f64);
+        (own > (1.0 + TOO_MUCH) * mean && surplus > 0.0).then(|| (to, surplus / own))
+    }
+
+    /// `from` has given `to` so much of what it expected.
+    pub(super) fn moved(&self, from: usize, to: usize, share: f64) {
+        #[allow(clippy::cast_sign_loss)] // No share is negative.
+        let moved = (self.0[from].0.load(Relaxed) as f64 * share) as u64;
+        self.0[from].0.fetch_sub(moved, Relaxed);
+        self.0[to].0.fetch_add(moved, Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whoever_has_too_much_gives_to_who_has_least_until_one_of_them_has_the_mean() {
+        let loads = Loads::new(4);
+        for (thread, load) in [(0, 900), (1, 100), (2, 200)] {
+            loads.publish(thread, load);
+        }
+        assert_eq!(loads.advice(0), Some((1, 300.0 / 900.0)));
+        assert_eq!((loads.advice(1), loads.advice(2)), (None, None));
+        loads.moved(0, 1, 300.0 / 900.0);
+        assert_eq!(loads.advice(0), Some((2, 200.0 / 600.0)));
+        loads.moved(0, 2, 200.0 / 600.0);
+        assert_eq!(loads.advice(0), None);
+        loads.publish(0, 470);
+        assert_eq!(loads.advice(0), None, "hardly more than the others");
+        assert_eq!(Loads::new(1).advice(0), None);
+    }
+
+    #[test]
+    fn a_slow_thread_expects_to_take_longer() {
+        let [mut fast, mut slow] = [Load::default(), Load::default()];
+        for turn in 0..9 {
+            let [a, b] = [
+                fast.note(1000, 20, 1000 * turn),
+                slow.note(1000, 20, 3000 * turn),
+            ];
+            assert!(turn == 0 && a == b || b.abs_diff(3 * a) < 5, "{a}, {b}");
+        }
+        fast.lose(320);
+        assert_eq!(fast.weight(), 1000.0);
+        fast.lose(9999);
+        assert_eq!(fast.weight(), 0.0);
+    }
+}

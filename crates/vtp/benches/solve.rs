@@ -1,9 +1,15 @@
 //! Whole solves of `vtp` and of `vtp-fast`, with every set of instructions that the processor has and without each
-//! improvement, on three generated models.
+//! improvement, and of `pvtp`, on three generated models.
+
+use std::hint::black_box;
+use std::sync::{Mutex, PoisonError};
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use geobench_benches::{named, whole_solves};
-use geobench_vtp::{FastOptions, Instructions, Vtp, VtpFast};
+use geobench_mesh::{Mesh, VertexId};
+use geobench_vtp::{FastOptions, Instructions, Pvtp, Vtp, VtpFast};
+use geobench_window::{Counters, Phases, Solution, SolveError, Solver};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 fn options() -> Vec<(String, FastOptions)> {
     let all = FastOptions::default();
@@ -42,11 +48,53 @@ fn options() -> Vec<(String, FastOptions)> {
         .collect()
 }
 
+/// Two solves of `vtp-fast` at the same time, which have nothing to do with each other: twice as long as one solve on two threads could take at
+/// best. On machines whose processors slow each other down, or that others use as well, this tells what two threads have to gain.
+struct Twice<'m> {
+    first: VtpFast<'m>,
+    second: Mutex<VtpFast<'m>>,
+    pool: ThreadPool,
+}
+
+impl<'m> Twice<'m> {
+    fn new(mesh: &'m Mesh) -> Self {
+        let pool = ThreadPoolBuilder::new().num_threads(1).build();
+        Self {
+            first: VtpFast::new(mesh),
+            second: Mutex::new(VtpFast::new(mesh)),
+            pool: pool.expect("the system starts a thread"),
+        }
+    }
+}
+
+impl Solver for Twice<'_> {
+    fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
+        let (first, second) = (&mut self.first, &self.second);
+        self.pool.in_place_scope(|scope| {
+            scope.spawn_broadcast(|_, _| {
+                let mut second = second.lock().unwrap_or_else(PoisonError::into_inner);
+                black_box(second.solve(sources)).ok();
+            });
+            first.solve(sources)
+        })
+    }
+
+    fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
+        self.first.count(sources)
+    }
+
+    fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError> {
+        self.first.clock(sources)
+    }
+}
+
 fn solve(criterion: &mut Criterion) {
     whole_solves(criterion, |mesh| {
         let mut solvers = vec![named("vtp", Vtp::new(mesh))];
         let with = |(name, options)| named(name, VtpFast::with_options(mesh, options));
         solvers.extend(options().into_iter().map(with));
+        solvers.push(named("fast-twice-at-once", Twice::new(mesh)));
+        solvers.extend([1, 2].map(|n| named(format!("pvtp-{n}"), Pvtp::new(mesh, n))));
         solvers
     });
 }

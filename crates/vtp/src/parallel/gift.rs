@@ -18,6 +18,8 @@ use crate::wave::{Field, Improvement, Wave};
 /// Vertices that are to have their turns, with all windows of the giver that wait on the faces around them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gift {
+    /// The bucket at which the giver is.
+    bucket: u32,
     /// The vertices, with the shortest paths to them if the giver knew their origins, infinitely long ones otherwise.
     turns: Vec<Improvement>,
     /// The half-edges on which windows wait, and how many.
@@ -38,7 +40,7 @@ impl Gift {
         self.windows.len() / COLUMNS
     }
 
-    /// Adds `v`, whose turn was to come in `wave`, and the windows around it. Returns what they weigh, `list` for each list and one for each
+    /// Adds `v`, whose turn was to come in `wave`, and the windows around it. Returns what they weigh, `each` for each list and one for each
     /// window.
     ///
     /// None of the wave's lists may be ready to cross, and no path may wait for its consequences.
@@ -47,7 +49,7 @@ impl Gift {
         wave: &mut Wave,
         part: &mut Part<'_>,
         v: u32,
-        list: usize,
+        each: usize,
     ) -> usize {
         wave.buckets.remove(v);
         let origin = wave.origins[v as usize];
@@ -62,13 +64,13 @@ impl Gift {
         for place in part.surface().ring_places(v) {
             let (f, _) = parts(part.surface().rings[place]);
             for corner in 0..3 {
-                let windows = part.list(f, corner);
-                if windows != NO_LIST {
-                    let len = wave.store.len(windows);
+                let list = part.list(f, corner);
+                if list != NO_LIST {
+                    let len = wave.store.len(list);
                     self.lists.push((half_edge(f as u32, corner), len as u32));
-                    wave.store.copy_out(windows, &mut self.windows);
-                    part.set_list(f, corner, wave.store.set_len(windows, 0));
-                    weight += list + len;
+                    wave.store.copy_out(list, &mut self.windows);
+                    part.set_list(f, corner, wave.store.set_len(list, 0));
+                    weight += each + len;
                 }
             }
         }
@@ -85,10 +87,10 @@ impl Gift {
         wave.settle(part, probe);
         let mut windows = self.windows.as_slice();
         for &(h, n) in &self.lists {
-            let (list, rest) = windows.split_at(n as usize * COLUMNS);
+            let (columns, rest) = windows.split_at(n as usize * COLUMNS);
             windows = rest;
             let (f, corner) = parts(h);
-            let list = wave.store.append(part.list(f, corner), list);
+            let list = wave.store.append(part.list(f, corner), columns);
             part.set_list(f, corner, list);
             wave.make_ready(part, f, corner);
         }
@@ -115,8 +117,8 @@ impl Gifts {
         }
     }
 
-    /// Has `fill` pack what `from` gives to `to`, unless something is on its way there already.
-    pub(super) fn send(&self, from: usize, to: usize, pace: &Pace, fill: impl FnOnce(&mut Gift)) {
+    /// Has `fill` pack what a thread at `bucket` gives to thread `to`, unless something is on its way there already.
+    pub(super) fn send(&self, bucket: u32, to: usize, pace: &Pace, fill: impl FnOnce(&mut Gift)) {
         let slot = &self.slots[to].0;
         let Ok(mut gift) = slot.gift.try_lock() else {
             return;
@@ -130,7 +132,8 @@ impl Gifts {
         if !gift.turns.is_empty() {
             pace.begin();
             jitter();
-            pace.call_back(from, to);
+            gift.bucket = bucket;
+            pace.call_back(to, bucket);
             slot.full.store(true, Relaxed);
         }
     }
@@ -160,6 +163,8 @@ impl Gifts {
         slot.full.store(false, Relaxed);
         drop(gift);
         jitter();
+        // It may have looked elsewhere since it was called back.
+        pace.call_back(to, spare.bucket);
         spare.unpack(wave, part, probe);
         jitter();
         pace.end();
@@ -303,7 +308,7 @@ mod tests {
         }
         let mut send = |v| {
             let (wave, mut part) = a.part(&shared);
-            gifts.send(0, 1, pace, |gift| {
+            gifts.send(2, 1, pace, |gift| {
                 gift.add(wave, &mut part, v, 1);
             });
         };
@@ -323,7 +328,7 @@ mod tests {
         pace.begin();
         send(102);
         assert_eq!((receive(), receive()), ((true, 2), (false, 2)));
-        gifts.send(0, 1, pace, |_| {});
+        gifts.send(2, 1, pace, |_| {});
         assert!(!gifts.has(1), "an empty one");
         // What was not sent is still there.
         assert_eq!(a.wave.buckets.near().collect::<Vec<_>>(), [101]);

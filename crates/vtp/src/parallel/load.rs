@@ -17,9 +17,10 @@ const KEPT: f64 = 0.9;
 /// What a thread's part of the wavefront weighs, and how long turns of so much take it.
 #[derive(Debug, Default)]
 pub(super) struct Load {
-    /// Lists and windows that wait; at the start of the last turn.
+    /// Lists and windows that wait.
     weight: f64,
-    /// How long the thread had worked then, in nanoseconds.
+    /// What they weighed at the start of the last turn, and how long the thread had worked then, in nanoseconds.
+    last: f64,
     worked: u64,
     /// Sums over the turns so far, of which older ones count less and less.
     times: f64,
@@ -27,21 +28,25 @@ pub(super) struct Load {
 }
 
 impl Load {
-    /// A turn is about to start, with so many windows and lists that wait, by a thread that has worked for so many nanoseconds. Returns how
-    /// long that is likely to take, in no unit but the same for all threads.
-    pub(super) fn note(&mut self, windows: usize, lists: usize, worked: u64) -> u64 {
-        let took = worked.saturating_sub(self.worked);
-        self.times = KEPT * self.times + took as f64;
-        self.weights = KEPT * self.weights + self.weight;
+    /// So many windows and lists wait. Returns how long their turns are likely to take, in no unit but the same for all threads.
+    pub(super) fn expect(&mut self, windows: usize, lists: usize) -> u64 {
         self.weight = (windows + LIST * lists) as f64;
-        self.worked = worked;
         #[allow(clippy::cast_sign_loss)] // Neither is negative.
-        let expected = (self.weight * self.pace()) as u64;
+        let expected = (self.weight * self.time_for_each()) as u64;
         expected
     }
 
+    /// A turn starts, of a thread that has worked for so many nanoseconds.
+    pub(super) fn turn(&mut self, worked: u64) {
+        let took = worked.saturating_sub(self.worked);
+        self.times = KEPT * self.times + took as f64;
+        self.weights = KEPT * self.weights + self.last;
+        self.last = self.weight;
+        self.worked = worked;
+    }
+
     /// Time for each unit of weight.
-    fn pace(&self) -> f64 {
+    fn time_for_each(&self) -> f64 {
         if self.weights > 0.0 && self.times > 0.0 {
             1000.0 * self.times / self.weights
         } else {
@@ -54,9 +59,11 @@ impl Load {
         self.weight
     }
 
-    /// Some of it has been given away.
-    pub(super) fn lose(&mut self, weight: usize) {
-        self.weight = (self.weight - weight as f64).max(0.0);
+    /// So much of it has been given away; returns which part that was.
+    pub(super) fn lose(&mut self, weight: usize) -> f64 {
+        let part = (weight as f64 / self.weight.max(1.0)).min(1.0);
+        self.weight *= 1.0 - part;
+        part
     }
 }
 
@@ -83,7 +90,7 @@ impl Loads {
         self.0[thread].0.store(expected, Relaxed);
     }
 
-    /// To whom a thread is to give, and how much of what it has: so much that both would have the mean, if it has too much.
+    /// To whom a thread is to give, and how much of what it has: so much that both have the same, if it has too much.
     pub(super) fn advice(&self, thread: usize) -> Option<(usize, f64)> {
         let loads = self.0.iter().map(|load| load.0.load(Relaxed)).enumerate();
         let awake = loads.filter(|&(_, load)| load != ABSENT);
@@ -97,9 +104,8 @@ impl Loads {
         }
         let (to, least) = poorest?;
         let own = self.0[thread].0.load(Relaxed) as f64;
-        let mean = total / count;
-        let surplus = (own - mean).min(mean - least as f64);
-        (own > (1.0 + TOO_MUCH) * mean && surplus > 0.0).then(|| (to, surplus / own))
+        let share = (own - least as f64) / (2.0 * own);
+        (own > (1.0 + TOO_MUCH) * total / count).then_some((to, share))
     }
 
     /// `from` has given `to` so much of what it expected.
@@ -116,35 +122,43 @@ mod tests {
     use super::*;
 
     #[test]
-    fn whoever_has_too_much_gives_to_who_has_least_until_one_of_them_has_the_mean() {
+    fn whoever_has_too_much_shares_with_whoever_has_least() {
         let loads = Loads::new(4);
         for (thread, load) in [(0, 900), (1, 100), (2, 200)] {
             loads.publish(thread, load);
         }
-        assert_eq!(loads.advice(0), Some((1, 300.0 / 900.0)));
+        assert_eq!(loads.advice(0), Some((1, 400.0 / 900.0)));
         assert_eq!((loads.advice(1), loads.advice(2)), (None, None));
-        loads.moved(0, 1, 300.0 / 900.0);
-        assert_eq!(loads.advice(0), Some((2, 200.0 / 600.0)));
-        loads.moved(0, 2, 200.0 / 600.0);
-        assert_eq!(loads.advice(0), None);
-        loads.publish(0, 470);
-        assert_eq!(loads.advice(0), None, "hardly more than the others");
-        assert_eq!(Loads::new(1).advice(0), None);
+        loads.moved(0, 1, 400.0 / 900.0);
+        for from in [0, 1] {
+            assert_eq!(loads.advice(from), Some((2, 150.0 / 500.0)));
+        }
+        loads.moved(0, 2, 150.0 / 500.0);
+        loads.publish(1, 410);
+        assert_eq!([0, 1, 2].map(|thread| loads.advice(thread)), [None; 3]);
+        let loads = Loads::new(1);
+        for load in [9, 0] {
+            loads.publish(0, load);
+            assert_eq!(loads.advice(0), None);
+        }
     }
 
     #[test]
-    fn a_slow_thread_expects_to_take_longer() {
-        let [mut fast, mut slow] = [Load::default(), Load::default()];
+    fn a_slow_thread_expects_to_take_longer_and_one_that_waits_does_not() {
+        let [mut fast, mut slow, mut waits] = [0, 1, 2].map(|_| Load::default());
         for turn in 0..9 {
-            let [a, b] = [
-                fast.note(1000, 20, 1000 * turn),
-                slow.note(1000, 20, 3000 * turn),
-            ];
-            assert!(turn == 0 && a == b || b.abs_diff(3 * a) < 5, "{a}, {b}");
+            let [a, b, c] = [&mut fast, &mut slow, &mut waits].map(|load| load.expect(1000, 20));
+            assert!(turn < 2 || b.abs_diff(3 * a) < 5, "{a}, {b}");
+            assert_eq!(a, c);
+            fast.turn(1000 * turn);
+            slow.turn(3000 * turn);
+            waits.turn(1000 * turn);
+            for _ in 0..turn {
+                waits.expect(1000, 20);
+            }
         }
-        fast.lose(320);
-        assert_eq!(fast.weight(), 1000.0);
-        fast.lose(9999);
-        assert_eq!(fast.weight(), 0.0);
+        fast.expect(1000, 20);
+        assert_eq!((fast.lose(330), fast.weight()), (0.25, 990.0));
+        assert_eq!((fast.lose(9999), fast.weight()), (1.0, 0.0));
     }
 }

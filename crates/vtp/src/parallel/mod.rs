@@ -161,6 +161,9 @@ impl<P: Probe, const REUNITE: bool> Program for Task<'_, P, REUNITE> {
             self.worker
                 .run::<L, P, REUNITE>(shared, sources, self.probe);
         }
+        if shared.pace.is_broken() {
+            return;
+        }
         let first = shared
             .share(self.worker.thread, shared.distances.len())
             .start;
@@ -272,7 +275,11 @@ impl Pvtp<'_> {
             }
         };
         match &self.pool {
-            None => run_first(),
+            None => {
+                run_first();
+                // There is nothing left for them but to hand out their shares of the distances.
+                (0..of_others.len()).for_each(run_other);
+            }
             // If one panics, all end, and the panic goes on from here.
             Some(pool) => pool.in_place_scope(|scope| {
                 scope.spawn_broadcast(|_, thread| run_other(thread.index()));

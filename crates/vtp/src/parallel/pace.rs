@@ -60,11 +60,9 @@ impl Pace {
             .store(bucket.unwrap_or(NOWHERE), Relaxed);
     }
 
-    /// A gift is to go from one thread to another, which falls back with it: it may be far ahead or have nothing to do, and what
-    /// it is sent belongs to where the sender is.
-    pub(super) fn call_back(&self, from: usize, to: usize) {
-        let place = self.places[from].0.load(Relaxed);
-        self.places[to].0.fetch_min(place, Relaxed);
+    /// A thread gets something from one that is at `bucket`, and falls back with it: it may be far ahead or have nothing to do.
+    pub(super) fn call_back(&self, to: usize, bucket: u32) {
+        self.places[to].0.fetch_min(bucket, Relaxed);
     }
 
     /// Whether the turn of a bucket may be taken.
@@ -155,7 +153,7 @@ mod tests {
         assert!(pace.allows(5) && pace.allows(5 + LEAD) && !pace.allows(6 + LEAD));
         pace.come_to(2, None);
         assert!(pace.allows(7 + LEAD) && !pace.allows(8 + LEAD));
-        pace.call_back(0, 2);
+        pace.call_back(2, 7);
         pace.come_to(0, Some(9));
         assert!(pace.allows(7 + LEAD) && !pace.allows(8 + LEAD));
         pace.come_to(2, None);

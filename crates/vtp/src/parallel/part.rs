@@ -11,9 +11,9 @@ use crate::wave::Field;
 #[derive(Debug)]
 pub(super) struct Own {
     faces: Vec<FaceState>,
-    /// The length of the path to each pseudo-source that is known to the wave of this thread, if it found the shortest.
+    /// The length of the path to each vertex whose origin the wave of this thread knows; infinite otherwise.
     reached: Vec<f64>,
-    /// Vertices that have had their turns in this wave, or are to have them.
+    /// Vertices that have had their turns in this wave or are to have them, as far as paths reached them here and they were not given away.
     met: Vec<bool>,
     /// The number of this run.
     run: u8,

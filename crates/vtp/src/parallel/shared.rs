@@ -46,7 +46,7 @@ impl Shared {
         self.distances.fill_with(Distance::unknown);
     }
 
-    /// Starts another run; nothing is on its way, and no distance is known.
+    /// Starts another run. Nothing may be on its way and no distance known, as after a run or when it has [recovered](Self::recover).
     pub(super) fn start(&mut self) {
         self.loads.reset();
         self.pace.reset();

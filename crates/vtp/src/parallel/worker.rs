@@ -100,11 +100,14 @@ impl Worker {
             }
             let nearest = self.wave.buckets.nearest();
             shared.pace.come_to(self.thread, nearest);
-            self.note_load(shared);
+            self.tell_load(shared);
             match nearest {
                 _ if shared.pace.is_broken() => break,
                 Some(bucket) if shared.pace.allows(bucket) => {
                     self.give(shared, bucket);
+                    if shared.threads > 1 {
+                        self.load.turn(self.clock.busy());
+                    }
                     let part = &mut Part::new(shared, &mut self.own);
                     self.wave.take_turn(part, bucket, probe);
                 }
@@ -115,6 +118,10 @@ impl Worker {
                 }
             }
         }
+        debug_assert!(
+            shared.pace.is_broken() || self.wave.is_empty(),
+            "a list waits for a turn that no vertex has"
+        );
     }
 
     /// The first thread starts with the turns of the sources, the others wait until they are given something: nobody waits for a thread that
@@ -141,11 +148,10 @@ impl Worker {
     }
 
     /// Tells the others how much it has before it.
-    fn note_load(&mut self, shared: &Shared) {
+    fn tell_load(&mut self, shared: &Shared) {
         if shared.threads > 1 {
             let store = &self.wave.store;
-            let (windows, lists) = (store.waiting(), store.lists());
-            let expected = self.load.note(windows, lists, self.clock.busy());
+            let expected = self.load.expect(store.waiting(), store.lists());
             shared.loads.publish(self.thread, expected);
         }
     }
@@ -164,7 +170,7 @@ impl Worker {
             return;
         };
         let mut near = mem::take(&mut self.near);
-        shared.gifts.send(self.thread, to, &shared.pace, |gift| {
+        shared.gifts.send(bucket, to, &shared.pace, |gift| {
             near.clear();
             near.extend(self.wave.buckets.near());
             near.sort_unstable();
@@ -181,9 +187,9 @@ impl Worker {
                 jitter();
                 given += gift.add(&mut self.wave, part, v, LIST);
             }
-            self.load.lose(given);
             self.given += gift.windows();
-            shared.loads.moved(self.thread, to, share);
+            let part = self.load.lose(given);
+            shared.loads.moved(self.thread, to, part);
         });
         self.near = near;
     }

@@ -21,10 +21,11 @@ use crate::engine::store::WindowStore;
 use crate::engine::surface::Surface;
 use crate::fast::Options;
 
-/// Improved distances wait for their consequences until so many have come together.
+/// Paths wait for their consequences until so many have come together.
 const IMPROVEMENTS: usize = 4096;
 
-/// A path to a vertex that was the shortest when it was found.
+/// A path to a vertex whose consequences wait: it was the shortest when it was found; or it is the first to a vertex that other waves
+/// know, which is to have a turn in this one too.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Improvement {
     pub(crate) vertex: u32,
@@ -84,7 +85,12 @@ impl Wave {
         }
     }
 
-    /// Forgets what the last run has learnt. Every list and queue is empty after a run.
+    /// Whether no window and no vertex waits, as after a run.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.store.waiting() == 0 && self.buckets.len() == 0
+    }
+
+    /// Forgets what the last run has learnt. Every list and queue must be empty, as after a run that was not broken off.
     pub(crate) fn reset(&mut self) {
         let vertices = self.origins.len();
         self.buckets.reset();

@@ -17,10 +17,9 @@ const KEPT: f64 = 0.9;
 /// What a thread's part of the wavefront weighs, and how long turns of so much take it.
 #[derive(Debug, Default)]
 pub(super) struct Load {
-    /// Lists and windows that wait.
+    /// Lists and windows that waited when the thread told last.
     weight: f64,
-    /// What they weighed at the start of the last turn, and how long the thread had worked then, in nanoseconds.
-    last: f64,
+    /// How long it had worked then, in nanoseconds.
     worked: u64,
     /// Sums over the turns so far, of which older ones count less and less.
     times: f64,
@@ -28,21 +27,20 @@ pub(super) struct Load {
 }
 
 impl Load {
-    /// So many windows and lists wait. Returns how long their turns are likely to take, in no unit but the same for all threads.
-    pub(super) fn expect(&mut self, windows: usize, lists: usize) -> u64 {
+    /// A thread that has worked for so many nanoseconds has so many windows and lists that wait. Returns how long their turns are likely to
+    /// take, in no unit but the same for all threads.
+    ///
+    /// It does so after each turn and once more when it has waited. So a thread that waits seems faster than it is, is given more and waits
+    /// less, which gains 2 % on models of some thousand faces and a tenth on planes.
+    pub(super) fn note(&mut self, windows: usize, lists: usize, worked: u64) -> u64 {
+        let took = worked.saturating_sub(self.worked);
+        self.times = KEPT * self.times + took as f64;
+        self.weights = KEPT * self.weights + self.weight;
         self.weight = (windows + LIST * lists) as f64;
+        self.worked = worked;
         #[allow(clippy::cast_sign_loss)] // Neither is negative.
         let expected = (self.weight * self.time_for_each()) as u64;
         expected
-    }
-
-    /// A turn starts, of a thread that has worked for so many nanoseconds.
-    pub(super) fn turn(&mut self, worked: u64) {
-        let took = worked.saturating_sub(self.worked);
-        self.times = KEPT * self.times + took as f64;
-        self.weights = KEPT * self.weights + self.last;
-        self.last = self.weight;
-        self.worked = worked;
     }
 
     /// Time for each unit of weight.
@@ -144,20 +142,16 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_thread_expects_to_take_longer_and_one_that_waits_does_not() {
+    fn a_slow_thread_expects_to_take_longer_and_one_that_waits_less_long() {
         let [mut fast, mut slow, mut waits] = [0, 1, 2].map(|_| Load::default());
+        let [mut a, mut b, mut c] = [0; 3];
         for turn in 0..9 {
-            let [a, b, c] = [&mut fast, &mut slow, &mut waits].map(|load| load.expect(1000, 20));
-            assert!(turn < 2 || b.abs_diff(3 * a) < 5, "{a}, {b}");
-            assert_eq!(a, c);
-            fast.turn(1000 * turn);
-            slow.turn(3000 * turn);
-            waits.turn(1000 * turn);
-            for _ in 0..turn {
-                waits.expect(1000, 20);
-            }
+            a = fast.note(1000, 20, 1000 * turn);
+            b = slow.note(1000, 20, 3000 * turn);
+            waits.note(1000, 20, 1000 * turn);
+            c = waits.note(1000, 20, 1000 * turn);
         }
-        fast.expect(1000, 20);
+        assert!(b.abs_diff(3 * a) < 5 && c < a, "{a}, {b}, {c}");
         assert_eq!((fast.lose(330), fast.weight()), (0.25, 990.0));
         assert_eq!((fast.lose(9999), fast.weight()), (1.0, 0.0));
     }

@@ -105,9 +105,6 @@ impl Worker {
                 _ if shared.pace.is_broken() => break,
                 Some(bucket) if shared.pace.allows(bucket) => {
                     self.give(shared, bucket);
-                    if shared.threads > 1 {
-                        self.load.turn(self.clock.busy());
-                    }
                     let part = &mut Part::new(shared, &mut self.own);
                     self.wave.take_turn(part, bucket, probe);
                 }
@@ -151,7 +148,8 @@ impl Worker {
     fn tell_load(&mut self, shared: &Shared) {
         if shared.threads > 1 {
             let store = &self.wave.store;
-            let expected = self.load.expect(store.waiting(), store.lists());
+            let (windows, lists) = (store.waiting(), store.lists());
+            let expected = self.load.note(windows, lists, self.clock.busy());
             shared.loads.publish(self.thread, expected);
         }
     }

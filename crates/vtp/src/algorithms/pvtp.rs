@@ -21,7 +21,7 @@
 //! to do in one bucket and less in the next evens out; whoever gets a gift falls back to where the giver is, for others must
 //! not go on without what it leads to. Nobody waits for a thread that has not woken up, but to copy its share of the distances at the end. On two threads 2 % to 10 % of
 //! the time is waiting, most on models of some thousand faces. More windows than on one thread cross, since what one knows comes late to the other, by up to
-//! 3 %, and since half-edges with windows of two threads have two lists, 5 % to 10 % more lists.
+//! 6 %, and since half-edges with windows of two threads have two lists, 5 % to 10 % more lists.
 //!
 //! **Why distances may differ in the last bits.** With one thread they are the same from run to run. With several it is a matter of chance which
 //! window arrives first, so of paths that are equally long but for rounding one or the other is kept, and a window may be cut by
@@ -37,8 +37,9 @@
 //! for a run may begin on the processor of the one that starts it, and stay there for 5 to 15 ms, far longer than a
 //! small model takes: the median of such runs was 4 to 6 times that of these, though the least was the same.
 //!
-//! **Gain.** Two threads on two processors are 1.5 to 1.7 times as fast as `vtp_fast` on models of 6 to 13 thousand faces, 1.75 to 2.0 times on
-//! 70 to 270 thousand, where both processors are as fast together as one alone; one thread takes 2 % to 6 % longer than `vtp_fast`.
+//! **Gain.** Two threads on two processors are 1.5 to 1.65 times as fast as `vtp_fast` on models of 6 to 13 thousand faces and 1.85 to 1.9 times on
+//! 70 to 270 thousand, as fast as `vtp_fast` is when it runs twice at once; 2 % to 4 % less than when it runs alone. One thread takes 2 % to 6 %
+//! longer than `vtp_fast`.
 //!
 //! **Cost.** As [`vtp_fast`](super::vtp_fast), and for each thread 16 bytes a face and 38 bytes a vertex. Each thread counts
 //! its own most windows, most entries of its queue and turns; what is reported are the sums. Phases are those of the first thread,

@@ -16,6 +16,7 @@ mod clean_pages;
 use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAllocTrait};
 use serde::{Deserialize, Serialize};
 
+pub(crate) use self::clean_pages::give_back as give_back_clean_pages;
 use crate::host::kibibytes;
 
 /// Measures from [`start`](PeakMemory::start) to [`stop`](PeakMemory::stop). Only one may be
@@ -38,7 +39,7 @@ impl PeakMemory {
     /// Starts measuring. Code that has been run and read-only data are given back before, so that what is resident of them
     /// at the peak is what was used since.
     pub fn start() -> Self {
-        clean_pages::give_back();
+        give_back_clean_pages();
         // 5 resets the peak that `VmHWM` shows. The figure the parent process gets for its child
         // cannot be used: it includes what was inherited before exec.
         let rss_was_reset = std::fs::write("/proc/self/clear_refs", "5").is_ok();

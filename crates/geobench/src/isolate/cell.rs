@@ -11,6 +11,7 @@ use super::message::{Order, Reply};
 use super::system;
 use crate::affinity;
 use crate::in_process::InProcess;
+use crate::memory;
 use crate::model::ModelRef;
 use crate::record::Status;
 use crate::registry;
@@ -58,6 +59,7 @@ pub(crate) fn cell(model: &OsStr) -> io::Result<()> {
     };
     let mut done = Ok(());
     let loaded = InProcess.with_model(&model, &mut |record, executor| {
+        memory::give_back_clean_pages();
         done = answer(&Reply::Loaded(Box::new(record.clone())))
             .and_then(|()| obey(&mut orders, &record.name, executor));
     });

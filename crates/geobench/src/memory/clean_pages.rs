@@ -13,7 +13,7 @@ use std::ops::Range;
 ///
 /// Does nothing where the system does not tell what is mapped.
 #[cfg(target_os = "linux")]
-pub(super) fn give_back() {
+pub(crate) fn give_back() {
     let Ok(smaps) = std::fs::read_to_string("/proc/self/smaps") else {
         return;
     };
@@ -33,7 +33,7 @@ pub(super) fn give_back() {
 
 /// Does nothing: nothing is known of what is mapped.
 #[cfg(not(target_os = "linux"))]
-pub(super) fn give_back() {}
+pub(crate) fn give_back() {}
 
 /// The ranges of addresses in a text like `/proc/self/smaps` that are private mappings of files, not writable, and without a page that the
 /// process has made its own. What the dynamic linker changed before it took away the right to write has such pages.

@@ -12,14 +12,15 @@
 //! one window in a hundred.
 //!
 //! **Why it is exact.** In whatever order windows cross, all that may hold a shortest path do, as in any form of VTP. A distance that a thread sees may
-//! be out of date, and is too long then, which prunes less. Of threads that find paths to a vertex one finds the shortest, and knows where it
-//! came from: that one sends windows from there. Each list waits until one of the vertices of its face has its turn in the thread whose list it is;
+//! be out of date, or overwritten by a longer one that another thread found at the same time; it is too long then, which prunes less. Each thread keeps the
+//! shortest that it found itself, with which the distances are mended at the end. Of threads that find paths to a vertex one finds the
+//! shortest, and knows where it came from: that one sends windows from there. Each list waits until one of the vertices of its face has its turn in the thread whose list it is;
 //! so a thread that meets a vertex for the first time has a turn of it to come, even if another one has found the shorter path, and a
 //! vertex is given away with all windows that wait for it.
 //!
-//! **Who waits.** A thread may be two buckets ahead of the last one, so that what one has more
+//! **Who waits.** A thread may be four buckets ahead of the last one, so that what one has more
 //! to do in one bucket and less in the next evens out; whoever gets a gift falls back to where the giver is, for others must
-//! not go on without what it leads to. Nobody waits for a thread that has not woken up, but to copy its share of the distances at the end. On two threads 2 % to 10 % of
+//! not go on without what it leads to. Nobody waits for a thread that has not woken up, but for its share of the distances at the end. On two threads 2 % to 10 % of
 //! the time is waiting, most on models of some thousand faces. More windows than on one thread cross, since what one knows comes late to the other, by up to
 //! 6 %, and since half-edges with windows of two threads have two lists, 5 % to 10 % more lists.
 //!
@@ -41,7 +42,7 @@
 //! 70 to 270 thousand, measured while `vtp_fast` runs on both at once; 2 % to 4 % less if it has the machine alone. One thread takes 2 % to 6 %
 //! longer than `vtp_fast`.
 //!
-//! **Cost.** As [`vtp_fast`](super::vtp_fast), and for each thread 16 bytes a face and 38 bytes a vertex. Each thread counts
+//! **Cost.** As [`vtp_fast`](super::vtp_fast), and for each thread 16 bytes a face and 37 bytes a vertex. Each thread counts
 //! its own most windows, most entries of its queue and turns; what is reported are the sums. Phases are those of the first thread,
 //! whose waiting counts as management. More threads than idle processors are slower than as many threads as those, since others wait for
 //! what was given to one that does not run. **Choose it** on a machine that has nothing else to do.

@@ -86,14 +86,11 @@ impl Field for Alone {
         nearer
     }
 
+    /// Nobody else finds paths.
     #[inline(always)]
     fn reached(&self, v: u32) -> f64 {
         self.distance(v)
     }
-
-    /// Nobody else finds paths.
-    #[inline(always)]
-    fn reach(&mut self, _: u32, _: f64) {}
 
     #[inline(always)]
     fn prefetch_face(&self, f: usize) {

@@ -20,7 +20,7 @@ use crate::wave::{Field, Improvement, Wave};
 pub(super) struct Gift {
     /// The bucket at which the giver is.
     bucket: u32,
-    /// The vertices, with the shortest paths to them if the giver knew their origins, infinitely long ones otherwise.
+    /// The vertices, with the shortest paths that the giver had to them.
     turns: Vec<Improvement>,
     /// The half-edges on which windows wait, and how many.
     lists: Vec<(u32, u32)>,
@@ -81,7 +81,7 @@ impl Gift {
     fn unpack<P: Probe>(&self, wave: &mut Wave, part: &mut Part<'_>, probe: &mut P) {
         for &turn in &self.turns {
             jitter();
-            part.take_over(turn.vertex);
+            part.take_over(turn.vertex, turn.distance);
             wave.hear_of(part, turn, probe);
         }
         wave.settle(part, probe);

@@ -52,11 +52,6 @@ impl Load {
         }
     }
 
-    /// Lists and windows that wait.
-    pub(super) fn weight(&self) -> f64 {
-        self.weight
-    }
-
     /// So much of it has been given away; returns which part that was.
     pub(super) fn lose(&mut self, weight: usize) -> f64 {
         let part = (weight as f64 / self.weight.max(1.0)).min(1.0);
@@ -152,7 +147,7 @@ mod tests {
             c = waits.note(1000, 20, 1000 * turn);
         }
         assert!(b.abs_diff(3 * a) < 5 && c < a, "{a}, {b}, {c}");
-        assert_eq!((fast.lose(330), fast.weight()), (0.25, 990.0));
-        assert_eq!((fast.lose(9999), fast.weight()), (1.0, 0.0));
+        assert_eq!((fast.lose(330), fast.weight), (0.25, 990.0));
+        assert_eq!((fast.lose(9999), fast.weight), (1.0, 0.0));
     }
 }

@@ -161,7 +161,8 @@ impl<P: Probe, const REUNITE: bool> Program for Task<'_, P, REUNITE> {
             self.worker
                 .run::<L, P, REUNITE>(shared, sources, self.probe);
         }
-        if shared.pace.is_broken() {
+        self.worker.repair(shared);
+        if !shared.pace.meet() {
             return;
         }
         let first = shared
@@ -237,7 +238,9 @@ impl Pvtp<'_> {
             self.workers = workers(self.threads(), &self.shared.surface, &self.options);
             self.shared.recover();
         }
-        self.shared.start();
+        // Without a pool the first thread does everything.
+        let threads = self.pool.as_ref().map_or(1, |_| self.threads());
+        self.shared.start(threads);
         let sources: Vec<u32> = sources
             .iter()
             .map(|&s| self.numbering.new_vertex(s).raw())

@@ -1,5 +1,7 @@
 //! The surface as the wave of one thread finds it.
 
+use std::hint::select_unpredictable;
+
 use super::jitter::jitter;
 use super::shared::{Distance, Shared};
 use crate::engine::face_state::FaceState;
@@ -11,10 +13,11 @@ use crate::wave::Field;
 #[derive(Debug)]
 pub(super) struct Own {
     faces: Vec<FaceState>,
-    /// The length of the path to each vertex whose origin the wave of this thread knows; infinite otherwise.
+    /// The length of the shortest path to each vertex that this thread has found or been given; infinite if there is none, or if the
+    /// vertex was given away since. Where it is finite the vertex has had its turn in this wave or is to have it.
     reached: Vec<f64>,
-    /// Vertices that have had their turns in this wave or are to have them, as far as paths reached them here and they were not given away.
-    met: Vec<bool>,
+    /// Where what need not be written is written to.
+    nowhere: Distance,
     /// The number of this run.
     run: u8,
 }
@@ -24,7 +27,7 @@ impl Own {
         Self {
             faces: vec![FaceState::default(); surface.faces.len()],
             reached: vec![f64::INFINITY; surface.vertices.len()],
-            met: vec![false; surface.vertices.len()],
+            nowhere: Distance::unknown(),
             run: 0,
         }
     }
@@ -37,7 +40,17 @@ impl Own {
         }
         self.run += 1;
         self.reached.fill(f64::INFINITY);
-        self.met.fill(false);
+    }
+
+    /// Lowers the distances that all threads share to what this one has found.
+    ///
+    /// Threads write them without regard for each other, so that a longer path may have overwritten a shorter one.
+    pub(super) fn repair(&self, distances: &[Distance]) {
+        for (distance, &own) in distances.iter().zip(&self.reached) {
+            if own < distance.get() {
+                distance.lower(own);
+            }
+        }
     }
 }
 
@@ -46,11 +59,9 @@ impl Own {
 pub(super) struct Part<'a> {
     surface: &'a Surface,
     distances: &'a [Distance],
-    /// Whether there is no other thread.
-    alone: bool,
     faces: &'a mut [FaceState],
     reached: &'a mut [f64],
-    met: &'a mut [bool],
+    nowhere: &'a Distance,
     run: u8,
 }
 
@@ -59,25 +70,24 @@ impl<'a> Part<'a> {
         Self {
             surface: &shared.surface,
             distances: &shared.distances,
-            alone: shared.threads == 1,
             faces: &mut own.faces,
             reached: &mut own.reached,
-            met: &mut own.met,
+            nowhere: &own.nowhere,
             run: own.run,
         }
     }
 }
 
 impl Part<'_> {
-    /// The turn of `v` is up to another thread; returns the length of the path to it that is known, infinite if none is.
+    /// The turn of `v` is up to another thread; returns the length of the shortest path that this one has to it.
     pub(super) fn give_up(&mut self, v: u32) -> f64 {
-        self.met[v as usize] = false;
         std::mem::replace(&mut self.reached[v as usize], f64::INFINITY)
     }
 
-    /// The turn of `v` is up to this thread from now on.
-    pub(super) fn take_over(&mut self, v: u32) {
-        self.met[v as usize] = true;
+    /// The turn of `v`, to which another thread has found a path of length `d`, is up to this one from now on.
+    pub(super) fn take_over(&mut self, v: u32, d: f64) {
+        let reached = &mut self.reached[v as usize];
+        *reached = reached.min(d);
     }
 }
 
@@ -121,31 +131,26 @@ impl Field for Part<'_> {
 
     /// A vertex that another thread has reached by a shorter path is to have a turn in this wave too, for the lists of this wave
     /// around it.
+    ///
+    /// Without a branch: whether a path is the shortest is hard to predict. And without an atomic minimum: where another thread
+    /// writes a longer path at the same time, threads may see that for a while, which prunes less, until [`Own::repair`].
     #[inline(always)]
+    #[allow(clippy::needless_bitwise_bool)] // The lazy ones are branches.
     fn offer(&mut self, v: u32, d: f64) -> bool {
         jitter();
         let distance = &self.distances[v as usize];
-        let mut nearer = d < distance.get();
-        if nearer {
-            jitter();
-            if self.alone {
-                distance.set(d);
-            } else {
-                nearer = distance.lower(d);
-            }
-        }
-        let met = std::mem::replace(&mut self.met[v as usize], true);
-        nearer || !met
+        let reached = &mut self.reached[v as usize];
+        let nearer = (d < distance.get()) & (d < *reached);
+        let news = nearer | (*reached == f64::INFINITY);
+        jitter();
+        select_unpredictable(nearer, distance, self.nowhere).set(d);
+        *reached = select_unpredictable(news, d, *reached);
+        news
     }
 
     #[inline(always)]
     fn reached(&self, v: u32) -> f64 {
         self.reached[v as usize]
-    }
-
-    #[inline(always)]
-    fn reach(&mut self, v: u32, d: f64) {
-        self.reached[v as usize] = d;
     }
 
     #[inline(always)]
@@ -185,6 +190,23 @@ mod tests {
         assert!(b.offer(7, 5.0) && !b.offer(7, 5.0) && b.offer(7, 2.0));
         assert!(a.offer(7, 1.0) && !b.offer(7, 2.0));
         assert_eq!([a.distance(7), b.distance(7)], [1.0; 2]);
+    }
+
+    /// A thread that has not seen it may write a longer one at the same time.
+    #[test]
+    fn a_path_that_another_thread_has_overwritten_is_not_lost() {
+        let (shared, mut threads) = two_threads();
+        let (_, mut part) = threads[0].part(&shared);
+        assert!(part.offer(7, 3.0));
+        shared.distances[7].set(4.0);
+        assert!(!part.offer(7, 3.5) && part.reached(7) == 3.0);
+        let given = part.give_up(7);
+        let (_, mut part) = threads[1].part(&shared);
+        part.take_over(7, given);
+        for thread in threads {
+            thread.own.repair(&shared.distances);
+        }
+        assert_eq!(shared.distances[7].get(), 3.0);
     }
 
     /// The distance of a vertex once was lowered by another thread, and its turn came before it was known by

@@ -12,8 +12,9 @@ use crate::fast::Options;
 
 /// The state of a run that threads share.
 ///
-/// Distances are atomic, but in no order of their own: what one thread must know of another comes with a gift. A distance that
-/// a thread sees may be old. An old distance is a longer one, and prunes less.
+/// Distances are atomic, but in no order of their own, and whoever finds a shorter path than the one that it sees writes its length without regard
+/// for what others write meanwhile. So a distance that a thread sees may be too long, which prunes less. What must not be lost each thread
+/// keeps for itself, hands over with a gift, and brings in at the end ([`Own::repair`](super::part::Own::repair)).
 #[derive(Debug)]
 pub(super) struct Shared {
     pub(super) surface: Surface,
@@ -46,10 +47,11 @@ impl Shared {
         self.distances.fill_with(Distance::unknown);
     }
 
-    /// Starts another run. Nothing may be on its way and no distance known, as after a run or when it has [recovered](Self::recover).
-    pub(super) fn start(&mut self) {
+    /// Starts another run, in which so many threads take part. Nothing may be on its way and no distance known, as after a run or when it has
+    /// [recovered](Self::recover).
+    pub(super) fn start(&mut self, threads: usize) {
         self.loads.reset();
-        self.pace.reset();
+        self.pace.reset(threads);
     }
 
     /// The share of `thread` in `count` things.
@@ -73,7 +75,7 @@ impl Shared {
 pub(super) struct Distance(AtomicU64);
 
 impl Distance {
-    fn unknown() -> Self {
+    pub(super) fn unknown() -> Self {
         Self(AtomicU64::new(f64::INFINITY.to_bits()))
     }
 
@@ -87,35 +89,9 @@ impl Distance {
         self.0.store(value.to_bits(), Relaxed);
     }
 
-    /// Takes a lesser value, whatever other threads do; returns whether it was less.
-    #[inline]
-    pub(super) fn lower(&self, value: f64) -> bool {
+    /// Takes a lesser value, whatever other threads do.
+    pub(super) fn lower(&self, value: f64) {
         // The bits of such numbers are in the same order.
-        let bits = value.to_bits();
-        self.0.fetch_min(bits, Relaxed) > bits
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::thread;
-
-    #[test]
-    fn of_threads_that_find_the_same_at_once_one_has_found_it() {
-        let distance = Distance::unknown();
-        let find = || {
-            let all = (0..100_000_u32).rev();
-            let least = all.filter(|&d| distance.lower(f64::from(d)));
-            least.collect::<Vec<_>>()
-        };
-        let found = thread::scope(|scope| {
-            let threads = [scope.spawn(find), scope.spawn(find)];
-            threads.map(|thread| thread.join().unwrap()).concat()
-        });
-        let mut once = found.clone();
-        once.sort_unstable();
-        once.dedup();
-        assert_eq!((found.len(), once[0]), (once.len(), 0));
+        self.0.fetch_min(value.to_bits(), Relaxed);
     }
 }

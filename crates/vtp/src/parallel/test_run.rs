@@ -49,7 +49,7 @@ pub(super) fn two_threads() -> (Shared, [Thread; 2]) {
         thread
     });
     let mut shared = Shared::new(surface, &options, 2);
-    shared.start();
+    shared.start(2);
     (shared, threads)
 }
 

@@ -13,7 +13,7 @@ use super::shared::Shared;
 use crate::engine::lanes::Lanes;
 use crate::engine::surface::Surface;
 use crate::fast::Options;
-use crate::wave::Wave;
+use crate::wave::{Field, Wave};
 
 /// Buckets between two times that a thread looks whether it has too much. From 1 to 4 it makes no difference.
 const BUCKETS: u32 = 4;
@@ -54,6 +54,8 @@ pub(super) struct Worker {
     load: Load,
     /// The bucket from which on it looks again whether it has too much.
     looks: u32,
+    /// The last bucket whose turn it may take, as far as it has looked. Threads that fall back since only make this one go further ahead.
+    limit: u32,
     clock: Clock,
     /// Windows given to other threads in this run.
     pub(super) given: usize,
@@ -69,6 +71,7 @@ impl Worker {
             gift: Gift::default(),
             load: Load::default(),
             looks: 0,
+            limit: 0,
             clock: Clock::start(),
             given: 0,
         }
@@ -103,7 +106,7 @@ impl Worker {
             self.tell_load(shared);
             match nearest {
                 _ if shared.pace.is_broken() => break,
-                Some(bucket) if shared.pace.allows(bucket) => {
+                Some(bucket) if self.may_take(shared, bucket) => {
                     self.give(shared, bucket);
                     let part = &mut Part::new(shared, &mut self.own);
                     self.wave.take_turn(part, bucket, probe);
@@ -128,20 +131,35 @@ impl Worker {
         self.own.reset();
         self.load = Load::default();
         self.looks = 0;
+        self.limit = 0;
         self.given = 0;
         self.clock = Clock::start();
         shared.loads.publish(self.thread, 0);
         if self.thread > 0 {
             return self.rest(shared);
         }
-        for &s in sources {
-            shared.distances[s as usize].set(0.0);
-        }
         let part = &mut Part::new(shared, &mut self.own);
+        for &s in sources {
+            part.offer(s, 0.0);
+        }
         for &s in sources {
             self.wave.start_from(part, s, probe);
         }
         true
+    }
+
+    /// Brings the distances that all threads share in order, as far as this one knows better.
+    pub(super) fn repair(&self, shared: &Shared) {
+        self.own.repair(&shared.distances);
+    }
+
+    /// Whether the turn of a bucket may be taken. The places of the others are looked at only if they must be, since each look waits for what they
+    /// have written.
+    fn may_take(&mut self, shared: &Shared, bucket: u32) -> bool {
+        if bucket > self.limit {
+            self.limit = shared.pace.limit();
+        }
+        bucket <= self.limit
     }
 
     /// Tells the others how much it has before it.
@@ -171,17 +189,9 @@ impl Worker {
         shared.gifts.send(bucket, to, &shared.pace, |gift| {
             near.clear();
             near.extend(self.wave.buckets.near());
-            near.sort_unstable();
-            if to < self.thread {
-                near.reverse();
-            }
             let part = &mut Part::new(shared, &mut self.own);
-            let (wanted, mut given) = (share * self.load.weight(), 0);
-            // It keeps one at least.
-            while (given as f64) < wanted
-                && near.len() > 1
-                && let Some(v) = near.pop()
-            {
+            let mut given = 0;
+            for &v in at_one_end(&mut near, share, to > self.thread) {
                 jitter();
                 given += gift.add(&mut self.wave, part, v, LIST);
             }
@@ -209,7 +219,7 @@ impl Worker {
         };
         let since = Instant::now();
         let mut patience = shared.pace.patience();
-        while !shared.gifts.has(self.thread) && !shared.pace.allows(bucket) {
+        while !shared.gifts.has(self.thread) && bucket > shared.pace.limit() {
             if shared.pace.is_broken() {
                 return false;
             }
@@ -234,5 +244,47 @@ impl Worker {
         shared.pace.begin();
         self.clock.waited += since.elapsed();
         true
+    }
+}
+
+/// About `share` of the vertices, those with the greatest numbers or those with the least, in no order; not all of them.
+fn at_one_end(vertices: &mut [u32], share: f64, greatest: bool) -> &[u32] {
+    let all = vertices.len();
+    #[allow(clippy::cast_sign_loss)] // No share is negative.
+    let count = ((share * all as f64).ceil() as usize).min(all.saturating_sub(1));
+    if count == 0 {
+        return &[];
+    }
+    if greatest {
+        vertices.select_nth_unstable(all - count);
+        &vertices[all - count..]
+    } else {
+        vertices.select_nth_unstable(count);
+        &vertices[..count]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_given_away_lies_at_one_end_of_the_numbers() {
+        let vertices = [8, 3, 9, 1, 7, 2];
+        let given = |share, greatest| {
+            let mut vertices = vertices;
+            let mut given = at_one_end(&mut vertices, share, greatest).to_vec();
+            given.sort_unstable();
+            given
+        };
+        assert_eq!(
+            (given(0.5, true), given(0.5, false)),
+            (vec![7, 8, 9], vec![1, 2, 3])
+        );
+        assert_eq!((given(0.01, true), given(0.01, false)), (vec![9], vec![1]));
+        assert_eq!((given(1.0, true).len(), given(0.0, true).len()), (5, 0));
+        for mut few in [vec![], vec![8]] {
+            assert_eq!(at_one_end(&mut few, 1.0, true), []);
+        }
     }
 }

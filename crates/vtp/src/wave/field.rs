@@ -32,11 +32,8 @@ pub(crate) trait Field {
     /// if the vertex is to have a turn of which this wave does not know.
     fn offer(&mut self, v: u32, d: f64) -> bool;
 
-    /// The length of the shortest path to a pseudo-source whose origin this wave knows.
+    /// The length of the shortest path to `v` that this wave has [settled](super::Wave::settle) or is to settle: the one whose origin it knows.
     fn reached(&self, v: u32) -> f64;
-
-    /// The origin of the path of length `d` to `v` is known.
-    fn reach(&mut self, v: u32, d: f64);
 
     /// Asks the processor for a face, and for the lists on it.
     fn prefetch_face(&self, f: usize);

@@ -135,12 +135,8 @@ impl Wave {
         probe: &mut P,
     ) {
         if field.offer(v, d) {
-            let known = field.distance(v);
-            if d <= known {
-                self.origins[v as usize] = origin;
-                field.reach(v, d);
-            }
-            let news = self.buckets.push(v, known);
+            self.origins[v as usize] = origin;
+            let news = self.buckets.push(v, field.distance(v));
             probe.add(Counter::QueuePushes, u64::from(news));
         }
     }

@@ -60,7 +60,7 @@ impl Wave {
         self.improved += usize::from(news);
     }
 
-    /// A path of which another wave knew the origin; or none, only a vertex that is to have a turn, if it is infinitely long.
+    /// A path that another wave had found, to a vertex whose turn is up to this one now.
     pub(crate) fn hear_of<P: Probe>(
         &mut self,
         field: &mut impl Field,
@@ -88,17 +88,16 @@ impl Wave {
                 entry,
                 distance,
             } = self.improvements[i];
-            let (v, known) = (vertex as usize, field.distance(vertex));
+            let v = vertex as usize;
             // What came later has its own consequences.
-            if distance <= known && field.surface().vertices[v].pseudo_source {
+            if distance <= field.reached(vertex) && field.surface().vertices[v].pseudo_source {
                 self.origins[v] = Origin { h, entry };
-                field.reach(vertex, distance);
                 if self.passed[v] {
                     self.spawn_if_nearer(field, vertex, probe);
                 }
             }
             if !self.passed[v] {
-                let news = self.buckets.push(vertex, known);
+                let news = self.buckets.push(vertex, field.distance(vertex));
                 probe.add(Counter::QueuePushes, u64::from(news));
             }
         }

@@ -12,9 +12,9 @@
 //! one window in a hundred.
 //!
 //! **Why it is exact.** In whatever order windows cross, all that may hold a shortest path do, as in any form of VTP. A distance that a thread sees may
-//! be out of date, or overwritten by a longer one that another thread found at the same time; it is too long then, which prunes less. Each thread keeps the
-//! shortest that it found itself, with which the distances are mended at the end. Of threads that find paths to a vertex one finds the
-//! shortest, and knows where it came from: that one sends windows from there. Each list waits until one of the vertices of its face has its turn in the thread whose list it is;
+//! be out of date, or overwritten by a longer one that another thread found at the same time; it is too long then, which prunes less. Whoever writes a
+//! distance keeps it too, or hands it over with the vertex, and mends with it at the end. Of threads that find paths to a vertex one finds the
+//! shortest, and knows where it came from: that one, or whoever it gives the vertex to, sends windows from there. Each list waits until one of the vertices of its face has its turn in the thread whose list it is;
 //! so a thread that meets a vertex for the first time has a turn of it to come, even if another one has found the shorter path, and a
 //! vertex is given away with all windows that wait for it.
 //!

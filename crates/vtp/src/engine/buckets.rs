@@ -8,7 +8,7 @@ const NONE: u32 = u32::MAX;
 
 /// A queue that hands out all vertices of the nearest bucket together.
 ///
-/// A vertex that improves is pushed again; what it leaves behind in a later bucket is void. Buckets
+/// A vertex that improves is pushed again; what it leaves behind in another bucket is void. Buckets
 /// less than [`RING`] ahead are lists of their own, the rest waits in one until the ring gets there.
 #[derive(Clone, Debug)]
 pub(crate) struct Buckets {

@@ -52,6 +52,11 @@ impl Load {
         }
     }
 
+    /// Lists and windows that wait.
+    pub(super) fn weight(&self) -> f64 {
+        self.weight
+    }
+
     /// So much of it has been given away; returns which part that was.
     pub(super) fn lose(&mut self, weight: usize) -> f64 {
         let part = (weight as f64 / self.weight.max(1.0)).min(1.0);

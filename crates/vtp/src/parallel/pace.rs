@@ -67,7 +67,8 @@ impl Pace {
             .store(bucket.unwrap_or(NOWHERE), Relaxed);
     }
 
-    /// A thread gets something from one that is at `bucket`, and falls back with it: it may be far ahead or have nothing to do.
+    /// A thread gets something from one that is at `bucket`, and falls back until it has taken it in: it may be far ahead or
+    /// have nothing to do.
     pub(super) fn call_back(&self, to: usize, bucket: u32) {
         self.places[to].0.fetch_min(bucket, Relaxed);
     }

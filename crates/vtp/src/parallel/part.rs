@@ -13,8 +13,9 @@ use crate::wave::Field;
 #[derive(Debug)]
 pub(super) struct Own {
     faces: Vec<FaceState>,
-    /// The length of the shortest path to each vertex that this thread has found or been given; infinite if there is none, or if the
-    /// vertex was given away since. Where it is finite the vertex has had its turn in this wave or is to have it.
+    /// The length of the first path to each vertex that this thread has found or been given, and from then on of those that were shorter than
+    /// this and than the distance that it saw; infinite if there is none, or if the vertex was given away since. So whoever wrote a distance,
+    /// or was given the vertex, has one that is no longer. Where it is finite the vertex has had its turn in this wave or is to have it.
     reached: Vec<f64>,
     /// Where what need not be written is written to.
     nowhere: Distance,
@@ -47,7 +48,7 @@ impl Own {
     /// Threads write them without regard for each other, so that a longer path may have overwritten a shorter one.
     pub(super) fn repair(&self, distances: &[Distance]) {
         for (distance, &own) in distances.iter().zip(&self.reached) {
-            if own < distance.get() {
+            if own < f64::INFINITY && own < distance.get() {
                 distance.lower(own);
             }
         }
@@ -79,7 +80,7 @@ impl<'a> Part<'a> {
 }
 
 impl Part<'_> {
-    /// The turn of `v` is up to another thread; returns the length of the shortest path that this one has to it.
+    /// The turn of `v` is up to another thread; returns the length of the path that this one has to it.
     pub(super) fn give_up(&mut self, v: u32) -> f64 {
         std::mem::replace(&mut self.reached[v as usize], f64::INFINITY)
     }

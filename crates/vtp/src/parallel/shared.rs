@@ -13,8 +13,8 @@ use crate::fast::Options;
 /// The state of a run that threads share.
 ///
 /// Distances are atomic, but in no order of their own, and whoever finds a shorter path than the one that it sees writes its length without regard
-/// for what others write meanwhile. So a distance that a thread sees may be too long, which prunes less. What must not be lost each thread
-/// keeps for itself, hands over with a gift, and brings in at the end ([`Own::repair`](super::part::Own::repair)).
+/// for what others write meanwhile. So a distance that a thread sees may be too long, which prunes less. Whoever writes one
+/// keeps it for itself too, or hands it over with a gift, and brings it in at the end ([`Own::repair`](super::part::Own::repair)).
 #[derive(Debug)]
 pub(super) struct Shared {
     pub(super) surface: Surface,

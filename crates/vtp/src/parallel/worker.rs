@@ -190,8 +190,11 @@ impl Worker {
             near.clear();
             near.extend(self.wave.buckets.near());
             let part = &mut Part::new(shared, &mut self.own);
-            let mut given = 0;
+            let (wanted, mut given) = (share * self.load.weight(), 0);
             for &v in at_one_end(&mut near, share, to > self.thread) {
+                if given as f64 >= wanted {
+                    break;
+                }
                 jitter();
                 given += gift.add(&mut self.wave, part, v, LIST);
             }

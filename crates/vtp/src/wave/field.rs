@@ -28,11 +28,11 @@ pub(crate) trait Field {
     /// The length of the shortest path to `v` that is known.
     fn distance(&self, v: u32) -> f64;
 
-    /// A path of length `d` reaches `v`. Returns whether the wave must [settle](super::Wave::settle) that: if it is the shortest, or
-    /// if the vertex is to have a turn of which this wave does not know.
+    /// A path of length `d` reaches `v`. Returns whether the wave must [settle](super::Wave::settle) that: if it is shorter than all that are
+    /// known, or if the vertex is to have a turn of which this wave does not know.
     fn offer(&mut self, v: u32, d: f64) -> bool;
 
-    /// The length of the shortest path to `v` that this wave has [settled](super::Wave::settle) or is to settle: the one whose origin it knows.
+    /// The length of the path to `v` that this wave has [settled](super::Wave::settle) last or is to settle: the one whose origin it knows.
     fn reached(&self, v: u32) -> f64;
 
     /// Asks the processor for a face, and for the lists on it.

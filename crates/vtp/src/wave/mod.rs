@@ -24,8 +24,8 @@ use crate::fast::Options;
 /// Paths wait for their consequences until so many have come together.
 const IMPROVEMENTS: usize = 4096;
 
-/// A path to a vertex whose consequences wait: it was the shortest when it was found; or it is the first to a vertex that other waves
-/// know, which is to have a turn in this one too.
+/// A path to a vertex whose consequences wait: it was the shortest that this wave saw when it was found; or it is the first, at all or since the
+/// vertex was given away, to one that other waves know, which is to have a turn in this one too; or another wave has given it, with the vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Improvement {
     pub(crate) vertex: u32,
@@ -54,7 +54,7 @@ pub(crate) struct Wave {
     passed: Vec<bool>,
     /// The distance at which each pseudo-source has sent out windows last.
     spawned: Vec<f64>,
-    /// How the shortest path reached each pseudo-source.
+    /// How the path reached each pseudo-source that is as long as the field has it [reached](Field::reached).
     pub(crate) origins: Vec<Origin>,
     improvements: Vec<Improvement>,
     improved: usize,

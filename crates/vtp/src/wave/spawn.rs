@@ -136,7 +136,7 @@ impl Wave {
     ) {
         if field.offer(v, d) {
             self.origins[v as usize] = origin;
-            let news = self.buckets.push(v, field.distance(v));
+            let news = self.buckets.push(v, field.distance(v).min(d));
             probe.add(Counter::QueuePushes, u64::from(news));
         }
     }

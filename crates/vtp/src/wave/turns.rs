@@ -97,7 +97,9 @@ impl Wave {
                 }
             }
             if !self.passed[v] {
-                let news = self.buckets.push(vertex, field.distance(vertex));
+                // Others may have written a longer one since.
+                let nearest = field.distance(vertex).min(field.reached(vertex));
+                let news = self.buckets.push(vertex, nearest);
                 probe.add(Counter::QueuePushes, u64::from(news));
             }
         }

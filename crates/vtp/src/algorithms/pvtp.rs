@@ -18,7 +18,7 @@
 //! so a thread that meets a vertex for the first time has a turn of it to come, even if another one has found the shorter path, and a
 //! vertex is given away with all windows that wait for it.
 //!
-//! **Who waits.** A thread may be four buckets ahead of the last one, so that what one has more
+//! **Who waits.** A thread may be two buckets ahead of the last one, four of the other one if there are two, so that what one has more
 //! to do in one bucket and less in the next evens out; whoever gets a gift falls back to where the giver is, for others must
 //! not go on without what it leads to. Nobody waits for a thread that has not woken up, but for its share of the distances at the end. On two threads 2 % to 10 % of
 //! the time is waiting, most on models of some thousand faces. More windows than on one thread cross, since what one knows comes late to the other, by up to

@@ -4,7 +4,8 @@
 //! since Linux maps 64 KB around each page that is needed. On a model of 6,000 faces that is more than the model and the
 //! algorithm take together. What the run needs of it comes back by itself and counts; the rest is no memory of the run.
 
-#![expect(unsafe_code, reason = "gives the system back what it has in a file")]
+// One call to the system, in `give_back`.
+#![allow(unsafe_code)]
 
 use std::ops::Range;
 
@@ -37,13 +38,13 @@ pub(crate) fn give_back() {}
 
 /// The ranges of addresses in a text like `/proc/self/smaps` that are private mappings of files, not writable, and without a page that the
 /// process has made its own. What the dynamic linker changed before it took away the right to write has such pages.
-#[cfg_attr(not(target_os = "linux"), expect(dead_code))]
+#[cfg_attr(not(target_os = "linux"), allow(dead_code))]
 fn unchanged(smaps: &str) -> Vec<Range<usize>> {
     let mut ranges = Vec::new();
     let mut candidate = None;
     for line in smaps.lines() {
-        if let Some(mapping) = file_without_writing(line) {
-            candidate = mapping;
+        if let Some((range, is_file)) = mapping(line) {
+            candidate = is_file.then_some(range);
         } else if line
             .strip_prefix("Anonymous:")
             .is_some_and(|size| size.trim() == "0 kB")
@@ -54,16 +55,16 @@ fn unchanged(smaps: &str) -> Vec<Range<usize>> {
     ranges
 }
 
-/// Nothing if `line` is not the first line of a mapping; else its range if it is a private one of a file that nobody may write to.
-fn file_without_writing(line: &str) -> Option<Option<Range<usize>>> {
+/// The range of a mapping, and whether it is a private one of a file that nobody may write to; nothing if `line` is not the first of a mapping.
+fn mapping(line: &str) -> Option<(Range<usize>, bool)> {
     let mut fields = line.split_ascii_whitespace();
     let (start, end) = fields.next()?.split_once('-')?;
     let start = usize::from_str_radix(start, 16).ok()?;
     let end = usize::from_str_radix(end, 16).ok()?;
     let rights = fields.next()?.as_bytes();
     let inode = fields.nth(2)?;
-    let fits = rights.len() == 4 && rights[1] == b'-' && rights[3] == b'p' && inode != "0";
-    Some(fits.then_some(start..end))
+    let is_file = rights.len() == 4 && rights[1] == b'-' && rights[3] == b'p' && inode != "0";
+    Some((start..end, is_file))
 }
 
 #[cfg(test)]

@@ -38,8 +38,8 @@
 //! for a run may begin on the processor of the one that starts it, and stay there for 5 to 15 ms, far longer than a
 //! small model takes: the median of such runs was 4 to 6 times that of these, though the least was the same.
 //!
-//! **Gain.** Two threads on two processors are 1.5 to 1.65 times as fast as `vtp_fast` on models of 6 to 13 thousand faces and 1.85 to 1.9 times on
-//! 70 to 270 thousand, measured while `vtp_fast` runs on both at once; 2 % to 4 % less if it has the machine alone. One thread takes 2 % to 6 %
+//! **Gain.** Two threads on two processors are 1.6 to 1.8 times as fast as `vtp_fast` on models of 6 to 13 thousand faces and 1.85 to 1.95 times on
+//! 70 thousand and more, measured while `vtp_fast` runs on both at once; 2 % to 8 % less if it has the machine alone. One thread takes 5 % to 8 %
 //! longer than `vtp_fast`.
 //!
 //! **Cost.** As [`vtp_fast`](super::vtp_fast), and for each thread 16 bytes a face and 37 bytes a vertex. Each thread counts

@@ -2,7 +2,7 @@
 //!
 //! Two figures: bytes that the program holds on the heap, counted by the allocator that the binary
 //! installs, and memory that the whole process occupies, as Linux accounts for it. The second includes the mesh and the code
-//! that the run needs; code that ran before the measurement, to read the model or for an earlier run, is given back when it starts.
+//! that the run needs; a cell gives back the code that ran before, to read the model or for an earlier run.
 //!
 //! The allocator counts in timed runs too, since a program has but one. What that costs was measured
 //! with Valgrind, as instructions of a solve of `gen:torus,faces=5000,bump=0.1,seed=7` in two builds
@@ -36,10 +36,8 @@ pub struct Peaks {
 }
 
 impl PeakMemory {
-    /// Starts measuring. Code that has been run and read-only data are given back before, so that what is resident of them
-    /// at the peak is what was used since.
+    /// Starts measuring.
     pub fn start() -> Self {
-        give_back_clean_pages();
         // 5 resets the peak that `VmHWM` shows. The figure the parent process gets for its child
         // cannot be used: it includes what was inherited before exec.
         let rss_was_reset = std::fs::write("/proc/self/clear_refs", "5").is_ok();
@@ -72,21 +70,5 @@ mod tests {
         let peak = measure.stop().rss.unwrap();
         drop(block);
         assert!(peak >= 64 << 20, "{peak}");
-    }
-
-    /// Other tests of this process may run code at the same time that was not there: hence more than one trial.
-    #[test]
-    fn code_that_ran_before_is_no_part_of_the_peak() {
-        let of_files = || kibibytes("/proc/self/status", "RssFile").unwrap();
-        let gives_back = || {
-            let before = of_files();
-            let measure = PeakMemory::start();
-            let after = of_files();
-            measure.stop();
-            after < before
-        };
-        assert!((0..1000).any(|_| gives_back()));
-        // And it comes again.
-        assert_eq!(format!("{:?}", [1.5, 2.0]), "[1.5, 2.0]");
     }
 }

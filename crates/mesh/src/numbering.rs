@@ -1,7 +1,5 @@
 //! An order of vertices and faces in which neighbours are near each other in memory.
 
-mod curve;
-
 use crate::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 /// From a mesh's numbers of vertices and faces to others, the *new* ones, and back.
@@ -47,28 +45,6 @@ impl Numbering {
                     numbering.take_vertex(mesh.head(h));
                     numbering.take_vertex(mesh.apex_vertex(h));
                 }
-            }
-        }
-        numbering
-    }
-
-    /// Along a space-filling curve through the positions of the vertices, so that a range of numbers is a part
-    /// of the surface in one piece or a few; breadth first for a mesh without positions. O(n log n) for n
-    /// vertices.
-    pub fn along_curve(mesh: &Mesh) -> Self {
-        let mut order: Vec<_> = curve::places(mesh.positions())
-            .into_iter()
-            .zip(mesh.vertices())
-            .collect();
-        if order.is_empty() {
-            return Self::breadth_first(mesh);
-        }
-        order.sort_unstable();
-        let mut numbering = Self::none(mesh);
-        for (_, v) in order {
-            numbering.take_vertex(v);
-            for &h in mesh.outgoing(v) {
-                numbering.take_face(h.face());
             }
         }
         numbering
@@ -179,7 +155,6 @@ mod tests {
         component.sort_unstable();
         assert_eq!(component, [0, 1, 2, 3]);
         check(&mesh, &numbering);
-        check(&mesh, &Numbering::along_curve(&mesh));
         let values: Vec<f64> = (0..8).map(f64::from).collect();
         assert_eq!(Numbering::same().restore(&values), values);
     }

@@ -44,13 +44,6 @@ const RENUMBER: Parameter = Parameter::word(
     "puts vertices and faces into an order of its own, breadth first",
 );
 
-/// Ranges of numbers along the curve are what threads divide among themselves.
-const RENUMBER_CURVE: Parameter = Parameter::word(
-    "renumber",
-    &["on", "off"],
-    "puts vertices and faces into an order of its own, along a space-filling curve",
-);
-
 pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "vtp-fast",
@@ -77,15 +70,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "for large models on a machine with idle processors (--threads)",
         memory_counter: Counter::PeakWindows,
         comfortable_faces: None,
-        parameters: &[
-            THREADS,
-            SIMD,
-            PAIRS,
-            BUCKET,
-            SHADOW,
-            REUNITE,
-            RENUMBER_CURVE,
-        ],
+        parameters: &[THREADS, SIMD, PAIRS, BUCKET, SHADOW, REUNITE, RENUMBER],
         build: |mesh, values| {
             let options = options(values);
             Box::new(Pvtp::with_options(mesh, threads(values), options))

@@ -5,11 +5,11 @@
 //! **How.** Every thread runs the loop of `vtp_fast` on a part of the *windows*: it has lists and queues of its own for the whole surface, and what
 //! comes of its windows stays with it. Two threads may have windows on the same half-edge, which they take across its face each for
 //! itself. Shared are the distances: a window is dropped, and a vertex sends windows, by the shortest path that any thread has found. The first
-//! thread starts alone. Every four buckets each looks whether its part of the wavefront is likely to take it more than a fifth longer than the
+//! thread starts alone. Every four buckets each looks whether its part of the wavefront is likely to take it more than a tenth longer than the
 //! mean: by the lists and windows that wait, and by how long turns of so many have taken it so far. If so it gives to the thread that has
-//! least: vertices whose turns are to come, with the windows that wait around them. Vertices are numbered along a space-filling curve, and given
-//! away are those from one end of the numbers, so that the parts of threads lie together. On two threads some twenty gifts are made in a run, with
-//! one window in a hundred.
+//! least: vertices whose turns are to come, with the windows that wait around them. Given
+//! away are those that lie, in space, farthest on the side of the thread that gets them, so that the parts of threads lie together; without positions,
+//! those whose numbers do. On two threads some twenty gifts are made in a run, with one window in a hundred.
 //!
 //! **Why it is exact.** In whatever order windows cross, all that may hold a shortest path do, as in any form of VTP. A distance that a thread sees may
 //! be out of date, or overwritten by a longer one that another thread found at the same time; it is too long then, which prunes less. Whoever writes a
@@ -22,7 +22,8 @@
 //! to do in one bucket and less in the next evens out; whoever gets a gift falls back to where the giver is, for others must
 //! not go on without what it leads to. Nobody waits for a thread that has not woken up, but for its share of the distances at the end. On two threads 2 % to 10 % of
 //! the time is waiting, most on models of some thousand faces. More windows than on one thread cross, since what one knows comes late to the other, by up to
-//! 6 %, and since half-edges with windows of two threads have two lists, 5 % to 10 % more lists.
+//! 2 %, and since half-edges with windows of two threads have two lists, 1 % to 6 % more lists. When parts were cut off by numbers along a space-filling curve it was
+//! 5 % to 11 %.
 //!
 //! **Why distances may differ in the last bits.** With one thread they are the same from run to run. With several it is a matter of chance which
 //! window arrives first, so of paths that are equally long but for rounding one or the other is kept, and a window may be cut by
@@ -42,7 +43,7 @@
 //! 70 thousand and more, measured while `vtp_fast` runs on both at once; 2 % to 8 % less if it has the machine alone. One thread takes 5 % to 8 %
 //! longer than `vtp_fast`.
 //!
-//! **Cost.** As [`vtp_fast`](super::vtp_fast), and for each thread 16 bytes a face and 37 bytes a vertex. Each thread counts
+//! **Cost.** As [`vtp_fast`](super::vtp_fast), for each thread 16 bytes a face and 37 bytes a vertex, and 12 bytes a vertex for where they are. Each thread counts
 //! its own most windows, most entries of its queue and turns; what is reported are the sums. Phases are those of the first thread,
 //! whose waiting counts as management. More threads than idle processors are slower than as many threads as those, since others wait for
 //! what was given to one that does not run. **Choose it** on a machine that has nothing else to do.

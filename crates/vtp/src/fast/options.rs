@@ -11,8 +11,7 @@ pub struct Options {
     pub pairs: u32,
     /// Width of a bucket of vertices that have their turns together, in mean edge lengths; more than 0.
     pub bucket: f64,
-    /// Whether vertices and faces are put into an order of their own: breadth first, or along a space-filling
-    /// curve for several threads.
+    /// Whether vertices and faces are put into an order of their own, breadth first.
     pub renumber: bool,
     /// Whether pseudo-sources send windows only into the shadow of the path that reached them.
     pub shadow: bool,

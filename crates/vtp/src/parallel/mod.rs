@@ -3,12 +3,14 @@
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
 
+mod clock;
 mod gift;
 mod jitter;
 mod load;
 mod pace;
 mod padded;
 mod part;
+mod region;
 mod shared;
 #[cfg(test)]
 mod test_run;
@@ -21,6 +23,7 @@ use geobench_window::{Count, Counter, Probe, Propagate, Solution, SolveError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use self::pace::BreakOnPanic;
+use self::region::Regions;
 use self::shared::Shared;
 use self::worker::Worker;
 use crate::engine::Instructions;
@@ -59,11 +62,12 @@ impl<'m> Pvtp<'m> {
         let threads = threads.clamp(1, MOST_THREADS);
         let instructions = options.instructions.or_less();
         let mut numbering = if options.renumber {
-            Numbering::along_curve(mesh)
+            Numbering::breadth_first(mesh)
         } else {
             Numbering::same()
         };
         let surface = Surface::new(mesh, &numbering);
+        let regions = Regions::new(mesh, &numbering, threads);
         numbering.keep_new_vertices();
         Self {
             mesh,
@@ -73,7 +77,7 @@ impl<'m> Pvtp<'m> {
             },
             numbering,
             workers: workers(threads, &surface, &options),
-            shared: Shared::new(surface, &options, threads),
+            shared: Shared::new(surface, &options, threads, regions),
             pool: pool_of(threads - 1),
         }
     }
@@ -170,7 +174,7 @@ impl<P: Probe, const REUNITE: bool> Program for Task<'_, P, REUNITE> {
             .start;
         for (i, distance) in self.distances.iter_mut().enumerate() {
             let v = numbering.new_vertex(VertexId::new((first + i) as u32));
-            *distance = shared.take_distance(v.raw());
+            *distance = shared.distances[v.index()].get();
         }
     }
 }

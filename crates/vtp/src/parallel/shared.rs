@@ -7,6 +7,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use super::gift::Gifts;
 use super::load::Loads;
 use super::pace::Pace;
+use super::region::Regions;
 use crate::engine::surface::Surface;
 use crate::fast::Options;
 
@@ -25,10 +26,16 @@ pub(super) struct Shared {
     pub(super) loads: Loads,
     pub(super) gifts: Gifts,
     pub(super) pace: Pace,
+    pub(super) regions: Regions,
 }
 
 impl Shared {
-    pub(super) fn new(surface: Surface, options: &Options, threads: usize) -> Self {
+    pub(super) fn new(
+        surface: Surface,
+        options: &Options,
+        threads: usize,
+        regions: Regions,
+    ) -> Self {
         let vertices = surface.vertices.len();
         Self {
             reunites: options.reunite && surface.has_many_flat_vertices(),
@@ -37,6 +44,7 @@ impl Shared {
             loads: Loads::new(threads),
             gifts: Gifts::new(threads),
             pace: Pace::new(threads),
+            regions,
             surface,
         }
     }
@@ -44,12 +52,13 @@ impl Shared {
     /// Forgets what a run has left behind that was broken off.
     pub(super) fn recover(&mut self) {
         self.gifts = Gifts::new(self.threads);
-        self.distances.fill_with(Distance::unknown);
     }
 
-    /// Starts another run, in which so many threads take part. Nothing may be on its way and no distance known, as after a run or when it has
+    /// Starts another run, in which so many threads take part. Nothing may be on its way, as after a run or when it has
     /// [recovered](Self::recover).
     pub(super) fn start(&mut self, threads: usize) {
+        self.distances.fill_with(Distance::unknown);
+        self.regions.reset();
         self.loads.reset();
         self.pace.reset(threads);
     }
@@ -59,14 +68,6 @@ impl Shared {
         let size = count.div_ceil(self.threads);
         let start = (thread * size).min(count);
         start..(start + size).min(count)
-    }
-
-    /// What is known of the distance of `v` at the end of a run, forgotten for the next one.
-    pub(super) fn take_distance(&self, v: u32) -> f64 {
-        let distance = &self.distances[v as usize];
-        let known = distance.get();
-        distance.set(f64::INFINITY);
-        known
     }
 }
 

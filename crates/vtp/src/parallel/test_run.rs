@@ -4,6 +4,7 @@ use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, Numbering};
 
 use super::part::{Own, Part};
+use super::region::Regions;
 use super::shared::Shared;
 use crate::engine::surface::{Surface, half_edge, next, parts};
 use crate::fast::Options;
@@ -34,7 +35,9 @@ impl Thread {
 pub(super) fn two_threads() -> (Shared, [Thread; 2]) {
     let soup = generate(&"gen:terrain,n=20,seed=2".parse().unwrap()).unwrap();
     let (mesh, _) = Mesh::from_soup(soup).unwrap();
-    let surface = Surface::new(&mesh, &Numbering::along_curve(&mesh));
+    let numbering = Numbering::breadth_first(&mesh);
+    let surface = Surface::new(&mesh, &numbering);
+    let regions = Regions::new(&mesh, &numbering, 2);
     let options = Options {
         bucket: 1.0 / surface.mean_length,
         ..Options::default()
@@ -48,7 +51,7 @@ pub(super) fn two_threads() -> (Shared, [Thread; 2]) {
         thread.own.reset();
         thread
     });
-    let mut shared = Shared::new(surface, &options, 2);
+    let mut shared = Shared::new(surface, &options, 2, regions);
     shared.start(2);
     (shared, threads)
 }

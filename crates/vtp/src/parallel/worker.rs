@@ -1,14 +1,13 @@
 //! What one thread does in a run.
 
-use std::mem;
-use std::time::{Duration, Instant};
-
 use geobench_window::Probe;
 
+use super::clock::Clock;
 use super::gift::Gift;
 use super::jitter::jitter;
 use super::load::{LIST, Load};
 use super::part::{Own, Part};
+use super::region::Candidate;
 use super::shared::Shared;
 use crate::engine::lanes::Lanes;
 use crate::engine::surface::Surface;
@@ -18,28 +17,6 @@ use crate::wave::{Field, Wave};
 /// Buckets between two times that a thread looks whether it has too much. From 1 to 4 it makes no difference.
 const BUCKETS: u32 = 4;
 
-/// How long a thread has worked.
-#[derive(Debug)]
-struct Clock {
-    started: Instant,
-    waited: Duration,
-}
-
-impl Clock {
-    fn start() -> Self {
-        Self {
-            started: Instant::now(),
-            waited: Duration::ZERO,
-        }
-    }
-
-    /// In nanoseconds, without what it has waited.
-    fn busy(&self) -> u64 {
-        let busy = self.started.elapsed().saturating_sub(self.waited);
-        u64::try_from(busy.as_nanos()).unwrap_or(u64::MAX)
-    }
-}
-
 /// A thread's own things, kept from run to run; in cache lines of their own.
 #[derive(Debug)]
 #[repr(align(128))]
@@ -48,7 +25,7 @@ pub(super) struct Worker {
     wave: Wave,
     own: Own,
     /// The vertices near the wavefront that it might give away.
-    near: Vec<u32>,
+    near: Vec<Candidate>,
     /// The gift that it got last.
     gift: Gift,
     load: Load,
@@ -172,37 +149,33 @@ impl Worker {
         }
     }
 
-    /// Gives a part of the wavefront to the thread that has least, if this one has too much and the last time is a while ago. The bucket is
-    /// that of the next turn.
-    ///
-    /// Faces and vertices are numbered along a space-filling curve, so that what is given away from the end of the numbers lies
-    /// together; from that end where the parts of the other thread are likely to lie, since it gives from the other one.
+    /// Gives a part of the wavefront to the thread that has least, if this one has too much and the last time is a while ago: what lies on
+    /// the side of that thread. The bucket is that of the next turn.
     fn give(&mut self, shared: &Shared, bucket: u32) {
         if shared.threads == 1 || bucket < self.looks {
             return;
         }
         self.looks = bucket.saturating_add(BUCKETS);
+        shared.regions.come_to(self.thread, self.wave.last_turn());
         let Some((to, share)) = shared.loads.advice(self.thread) else {
             return;
         };
-        let mut near = mem::take(&mut self.near);
         shared.gifts.send(bucket, to, &shared.pace, |gift| {
-            near.clear();
-            near.extend(self.wave.buckets.near());
+            let near = self.wave.buckets.near();
+            let near = (shared.regions).on_the_side_of(to, near, share, &mut self.near);
             let part = &mut Part::new(shared, &mut self.own);
             let (wanted, mut given) = (share * self.load.weight(), 0);
-            for &v in at_one_end(&mut near, share, to > self.thread) {
+            for candidate in near {
                 if given as f64 >= wanted {
                     break;
                 }
                 jitter();
-                given += gift.add(&mut self.wave, part, v, LIST);
+                given += gift.add(&mut self.wave, part, candidate.vertex, LIST);
             }
             self.given += gift.windows();
             let part = self.load.lose(given);
             shared.loads.moved(self.thread, to, part);
         });
-        self.near = near;
     }
 
     /// Takes in what another thread has given it; returns whether there was anything.
@@ -220,74 +193,32 @@ impl Worker {
             shared.pace.end();
             return self.rest(shared);
         };
-        let since = Instant::now();
         let mut patience = shared.pace.patience();
-        while !shared.gifts.has(self.thread) && bucket > shared.pace.limit() {
-            if shared.pace.is_broken() {
-                return false;
+        self.clock.pause(|| {
+            while !shared.gifts.has(self.thread) && bucket > shared.pace.limit() {
+                if shared.pace.is_broken() {
+                    return false;
+                }
+                jitter();
+                patience.wait();
             }
-            jitter();
-            patience.wait();
-        }
-        self.clock.waited += since.elapsed();
-        true
+            true
+        })
     }
 
     /// Waits for a gift, with nothing else to do; returns whether there is one.
     fn rest(&mut self, shared: &Shared) -> bool {
-        let since = Instant::now();
         let mut patience = shared.pace.patience();
-        while !shared.gifts.has(self.thread) {
-            if shared.pace.is_over() || shared.pace.is_broken() {
-                return false;
+        self.clock.pause(|| {
+            while !shared.gifts.has(self.thread) {
+                if shared.pace.is_over() || shared.pace.is_broken() {
+                    return false;
+                }
+                jitter();
+                patience.wait();
             }
-            jitter();
-            patience.wait();
-        }
-        shared.pace.begin();
-        self.clock.waited += since.elapsed();
-        true
-    }
-}
-
-/// About `share` of the vertices, those with the greatest numbers or those with the least, in no order; not all of them.
-fn at_one_end(vertices: &mut [u32], share: f64, greatest: bool) -> &[u32] {
-    let all = vertices.len();
-    #[allow(clippy::cast_sign_loss)] // No share is negative.
-    let count = ((share * all as f64).ceil() as usize).min(all.saturating_sub(1));
-    if count == 0 {
-        return &[];
-    }
-    if greatest {
-        vertices.select_nth_unstable(all - count);
-        &vertices[all - count..]
-    } else {
-        vertices.select_nth_unstable(count);
-        &vertices[..count]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_given_away_lies_at_one_end_of_the_numbers() {
-        let vertices = [8, 3, 9, 1, 7, 2];
-        let given = |share, greatest| {
-            let mut vertices = vertices;
-            let mut given = at_one_end(&mut vertices, share, greatest).to_vec();
-            given.sort_unstable();
-            given
-        };
-        assert_eq!(
-            (given(0.5, true), given(0.5, false)),
-            (vec![7, 8, 9], vec![1, 2, 3])
-        );
-        assert_eq!((given(0.01, true), given(0.01, false)), (vec![9], vec![1]));
-        assert_eq!((given(1.0, true).len(), given(0.0, true).len()), (5, 0));
-        for mut few in [vec![], vec![8]] {
-            assert_eq!(at_one_end(&mut few, 1.0, true), []);
-        }
+            shared.pace.begin();
+            true
+        })
     }
 }

@@ -90,10 +90,16 @@ impl Wave {
         self.store.waiting() == 0 && self.buckets.len() == 0
     }
 
+    /// The vertices that had their turns last.
+    pub(crate) fn last_turn(&self) -> &[u32] {
+        &self.turn
+    }
+
     /// Forgets what the last run has learnt. Every list and queue must be empty, as after a run that was not broken off.
     pub(crate) fn reset(&mut self) {
         let vertices = self.origins.len();
         self.buckets.reset();
+        self.turn.clear();
         self.levels.clear();
         self.spawned.clear();
         self.spawned.resize(vertices, f64::INFINITY);

@@ -1,0 +1,216 @@
+//! Where on the surface the parts of threads lie.
+
+use std::sync::atomic::AtomicU32;
+use std::sync::atomic::Ordering::Relaxed;
+
+use geobench_mesh::{Mesh, Numbering, VertexId};
+
+use super::padded::Padded;
+
+/// A place in space; single precision is enough to tell what lies nearer.
+type Position = [f32; 3];
+
+/// Where vertices are, and where each thread is at work.
+///
+/// Parts of the wavefront that lie together have few half-edges on which two threads have windows, and windows that
+/// travel away from the source stay beside each other. So a thread gives what lies on the side of whoever gets it.
+#[derive(Debug)]
+pub(super) struct Regions {
+    positions: Vec<Position>,
+    centers: Vec<Padded<Center>>,
+}
+
+impl Regions {
+    /// For the vertices of `mesh` by their new numbers. Without positions, neighbours in number count as neighbours.
+    pub(super) fn new(mesh: &Mesh, numbering: &Numbering, threads: usize) -> Self {
+        let positions = mesh.positions();
+        // So that single precision tells vertices apart wherever the model lies and however large it is.
+        let origin = positions.first().copied().unwrap_or_default();
+        let coordinates = positions
+            .iter()
+            .flat_map(|p| [0, 1, 2].map(|i| p[i] - origin[i]));
+        let size = coordinates.fold(f64::MIN_POSITIVE, |size, x| size.max(x.abs()));
+        let position = |v: VertexId| match positions.get(numbering.old_vertex(v).index()) {
+            Some(p) => [0, 1, 2].map(|i| ((p[i] - origin[i]) / size) as f32),
+            None => [v.raw() as f32, 0.0, 0.0],
+        };
+        Self {
+            positions: mesh.vertices().map(position).collect(),
+            centers: (0..threads).map(|_| Padded::default()).collect(),
+        }
+    }
+
+    /// Nobody is anywhere.
+    pub(super) fn reset(&mut self) {
+        self.centers.fill_with(Padded::default);
+    }
+
+    /// A thread is at work where `vertices` are, if any.
+    pub(super) fn come_to(&self, thread: usize, vertices: &[u32]) {
+        if let Some(center) = self.center(vertices.iter().copied()) {
+            self.centers[thread].0.set(center);
+        }
+    }
+
+    /// About `share` of `vertices`: those that lie farthest on the side of thread `to`, the farthest first; not all of them. If that thread
+    /// is nowhere yet, those at one end of where they extend farthest. O(n log n) for n vertices given.
+    pub(super) fn on_the_side_of<'a>(
+        &self,
+        to: usize,
+        vertices: impl Iterator<Item = u32>,
+        share: f64,
+        buffer: &'a mut Vec<Candidate>,
+    ) -> &'a [Candidate] {
+        buffer.clear();
+        buffer.extend(vertices.map(|vertex| Candidate { vertex, along: 0.0 }));
+        let Some(own) = self.center(buffer.iter().map(|c| c.vertex)) else {
+            return &[];
+        };
+        let from_own = |v: u32| difference(self.positions[v as usize], own);
+        let axis = match self.centers[to].0.get() {
+            Some(other) => difference(other, own),
+            None => longest_axis(buffer.iter().map(|c| from_own(c.vertex))),
+        };
+        for candidate in &mut *buffer {
+            candidate.along = dot(from_own(candidate.vertex), axis);
+        }
+        let all = buffer.len();
+        #[allow(clippy::cast_sign_loss)] // No share is negative.
+        let count = ((share * all as f64).ceil() as usize).min(all - 1);
+        let farthest_first = |a: &Candidate, b: &Candidate| b.along.total_cmp(&a.along);
+        buffer.select_nth_unstable_by(count, farthest_first);
+        let given = &mut buffer[..count];
+        given.sort_unstable_by(farthest_first);
+        given
+    }
+
+    fn center(&self, vertices: impl Iterator<Item = u32>) -> Option<Position> {
+        let (mut sum, mut count) = (Position::default(), 0.0);
+        for v in vertices {
+            let position = self.positions[v as usize];
+            sum = [0, 1, 2].map(|i| sum[i] + position[i]);
+            count += 1.0;
+        }
+        (count > 0.0).then(|| sum.map(|x| x / count))
+    }
+}
+
+/// A vertex that might be given away.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate {
+    pub(super) vertex: u32,
+    /// How far it lies on the side of whoever might get it.
+    along: f32,
+}
+
+/// The middle of the vertices that had their turns last in a thread; not numbers if none had.
+#[derive(Debug)]
+struct Center([AtomicU32; 3]);
+
+impl Default for Center {
+    fn default() -> Self {
+        Self([0; 3].map(|_| AtomicU32::new(f32::NAN.to_bits())))
+    }
+}
+
+impl Center {
+    /// Others may see some of the coordinates before the rest.
+    fn set(&self, position: Position) {
+        for (to, x) in self.0.iter().zip(position) {
+            to.store(x.to_bits(), Relaxed);
+        }
+    }
+
+    fn get(&self) -> Option<Position> {
+        let position = self.0.each_ref().map(|x| f32::from_bits(x.load(Relaxed)));
+        position.iter().all(|x| !x.is_nan()).then_some(position)
+    }
+}
+
+fn difference(a: Position, b: Position) -> Position {
+    [0, 1, 2].map(|i| a[i] - b[i])
+}
+
+fn dot(a: Position, b: Position) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The axis of the coordinates along which places are farthest from zero, in the mean of squares.
+fn longest_axis(places: impl Iterator<Item = Position>) -> Position {
+    let mut sums = Position::default();
+    for place in places {
+        sums = [0, 1, 2].map(|i| sums[i] + place[i] * place[i]);
+    }
+    let mut axis = Position::default();
+    let longest = (0..3).max_by(|&a, &b| sums[a].total_cmp(&sums[b]));
+    axis[longest.unwrap_or(0)] = 1.0;
+    axis
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geobench_mesh::TriangleSoup;
+    use geobench_mesh::generate::generate;
+
+    /// A plane of 5 x 5 vertices, numbered by rows.
+    fn plane() -> TriangleSoup {
+        generate(&"gen:grid,n=4".parse().unwrap()).unwrap()
+    }
+
+    fn regions(soup: TriangleSoup) -> Regions {
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        Regions::new(&mesh, &Numbering::same(), 3)
+    }
+
+    fn given(regions: &Regions, to: usize, vertices: &[u32], share: f64) -> Vec<u32> {
+        let mut buffer = Vec::new();
+        let vertices = vertices.iter().copied();
+        let given = regions.on_the_side_of(to, vertices, share, &mut buffer);
+        given.iter().map(|c| c.vertex).collect()
+    }
+
+    #[test]
+    fn what_lies_on_the_side_of_another_thread_is_given_first() {
+        for (scale, shift) in [(1.0, 0.0), (1.0, 1e9), (1e50, 0.0), (1e-50, 0.0)] {
+            let mut soup = plane();
+            for position in &mut soup.positions {
+                *position = position.map(|x| x * scale + shift);
+            }
+            let mut regions = regions(soup);
+            let row = [10, 12, 14, 11, 13];
+            regions.come_to(1, &[15, 20]);
+            regions.come_to(2, &[19, 24]);
+            assert_eq!(given(&regions, 1, &row, 0.6), [10, 11, 12]);
+            assert_eq!(given(&regions, 2, &row, 0.5), [14, 13, 12]);
+            regions.come_to(2, &[]);
+            assert_eq!(given(&regions, 2, &row, 0.01), [14]);
+            assert_eq!(given(&regions, 2, &row, 1.0), [14, 13, 12, 11]);
+            regions.reset();
+            // Nobody is anywhere: one end of the longer side.
+            let ends = given(&regions, 1, &[10, 11, 12, 13, 14, 17], 0.2);
+            assert!(ends == [14, 13] || ends == [10, 11], "{ends:?}");
+        }
+    }
+
+    #[test]
+    fn of_a_single_vertex_or_of_none_nothing_is_given() {
+        let regions = regions(plane());
+        for (vertices, share) in [(vec![], 1.0), (vec![3], 1.0), (vec![3, 4], 0.0)] {
+            assert_eq!(given(&regions, 1, &vertices, share), [0; 0]);
+        }
+    }
+
+    #[test]
+    fn without_positions_neighbours_in_number_lie_together() {
+        let strip: Vec<[u32; 3]> = (0..6).map(|i| [i, i + 1, i + 2]).collect();
+        let oriented: Vec<_> = strip
+            .iter()
+            .map(|&[a, b, c]| if a % 2 == 0 { [a, b, c] } else { [b, a, c] })
+            .collect();
+        let (mesh, _) = Mesh::from_lengths(8, &oriented, &[[1.0; 3]; 6]).unwrap();
+        let regions = Regions::new(&mesh, &Numbering::same(), 2);
+        regions.come_to(1, &[6, 7]);
+        assert_eq!(given(&regions, 1, &[2, 5, 3, 4], 0.5), [5, 4]);
+    }
+}

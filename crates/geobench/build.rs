@@ -8,6 +8,7 @@ fn main() {
     set("GEOBENCH_COMMIT", commit().as_deref());
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
     set("GEOBENCH_RUSTC", output(&rustc, &["--version"]).as_deref());
+    set("GEOBENCH_RUSTFLAGS", rustflags().as_deref());
     set("GEOBENCH_PROFILE", std::env::var("PROFILE").ok().as_deref());
     lie_at_one_address();
     println!("cargo::rerun-if-changed=build.rs");
@@ -46,6 +47,12 @@ fn commit() -> Option<String> {
         }
     }
     output("git", &["rev-parse", "HEAD"])
+}
+
+/// What cargo tells the compiler besides what it always does: of `.cargo/config.toml` or the environment.
+fn rustflags() -> Option<String> {
+    let flags = std::env::var("CARGO_ENCODED_RUSTFLAGS").ok()?;
+    Some(flags.replace('\x1f', " "))
 }
 
 fn output(program: &str, arguments: &[&str]) -> Option<String> {

@@ -11,6 +11,7 @@ pub fn tool() -> Tool {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         commit: non_empty(env!("GEOBENCH_COMMIT")),
         rustc: non_empty(env!("GEOBENCH_RUSTC")),
+        rustflags: Some(env!("GEOBENCH_RUSTFLAGS").to_owned()),
         profile: env!("GEOBENCH_PROFILE").to_owned(),
         features: Vec::new(),
     }
@@ -78,6 +79,18 @@ mod tests {
         assert_eq!(tool.version, env!("CARGO_PKG_VERSION"));
         assert!(tool.rustc.unwrap().starts_with("rustc"));
         assert!(["debug", "release"].contains(&tool.profile.as_str()));
+    }
+
+    /// Those of `.cargo/config.toml`, unless the environment has others.
+    #[cfg(target_arch = "x86_64")]
+    #[test]
+    fn the_tool_knows_the_flags_of_the_compiler() {
+        let flags = tool().rustflags.unwrap();
+        let elsewhere = option_env!("RUSTFLAGS").or(option_env!("CARGO_ENCODED_RUSTFLAGS"));
+        assert!(
+            elsewhere.is_some() || flags.contains("-x86-branches-within-32B-boundaries"),
+            "{flags}"
+        );
     }
 
     #[cfg(target_os = "linux")]

@@ -82,6 +82,9 @@ pub struct Tool {
     pub commit: Option<String>,
     /// Compiler it was built with.
     pub rustc: Option<String>,
+    /// Flags that it was given from outside, as by `RUSTFLAGS`; empty if none were, absent in files of older programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rustflags: Option<String>,
     /// `release` or `debug`.
     pub profile: String,
     /// Cargo features.

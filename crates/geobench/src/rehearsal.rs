@@ -148,6 +148,7 @@ pub(crate) fn result(outcome: Outcome) -> ResultFile {
             version: "1.2.3".into(),
             commit: None,
             rustc: Some("rustc 1.89.0".into()),
+            rustflags: Some("-C opt-level=3".into()),
             profile: "release".into(),
             features: Vec::new(),
         },

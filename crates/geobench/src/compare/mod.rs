@@ -314,6 +314,11 @@ fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
             name(new)
         ));
     }
+    if let (Some(a), Some(b)) = (&old.tool.rustflags, &new.tool.rustflags)
+        && a != b
+    {
+        notes.push(format!("the compilers' flags differ: '{a}' and '{b}'"));
+    }
     for (which, file) in [("old", old), ("new", new)] {
         if file.tool.profile != "release" {
             notes.push(format!(

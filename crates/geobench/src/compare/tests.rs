@@ -311,13 +311,19 @@ fn other_machines_and_builds_are_said() {
     let (mut old, mut new) = (file(), file());
     new.host.cores = 64;
     new.tool.rustc = None;
+    new.tool.rustflags = Some(String::new());
     old.tool.profile = "debug".into();
     assert_eq!(
         compared(&old, &new, "").notes,
         [
             "the files are from different machines: times say little",
             "the compilers differ: rustc 1.89.0 and unknown",
+            "the compilers' flags differ: '-C opt-level=3' and ''",
             "the old file is of a debug build: its times mean little"
         ]
     );
+    // Files of older programs do not tell.
+    let (old, mut new) = (file(), file());
+    new.tool.rustflags = None;
+    assert_eq!(compared(&old, &new, "").notes, [""; 0]);
 }

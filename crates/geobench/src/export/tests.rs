@@ -144,6 +144,7 @@ fn json() {
         "version": "1.2.3",
         "commit": null,
         "rustc": "rustc 1.89.0",
+        "rustflags": "-C opt-level=3",
         "profile": "release",
         "features": []
       },

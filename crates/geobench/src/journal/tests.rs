@@ -59,6 +59,7 @@ fn tool() -> Tool {
         version: "1.2.3".into(),
         commit: Some("c0ffee".into()),
         rustc: None,
+        rustflags: None,
         profile: "release".into(),
         features: Vec::new(),
     }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::record::{ResultFile, Status};
+use crate::record::{ResultFile, Status, Tool};
 
 /// Names and values of all that is known.
 pub(crate) fn facts(result: &ResultFile) -> Vec<(String, String)> {
@@ -21,7 +21,7 @@ pub(crate) fn facts(result: &ResultFile) -> Vec<(String, String)> {
                 tool.profile
             ),
         ),
-        ("Compiler", or_unknown(tool.rustc.as_ref())),
+        ("Compiler", compiler(tool)),
         ("Processor", or_unknown(host.cpu.as_ref())),
         ("Processors in use", host.cores.to_string()),
         (
@@ -110,6 +110,15 @@ fn plain(value: &Value) -> String {
         Value::Bool(true) => "yes".to_owned(),
         Value::Bool(false) => "no".to_owned(),
         value => value.to_string(),
+    }
+}
+
+/// The compiler, with the flags that it was given from outside.
+fn compiler(tool: &Tool) -> String {
+    let name = tool.rustc.as_deref().unwrap_or("unknown");
+    match tool.rustflags.as_deref() {
+        None | Some("") => name.to_owned(),
+        Some(flags) => format!("{name}, with {flags}"),
     }
 }
 

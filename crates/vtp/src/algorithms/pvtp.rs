@@ -9,7 +9,7 @@
 //! mean: by the lists and windows that wait, and by how long turns of so many have taken it so far. If so it gives to the thread that has
 //! least: vertices whose turns are to come, with the windows that wait around them. Given
 //! away are those that lie, in space, farthest on the side of the thread that gets them, so that the parts of threads lie together; without positions,
-//! those whose numbers do. On two threads some twenty gifts are made in a run, with one window in a hundred.
+//! numbers count as places. On two threads some twenty gifts are made in a run, with one window in a hundred.
 //!
 //! **Why it is exact.** In whatever order windows cross, all that may hold a shortest path do, as in any form of VTP. A distance that a thread sees may
 //! be out of date, or overwritten by a longer one that another thread found at the same time; it is too long then, which prunes less. Whoever writes a
@@ -20,10 +20,9 @@
 //!
 //! **Who waits.** A thread may be two buckets ahead of the last one, four of the other one if there are two, so that what one has more
 //! to do in one bucket and less in the next evens out; whoever gets a gift falls back to where the giver is, for others must
-//! not go on without what it leads to. Nobody waits for a thread that has not woken up, but for its share of the distances at the end. On two threads 2 % to 10 % of
+//! not go on without what it leads to. Nobody waits for a thread that has not woken up, but for its share of the distances at the end. On two threads 1 % to 4 % of
 //! the time is waiting, most on models of some thousand faces. More windows than on one thread cross, since what one knows comes late to the other, by up to
-//! 2 %, and since half-edges with windows of two threads have two lists, 1 % to 6 % more lists. When parts were cut off by numbers along a space-filling curve it was
-//! 5 % to 11 %.
+//! 1 %, and since half-edges with windows of two threads have two lists, 1 % to 6 % more lists.
 //!
 //! **Why distances may differ in the last bits.** With one thread they are the same from run to run. With several it is a matter of chance which
 //! window arrives first, so of paths that are equally long but for rounding one or the other is kept, and a window may be cut by
@@ -39,8 +38,8 @@
 //! for a run may begin on the processor of the one that starts it, and stay there for 5 to 15 ms, far longer than a
 //! small model takes: the median of such runs was 4 to 6 times that of these, though the least was the same.
 //!
-//! **Gain.** Two threads on two processors are 1.6 to 1.8 times as fast as `vtp_fast` on models of 6 to 13 thousand faces and 1.85 to 1.95 times on
-//! 70 thousand and more, measured while `vtp_fast` runs on both at once; 2 % to 8 % less if it has the machine alone. One thread takes 5 % to 8 %
+//! **Gain.** Two threads on two processors are 1.65 to 1.9 times as fast as `vtp_fast` on models of 6 to 13 thousand faces and twice as fast on
+//! 70 thousand and more, measured while `vtp_fast` runs on both at once; 2 % to 12 % less if it has the machine alone. One thread takes 5 % to 7 %
 //! longer than `vtp_fast`.
 //!
 //! **Cost.** As [`vtp_fast`](super::vtp_fast), for each thread 16 bytes a face and 37 bytes a vertex, and 12 bytes a vertex for where they are. Each thread counts

@@ -24,11 +24,12 @@ impl Regions {
     /// For the vertices of `mesh` by their new numbers. Without positions, neighbours in number count as neighbours.
     pub(super) fn new(mesh: &Mesh, numbering: &Numbering, threads: usize) -> Self {
         let positions = mesh.positions();
-        // So that single precision tells vertices apart wherever the model lies and however large it is.
-        let origin = positions.first().copied().unwrap_or_default();
-        let coordinates = positions
-            .iter()
-            .flat_map(|p| [0, 1, 2].map(|i| p[i] - origin[i]));
+        // So that single precision tells vertices apart wherever the model lies and however large it is; vertices without
+        // faces may lie anywhere.
+        let on_faces = mesh.vertices().filter(|&v| !mesh.outgoing(v).is_empty());
+        let mut places = on_faces.filter_map(|v| positions.get(v.index())).peekable();
+        let origin = places.peek().copied().copied().unwrap_or_default();
+        let coordinates = places.flat_map(|p| [0, 1, 2].map(|i| p[i] - origin[i]));
         let size = coordinates.fold(f64::MIN_POSITIVE, |size, x| size.max(x.abs()));
         let position = |v: VertexId| match positions.get(numbering.old_vertex(v).index()) {
             Some(p) => [0, 1, 2].map(|i| ((p[i] - origin[i]) / size) as f32),
@@ -53,7 +54,7 @@ impl Regions {
     }
 
     /// About `share` of `vertices`: those that lie farthest on the side of thread `to`, the farthest first; not all of them. If that thread
-    /// is nowhere yet, those at one end of where they extend farthest. O(n log n) for n vertices given.
+    /// is nowhere yet or in their middle, those at one end of where they extend farthest. O(m + n log n) for n of m vertices.
     pub(super) fn on_the_side_of<'a>(
         &self,
         to: usize,
@@ -63,16 +64,19 @@ impl Regions {
     ) -> &'a [Candidate] {
         buffer.clear();
         buffer.extend(vertices.map(|vertex| Candidate { vertex, along: 0.0 }));
-        let Some(own) = self.center(buffer.iter().map(|c| c.vertex)) else {
+        let Some(middle) = self.center(buffer.iter().map(|c| c.vertex)) else {
             return &[];
         };
-        let from_own = |v: u32| difference(self.positions[v as usize], own);
-        let axis = match self.centers[to].0.get() {
-            Some(other) => difference(other, own),
-            None => longest_axis(buffer.iter().map(|c| from_own(c.vertex))),
-        };
+        let from_middle = |v: u32| difference(self.positions[v as usize], middle);
+        let side = self.centers[to]
+            .0
+            .get()
+            .map(|other| difference(other, middle));
+        let axis = side
+            .filter(|side| *side != Position::default())
+            .unwrap_or_else(|| longest_axis(buffer.iter().map(|c| from_middle(c.vertex))));
         for candidate in &mut *buffer {
-            candidate.along = dot(from_own(candidate.vertex), axis);
+            candidate.along = dot(from_middle(candidate.vertex), axis);
         }
         let all = buffer.len();
         #[allow(clippy::cast_sign_loss)] // No share is negative.
@@ -188,8 +192,29 @@ mod tests {
             assert_eq!(given(&regions, 2, &row, 1.0), [14, 13, 12, 11]);
             regions.reset();
             // Nobody is anywhere: one end of the longer side.
-            let ends = given(&regions, 1, &[10, 11, 12, 13, 14, 17], 0.2);
-            assert!(ends == [14, 13] || ends == [10, 11], "{ends:?}");
+            let vertices = [10, 11, 12, 13, 14, 17];
+            assert_eq!(given(&regions, 1, &vertices, 0.2), [14, 13]);
+            regions.come_to(1, &[12]);
+            assert_eq!(given(&regions, 1, &row, 0.4), [14, 13]);
+        }
+    }
+
+    #[test]
+    fn vertices_without_faces_do_not_count_wherever_they_lie() {
+        for stray in [1e30, -1e308, f64::MAX] {
+            let mut soup = plane();
+            for position in &mut soup.positions {
+                *position = position.map(|x| x + 1e9);
+            }
+            // The first and the last.
+            soup.positions.insert(0, [stray; 3]);
+            soup.positions.push([0.0; 3]);
+            for corner in soup.triangles.iter_mut().flatten() {
+                *corner += 1;
+            }
+            let regions = regions(soup);
+            regions.come_to(1, &[16, 21]);
+            assert_eq!(given(&regions, 1, &[13, 12, 11], 0.6), [11, 12]);
         }
     }
 

@@ -162,10 +162,11 @@ impl Worker {
         };
         shared.gifts.send(bucket, to, &shared.pace, |gift| {
             let near = self.wave.buckets.near();
-            let near = (shared.regions).on_the_side_of(to, near, share, &mut self.near);
+            let regions = &shared.regions;
+            let candidates = regions.on_the_side_of(to, near, share, &mut self.near);
             let part = &mut Part::new(shared, &mut self.own);
             let (wanted, mut given) = (share * self.load.weight(), 0);
-            for candidate in near {
+            for candidate in candidates {
                 if given as f64 >= wanted {
                     break;
                 }

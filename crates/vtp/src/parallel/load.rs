@@ -44,7 +44,7 @@ impl Load {
         expected
     }
 
-    /// Time for each unit of weight.
+    /// Time for each unit of weight; before anything is measured little, so that whoever has just woken up is given more.
     fn time_for_each(&self) -> f64 {
         if self.weights > 0.0 && self.times > 0.0 {
             1000.0 * self.times / self.weights

@@ -15,7 +15,8 @@ const NOWHERE: u32 = u32::MAX;
 /// 3 % longer on models of some thousand faces; with more, windows that come late cross what others have made of earlier ones once more.
 const LEAD_OF_TWO: u32 = 4;
 
-/// The same among more threads, where that weighs more: with 4, 16 threads may take 37 % more windows than one, with 2 less than 30 %.
+/// The same among more threads, where that weighs more: with 4, 16 threads took up to 37 % more windows than one, with 2 less than 30 %
+/// (on two processors, before gifts went by place).
 const LEAD_OF_MORE: u32 = 2;
 
 /// Turns of a loop of some 40 ns each in which a thread looks again before it lets others run.

@@ -22,7 +22,7 @@
 //! to do in one bucket and less in the next evens out; whoever gets a gift falls back to where the giver is, for others must
 //! not go on without what it leads to. Nobody waits for a thread that has not woken up, but for its share of the distances at the end. On two threads 1 % to 4 % of
 //! the time is waiting, most on models of some thousand faces. More windows than on one thread cross, since what one knows comes late to the other, by up to
-//! 1 %, and since half-edges with windows of two threads have two lists, 1 % to 6 % more lists.
+//! 1 %, and since half-edges with windows of two threads have two lists, 1 % to 5 % more lists.
 //!
 //! **Why distances may differ in the last bits.** With one thread they are the same from run to run. With several it is a matter of chance which
 //! window arrives first, so of paths that are equally long but for rounding one or the other is kept, and a window may be cut by

@@ -4,15 +4,11 @@ use std::f64::consts::PI;
 
 use crate::ids::{HalfEdgeId, VertexId};
 use crate::mesh::{Mesh, VertexFlags};
+use crate::precision::SLIVER_HEIGHT;
 
 /// Excess angle in radians that a vertex may have before it counts as a saddle. Ignoring an
 /// excess of δ lengthens a path by at most about δ²/2 of itself.
 const SADDLE_SLACK: f64 = 1e-8;
-
-/// Height of a face, relative to its longest edge, below which its corners send windows of their
-/// own. A ray that passes a corner of such a face closer than rounding resolves may be taken to
-/// pass on the wrong side, and the face then spans the difference with no area to show for it.
-const SLIVER_HEIGHT: f64 = 1e-7;
 
 /// Builds the mesh of manifold, consistently oriented `triangles`.
 ///

@@ -41,6 +41,7 @@ mod measure;
 mod mesh;
 mod numbering;
 mod orient;
+pub mod precision;
 mod report;
 mod sanity;
 mod soup;

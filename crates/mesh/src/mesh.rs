@@ -179,7 +179,7 @@ impl Mesh {
         self.flags[v.index()].pinched
     }
 
-    /// Whether `v` is a corner of a face so thin (its height below 1e-7 of its longest edge) that
+    /// Whether `v` is a corner of a face so thin (its height below [`SLIVER_HEIGHT`](crate::precision::SLIVER_HEIGHT) of its longest edge) that
     /// rounding may decide on which side of `v` a ray passes.
     #[inline]
     pub fn is_beside_sliver(&self, v: VertexId) -> bool {

@@ -2,6 +2,7 @@
 
 use geobench_window::{Window, tie_points};
 
+use crate::foot::{does_new_win, may_be_foot};
 use crate::duel::{is_new_shorter, is_sliver, matters};
 
 /// Who is shorter on a range.
@@ -51,7 +52,11 @@ impl Division {
                 }
             };
             let mut start = lo;
-            if matters(lo, hi) {
+            if may_be_foot(hi - lo, l)
+                && let Some(wins) = does_new_win(w, new, l)
+            {
+                self.grant(lo, hi, if wins { Owner::New } else { old });
+            } else if matters(lo, hi) {
                 for &tie in tie_points(w, new).as_slice() {
                     if matters(start, tie) && matters(tie, hi) {
                         self.grant(start, tie, winner(start, tie));

@@ -7,6 +7,8 @@ use std::cmp::Ordering;
 
 use geobench_window::{Window, tie_points};
 
+use crate::foot::{does_new_win, may_be_foot};
+
 /// How much shorter a new window must be, relatively, to take ground from a stored one. The old
 /// one wins ties, so that a window that comes twice is not stored twice.
 const MARGIN: f64 = 1.0 - 1e-12;
@@ -68,6 +70,11 @@ impl Duel {
             [old.distance(lo), old.distance(hi)],
             [new.distance(lo), new.distance(hi)],
         );
+        if may_be_foot(hi - lo, l)
+            && let Some(wins) = does_new_win(old, new, l)
+        {
+            return if wins { Self::Won(lo, hi) } else { Self::Lost };
+        }
         let wins = [0, 1].map(|end| offered[end] < held[end] * MARGIN);
         let loses = [0, 1].map(|end| held[end] < offered[end] * MARGIN);
         if (wins[0] | wins[1]) & (loses[0] | loses[1]) {

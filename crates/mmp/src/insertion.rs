@@ -6,6 +6,7 @@ use geobench_window::Window;
 
 use crate::division::{Division, Owner, Segment};
 use crate::duel::is_sliver;
+use crate::foot::{foot, pieces};
 use crate::lists::{Direction, Lists, Place, Slot};
 use crate::wedge::Fate;
 
@@ -56,6 +57,25 @@ impl Inserter {
         self.to_queue.clear();
         (self.new_pieces, self.outdated) = (0, 0);
         (self.trimmed, self.removed) = (0, 0);
+        if foot(new, l).is_some() {
+            for piece in pieces(new, l) {
+                self.insert_piece(lists, i, &piece, direction, l);
+            }
+        } else {
+            self.insert_piece(lists, i, new, direction, l);
+        }
+    }
+
+    /// The same for a window without a [foot](crate::foot), or for one of the pieces of one with it.
+    #[inline]
+    fn insert_piece(
+        &mut self,
+        lists: &mut Lists,
+        i: usize,
+        new: &Window,
+        direction: Direction,
+        l: f64,
+    ) {
         let first = lists.ending_before(i, new.b0);
         let places = lists.places(i)[first..].iter();
         let behind = places.map(|place| &lists.windows()[place.slot as usize]);
@@ -103,7 +123,7 @@ impl Inserter {
             b1: end,
             ..*new
         };
-        self.new_pieces = 1;
+        self.new_pieces += 1;
         let mut slots = [self.queue_piece(lists, i, taken, direction, None), 0];
         let mut pieces = 1;
         let mut left = None;
@@ -137,7 +157,7 @@ impl Inserter {
             let slot = lists.places(i)[k].slot;
             lists.remove(i, slot);
         }
-        self.removed = to - from;
+        self.removed += to - from;
         lists.replace(i, from, to - from, &slots[..pieces]);
     }
 

@@ -32,6 +32,7 @@ mod blocks;
 mod by_list;
 mod division;
 mod duel;
+mod foot;
 mod forgetting;
 mod insertion;
 mod lists;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use geobench_window::Window;
+use geobench_window::{NeedleTips, Window};
 
 use crate::engine::store::{COLUMNS, Line, NO_LIST, WindowStore};
 use crate::engine::surface::{half_edge, parts};
@@ -236,6 +236,19 @@ impl Front {
         self.store.put(list, len, window);
         self.arrive(h, arrival, list, len + 1);
         (list, len)
+    }
+
+    /// Drops windows that wind around the tip of a needle: see [`WindowStore::drop_wound`].
+    #[cold]
+    pub(crate) fn drop_wound(
+        &mut self,
+        tips: &NeedleTips,
+        h: u32,
+        l: f64,
+        list: u32,
+        places: Range<usize>,
+    ) -> usize {
+        self.store.drop_wound(tips, h, l, list, places)
     }
 
     /// Number of windows in a list.

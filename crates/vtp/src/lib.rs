@@ -49,6 +49,7 @@ mod merge;
 mod orient;
 mod pairs;
 mod parallel;
+mod precision;
 mod propagation;
 mod pruning;
 mod schedule;

@@ -1,35 +1,47 @@
 //! On which side of a ray a point lies, beyond doubt.
 
-/// Fraction of the coordinates' size by which a point must lie off a ray to count as beside it:
-/// far more than rounding can move an image, far less than what matters for a distance.
-const CLEARANCE: f64 = 1e-12;
+use crate::precision::CLEARANCE;
 
 /// Whether `point` lies left of the ray from `source` to `target`.
 ///
 /// Sources that are one point reached through different triangles, and sources on one ray, differ
 /// by rounding only. A side read from that difference is noise, and noise must not delete windows:
-/// then neither this nor [`is_clearly_right`] holds.
+/// then neither this nor [`is_clearly_right`] holds. `blur` is how far rounding may have moved the sources beside what it may by
+/// the size of their coordinates.
 #[inline]
-pub(crate) fn is_clearly_left(source: [f64; 2], target: [f64; 2], point: [f64; 2]) -> bool {
-    let (area, doubt) = twice_area(source, target, point);
+pub(crate) fn is_clearly_left(
+    source: [f64; 2],
+    target: [f64; 2],
+    point: [f64; 2],
+    blur: f64,
+) -> bool {
+    let (area, doubt) = twice_area(source, target, point, blur);
     area > doubt
 }
 
 /// Whether `point` lies right of the ray from `source` to `target`.
 #[inline]
-pub(crate) fn is_clearly_right(source: [f64; 2], target: [f64; 2], point: [f64; 2]) -> bool {
-    let (area, doubt) = twice_area(source, target, point);
+pub(crate) fn is_clearly_right(
+    source: [f64; 2],
+    target: [f64; 2],
+    point: [f64; 2],
+    blur: f64,
+) -> bool {
+    let (area, doubt) = twice_area(source, target, point, blur);
     area < -doubt
 }
 
 /// Twice the signed area of the three points, and how much of it may be rounding.
 #[inline]
-fn twice_area(source: [f64; 2], target: [f64; 2], point: [f64; 2]) -> (f64, f64) {
+fn twice_area(source: [f64; 2], target: [f64; 2], point: [f64; 2], blur: f64) -> (f64, f64) {
     let ray = [target[0] - source[0], target[1] - source[1]];
     let off = [point[0] - source[0], point[1] - source[1]];
     let size = source[0].abs() + source[1].abs() + point[0].abs() + point[1].abs();
     let length = ray[0].abs() + ray[1].abs();
-    (ray[0] * off[1] - ray[1] * off[0], CLEARANCE * length * size)
+    (
+        ray[0] * off[1] - ray[1] * off[0],
+        length * (CLEARANCE * size + blur),
+    )
 }
 
 #[cfg(test)]
@@ -39,10 +51,10 @@ mod tests {
     #[test]
     fn left_and_right_of_a_ray() {
         let (source, target) = ([0.0, -1.0], [0.0, 1.0]);
-        assert!(is_clearly_left(source, target, [-0.1, 5.0]));
-        assert!(is_clearly_right(source, target, [0.1, -5.0]));
-        assert!(!is_clearly_left(source, target, [0.1, 0.0]));
-        assert!(!is_clearly_right(source, target, [-0.1, 0.0]));
+        assert!(is_clearly_left(source, target, [-0.1, 5.0], 0.0));
+        assert!(is_clearly_right(source, target, [0.1, -5.0], 0.0));
+        assert!(!is_clearly_left(source, target, [0.1, 0.0], 0.0));
+        assert!(!is_clearly_right(source, target, [-0.1, 0.0], 0.0));
     }
 
     #[test]
@@ -51,8 +63,8 @@ mod tests {
         for t in [0.0, 0.25, 0.5, 1.0, 3.0] {
             for noise in [-1e-14, 0.0, 1e-14] {
                 let point = [0.3 + 0.4 * t + noise, -100.0 + 100.0 * t];
-                assert!(!is_clearly_left(source, target, point));
-                assert!(!is_clearly_right(source, target, point));
+                assert!(!is_clearly_left(source, target, point, 0.0));
+                assert!(!is_clearly_right(source, target, point, 0.0));
             }
         }
     }
@@ -62,7 +74,7 @@ mod tests {
         for scale in [1e-9, 1.0, 1e9] {
             let [source, target, point] =
                 [[0.0, -1.0], [0.5, 0.0], [-1e-6, -1.0]].map(|p| p.map(|x| x * scale));
-            assert!(is_clearly_left(source, target, point));
+            assert!(is_clearly_left(source, target, point, 0.0));
         }
     }
 }

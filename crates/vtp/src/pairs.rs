@@ -8,15 +8,12 @@
 use geobench_window::Window;
 
 use crate::orient::{is_clearly_left, is_clearly_right};
-
-/// How much shorter the winner of a comparison must be, relatively. Without it, rounding lets two
-/// equal windows delete each other.
-pub(crate) const MARGIN: f64 = 1.0 - 1e-12;
+use crate::precision::{CLEARANCE, MARGIN, WINS, extent};
 
 /// Least distance of a crossing from the border of the triangle, as a fraction of its size, for rays
 /// that cross at a right angle. It grows as the sine of the angle falls, for so does the error of the crossing:
 /// two rays through one corner of the triangle seem to cross beside it.
-pub(crate) const INSIDE: f64 = 1e-12;
+pub(crate) const INSIDE: f64 = MARGIN;
 
 /// Greatest such distance that is asked for: rays that are closer to parallel do not cross at all.
 pub(crate) const BLURRED: f64 = 1e-3;
@@ -39,6 +36,11 @@ pub(crate) struct Edge {
 }
 
 impl Edge {
+    /// How far rounding may have moved the sources of windows on the edge, beside what it may have by their distances.
+    fn blur(&self) -> f64 {
+        CLEARANCE * extent(self.l, self.behind)
+    }
+
     /// Whether `point` lies inside the triangle behind the edge, and further from its border than
     /// `margin`, a fraction of the triangle's size.
     fn is_behind(&self, point: [f64; 2], margin: f64) -> bool {
@@ -66,11 +68,11 @@ pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &Edge) -> Verdict
             continue;
         }
         let (da, db) = (a.distance(x), b.distance(x));
-        if da < db * MARGIN {
-            if !cut(b, a, x) {
+        if da < db * WINS - edge.blur() {
+            if !cut(b, a, x, edge) {
                 return Verdict::SecondDies;
             }
-        } else if db < da * MARGIN && !cut(a, b, x) {
+        } else if db < da * WINS - edge.blur() && !cut(a, b, x, edge) {
             return Verdict::FirstDies;
         }
         if lo == hi {
@@ -87,11 +89,14 @@ pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &Edge) -> Verdict
 /// lies beyond the loser's last ray on that side, so that the path to x enters the cone there;
 /// mirrored on the right. The side at x alone does not tell: x often lies on a ray through both
 /// sources, where the sign is noise.
-fn cut(loser: &mut Window, winner: &Window, x: f64) -> bool {
+fn cut(loser: &mut Window, winner: &Window, x: f64, edge: &Edge) -> bool {
     let (from, to) = (loser.source(), winner.source());
-    if is_clearly_left(from, [x, 0.0], to) && is_clearly_left(from, [loser.b0, 0.0], to) {
+    let blur = edge.blur();
+    if is_clearly_left(from, [x, 0.0], to, blur)
+        && is_clearly_left(from, [loser.b0, 0.0], to, blur) {
         loser.b0 = x;
-    } else if is_clearly_right(from, [x, 0.0], to) && is_clearly_right(from, [loser.b1, 0.0], to) {
+    } else if is_clearly_right(from, [x, 0.0], to, blur)
+        && is_clearly_right(from, [loser.b1, 0.0], to, blur) {
         loser.b1 = x;
     }
     loser.b0 < loser.b1
@@ -128,9 +133,9 @@ fn check_in_order(left: &Window, right: &Window, edge: &Edge) -> Verdict {
     }
     let to_left = left.sigma + s * length(v, left.b1);
     let to_right = right.sigma + t * length(u, right.b0);
-    if to_left < to_right * MARGIN {
+    if to_left < to_right * WINS - edge.blur() {
         Verdict::SecondDies
-    } else if to_right < to_left * MARGIN {
+    } else if to_right < to_left * WINS - edge.blur() {
         Verdict::FirstDies
     } else {
         Verdict::BothStay

@@ -260,7 +260,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
         }
         let before = lists.map(|list| self.front.len(list));
         let triangle = face.triangle(corner);
-        let (carried, after) = {
+        let (carried, mut after) = {
             let rule = self.exits.enter(&Crossing {
                 h,
                 hand: &self.hand,
@@ -286,6 +286,14 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
             (carried, targets.map(|target| target.len))
         };
         probe.enter(Phase::Management);
+        if !self.surface.needle_tips.is_empty() {
+            for side in (0..2).filter(|&side| lists[side] != NO_LIST) {
+                let l = self.surface.length(exits[side]);
+                let places = before[side]..after[side];
+                let tips = &self.surface.needle_tips;
+                after[side] = (self.front).drop_wound(tips, exits[side], l, lists[side], places);
+            }
+        }
         if B::COUNTS {
             let departure = self.levels.leave(h, &triangle);
             for side in (0..2).filter(|&side| lists[side] != NO_LIST) {

@@ -2,7 +2,7 @@
 
 use geobench_window::{Window, tie_points};
 
-use crate::pairs::MARGIN;
+use crate::precision::WINS;
 
 /// What is left of a window: up to three pieces, from left to right.
 #[derive(Clone, Copy, Debug)]
@@ -75,8 +75,8 @@ pub(crate) fn trim_pair(a: &Window, b: &Window, l: f64) -> Option<(Pieces, Piece
     for (i, range) in stretches.windows(2).enumerate() {
         let middle = 0.5 * (range[0] + range[1]);
         let (da, db) = (a.distance(middle), b.distance(middle));
-        lost_by_a[i] = db < da * MARGIN;
-        lost_by_b[i] = da < db * MARGIN;
+        lost_by_a[i] = db < da * WINS;
+        lost_by_b[i] = da < db * WINS;
     }
     Some((
         Pieces::of(a, stretches, lost_by_a),

@@ -16,13 +16,14 @@ pub fn separating_abscissa(frame: &Frame, w: &Window) -> f64 {
 /// The part of `w` left of `hi` (at most `min(w.b1, sp)`) as it arrives at AC, in the frame of the
 /// neighbour's half-edge A → C; `None` if nothing arrives.
 ///
-/// The ray through abscissa s meets AC at u(s) = la·(-py·s) / (cy·(px - s) - cx·py) from A, and
+/// The ray through abscissa s meets AC at u(s) = la·n / (n + m) from A, with n = -py·s and m = (sp - s)·e, and
 /// the source turns to (û·p, û×p), û being the unit vector from A to C.
 #[inline]
 pub fn left_child(frame: &Frame, w: &Window, sp: f64, hi: f64) -> Option<Window> {
-    let scale = -frame.la * w.py;
-    let offset = frame.cy * w.px - frame.cx * w.py;
-    let at = |s: f64| scale * s / (offset - frame.cy * s);
+    let at = |s: f64| {
+        let (n, m) = (-w.py * s, (sp - s) * (frame.cy - w.py));
+        frame.la * n / (n + m)
+    };
     let [ux, uy] = frame.left;
     let child = Window {
         b0: at(w.b0).max(0.0),
@@ -41,14 +42,14 @@ pub fn left_child(frame: &Frame, w: &Window, sp: f64, hi: f64) -> Option<Window>
 /// The part of `w` right of `lo` (at least `max(w.b0, sp)`) as it arrives at CB, in the frame of
 /// the neighbour's half-edge C → B; `None` if nothing arrives.
 ///
-/// The ray through abscissa s meets CB at v(s) = lb·(s - sp)·e / (cy·(s - px) - (l - cx)·py) from
-/// C, a form that is accurate near C; the source turns to (v̂·(p - C), v̂×(p - C)), v̂ being the
-/// unit vector from C to B.
+/// The ray through abscissa s meets CB at v(s) = lb·m / (n + m) from C, with n = -py·(l - s) and m = (s - sp)·e; the source
+/// turns to (v̂·(p - C), v̂×(p - C)), v̂ being the unit vector from C to B.
 #[inline]
 pub fn right_child(frame: &Frame, w: &Window, sp: f64, lo: f64) -> Option<Window> {
-    let scale = frame.lb * (frame.cy - w.py);
-    let offset = -frame.cy * w.px - (frame.l - frame.cx) * w.py;
-    let at = |s: f64| scale * (s - sp) / (offset + frame.cy * s);
+    let at = |s: f64| {
+        let (n, m) = (-w.py * (frame.l - s), (s - sp) * (frame.cy - w.py));
+        frame.lb * m / (n + m)
+    };
     let [vx, vy] = frame.right;
     let (x, y) = (w.px - frame.cx, w.py - frame.cy);
     let child = Window {

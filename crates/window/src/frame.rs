@@ -2,7 +2,9 @@
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
 
+use crate::needle::NeedleTips;
 use crate::prefetch::prefetch;
+use crate::window::Window;
 
 /// A triangle seen from one of its half-edges: tail A at the origin, head B at `(l, 0)`, apex C
 /// above.
@@ -38,6 +40,8 @@ pub struct Entrance {
     /// The half-edge A → C of the neighbour on the left and the half-edge C → B of the neighbour
     /// on the right; `None` at the boundary.
     pub exits: [Option<HalfEdgeId>; 2],
+    /// Position of the vertex opposite to each exit, B and A, in the frame by which a window leaves there.
+    behind: [[f64; 2]; 2],
 }
 
 impl Entrance {
@@ -45,13 +49,11 @@ impl Entrance {
     #[inline]
     pub fn exit(&self, side: Side) -> Exit {
         let Frame {
-            l,
             la,
             lb,
-            cx,
-            cy,
             left,
             right,
+            ..
         } = self.frame;
         let [a, b, c] = self.corners;
         match side {
@@ -61,7 +63,7 @@ impl Entrance {
                 half_edge: self.exits[0],
                 length: la,
                 direction: left,
-                behind: [left[0] * l, -left[1] * l],
+                behind: self.behind[0],
                 corners: [a, c, b],
             },
             Side::Right => Exit {
@@ -70,10 +72,7 @@ impl Entrance {
                 half_edge: self.exits[1],
                 length: lb,
                 direction: right,
-                behind: [
-                    -(right[0] * cx + right[1] * cy),
-                    right[1] * cx - right[0] * cy,
-                ],
+                behind: self.behind[1],
                 corners: [c, b, a],
             },
         }
@@ -139,6 +138,8 @@ pub(crate) struct HalfEdge {
     pub(crate) inverse_length: f64,
     /// Position of the apex in its frame.
     pub(crate) apex: [f64; 2],
+    /// How far the foot of the apex lies before the head: l - cx, with an error relative to itself.
+    pub(crate) apex_from_head: f64,
     /// What a window meets that leaves the face here.
     pub(crate) outlet: Outlet,
     /// The other half-edges of the face, by which a window leaves that comes in here: that of the left exit, which
@@ -154,11 +155,14 @@ impl HalfEdge {
         let twice_area = apexes[0][1] * mesh.length(face.half_edge(0));
         [0, 1, 2].map(|corner| {
             let h = face.half_edge(corner);
+            let next = h.next().corner() as usize;
             let length = mesh.length(h);
             Self {
                 length,
                 inverse_length: length.recip(),
                 apex: [apexes[corner as usize][0], twice_area * length.recip()],
+                // The half-edge from the head on and this one project onto each other alike.
+                apex_from_head: apexes[next][0] * mesh.length(h.next()) * length.recip(),
                 outlet: Outlet {
                     twin: mesh
                         .twin(h)
@@ -180,7 +184,7 @@ impl HalfEdge {
     /// Position of the apex in the frame of the neighbour's half-edge, below it.
     #[inline]
     pub(crate) fn apex_below(&self) -> [f64; 2] {
-        [self.length - self.apex[0], -self.apex[1]]
+        [self.apex_from_head, -self.apex[1]]
     }
 }
 
@@ -191,6 +195,7 @@ pub struct Faces {
     half_edges: Vec<HalfEdge>,
     /// Where the faces of the mesh are.
     numbering: Numbering,
+    needle_tips: NeedleTips,
 }
 
 impl Faces {
@@ -208,9 +213,13 @@ impl Faces {
             half_edges.extend(HalfEdge::of_face(mesh, &numbering, face));
         }
         numbering.keep_new_faces();
+        let needle_tips = NeedleTips::of(mesh, half_edges.len(), |h| {
+            numbering.new_half_edge(h).index()
+        });
         Self {
             half_edges,
             numbering,
+            needle_tips,
         }
     }
 
@@ -218,6 +227,12 @@ impl Faces {
     #[inline]
     pub fn number(&self, h: HalfEdgeId) -> HalfEdgeId {
         self.numbering.new_half_edge(h)
+    }
+
+    /// Whether `window`, which has arrived at `h`, has wound around the tip of a needle: see [`NeedleTips`].
+    #[inline]
+    pub fn winds_around_tip(&self, h: HalfEdgeId, window: &Window) -> bool {
+        !self.needle_tips.is_empty() && self.needle_tips.drop(h.index(), self.length(h), window)
     }
 
     /// The half-edge `h`.
@@ -248,10 +263,11 @@ impl Faces {
                 cx,
                 cy,
                 left: [cx * to_c, cy * to_c],
-                right: [(l - cx) * from_c, -cy * from_c],
+                right: [entry.apex_from_head * from_c, -cy * from_c],
             },
             corners: entry.corners(),
             exits: [left.outlet.half_edge(), right.outlet.half_edge()],
+            behind: [left.apex_below(), right.apex_below()],
         }
     }
 
@@ -263,7 +279,8 @@ impl Faces {
     #[inline]
     pub fn exit(&self, h: HalfEdgeId, frame: &Frame, side: Side) -> Exit {
         let side = std::hint::black_box(side as u32);
-        let exit = self.half_edge(self.half_edge(h).exits[side as usize]);
+        let entry = self.half_edge(h);
+        let exit = self.half_edge(entry.exits[side as usize]);
         let is_right = f64::from(side);
         let is_left = 1.0 - is_right;
         Exit {
@@ -272,7 +289,7 @@ impl Faces {
             half_edge: exit.outlet.half_edge(),
             length: exit.length,
             direction: [
-                ((is_left - is_right) * frame.cx + is_right * frame.l) * exit.inverse_length,
+                (is_left * frame.cx + is_right * entry.apex_from_head) * exit.inverse_length,
                 (is_left - is_right) * frame.cy * exit.inverse_length,
             ],
             behind: exit.apex_below(),
@@ -302,7 +319,7 @@ impl Faces {
     }
 
     /// Position of the third vertex of the face *below* `h`, whose half-edge along the same edge
-    /// is `twin`, in the frame of `h`: (l - x, -y) of its position in the frame of `twin`.
+    /// is `twin`, in the frame of `h`: (l - x, -y) of its position (x, y) in the frame of `twin`.
     #[inline]
     pub fn apex_below(&self, twin: HalfEdgeId) -> [f64; 2] {
         self.half_edge(twin).apex_below()

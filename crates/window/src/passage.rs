@@ -144,10 +144,6 @@ struct Turn<'a> {
     /// Where the source comes to lie, (û·p', û×p') for û the unit vector along the exit and p' the source
     /// seen from where the exit begins.
     source: [f64; 2],
-    /// -py on the left, else 0.
-    depth: f64,
-    /// l on the right, else 0.
-    shift: f64,
 }
 
 impl<'a> Turn<'a> {
@@ -161,21 +157,21 @@ impl<'a> Turn<'a> {
             passage,
             exit,
             source: [ux * x + uy * y, ux * y - uy * x],
-            depth: -exit.is_left * w.py,
-            shift: exit.is_right * frame.l,
         }
     }
 
     /// How far from where the exit begins the ray through abscissa `s` crosses it, which leaves on its side; `side`
     /// is s·e - D0.
     ///
-    /// That is n/d for d the distance of the source from the line of the exit less that of the point s, -(û×p') - û.y·s on
-    /// the left and -(û×p') - û.y·(s - l) on the right; and for n = -py·s on the left and s·e - D0 on the
-    /// right, a form that is accurate near C.
+    /// The ray divides the exit as n : m, with n = -py·s on the left and -py·(l - s) on the right from the end that the exit
+    /// shares with the half-edge, and m = |s·e - D0| from C. Neither is negative, so their sum loses no digits, however close the source
+    /// is to the half-edge.
     #[inline]
     fn leaving(&self, s: f64, side: f64) -> f64 {
-        let from_start = self.depth * s + self.exit.is_right * side;
-        from_start / -(self.source[1] + self.exit.direction[1] * (s - self.shift))
+        let (exit, passage) = (self.exit, self.passage);
+        let from_corner = exit.is_left * s + exit.is_right * (passage.frame.l - s);
+        let (n, m) = (-passage.window.py * from_corner, side.abs());
+        exit.length * (exit.is_left * n + exit.is_right * m) / (n + m)
     }
 
     #[inline]

@@ -8,6 +8,7 @@ use geobench_window::{Counter, Probe, Window};
 use super::store::{Store, Stored};
 use crate::division::{Division, Owner, Segment};
 use crate::duel::{is_sliver, matters};
+use crate::foot::{foot, pieces};
 use crate::wedge::Fate;
 
 /// Windows that arrive at one half-edge together.
@@ -23,6 +24,19 @@ impl Run {
     pub(super) fn clear(&mut self) {
         self.windows.clear();
         self.levels.clear();
+    }
+
+    /// The same windows, those with a foot in pieces.
+    #[cold]
+    fn with_feet_apart(&self, l: f64) -> Self {
+        let mut run = Self::default();
+        for (k, w) in self.windows.iter().enumerate() {
+            for piece in pieces(w, l) {
+                run.windows.push(piece);
+                run.levels.extend(self.levels.get(k));
+            }
+        }
+        run
     }
 
     fn level(&self, k: usize) -> u32 {
@@ -85,11 +99,33 @@ impl Merger {
             least: f64::INFINITY,
             kept: 0,
         };
+        if run.windows.iter().any(|w| foot(w, l).is_some()) {
+            let run = &run.with_feet_apart(l);
+            self.sweep(store, i, run, l, &mut merged, weigh, probe);
+        } else {
+            self.sweep(store, i, run, l, &mut merged, weigh, probe);
+        }
+        merged
+    }
+
+    /// The same for a run of windows without a [foot](crate::foot), or with the feet apart from them.
+    #[inline]
+    #[allow(clippy::too_many_arguments)] // Private, and one step of `merge`.
+    fn sweep<P: Probe>(
+        &mut self,
+        store: &mut Store,
+        i: usize,
+        run: &Run,
+        l: f64,
+        merged: &mut Merged,
+        weigh: &mut impl FnMut(f64),
+        probe: &mut P,
+    ) {
         let windows = &run.windows;
         let mut k = 0;
         while k < windows.len() {
             let mut sweep = Sweep::start(store, i, windows[k].b0, &mut self.pieces);
-            let mut is_open = sweep.insert(&windows[k], run.level(k), l, &mut merged, weigh, probe);
+            let mut is_open = sweep.insert(&windows[k], run.level(k), l, merged, weigh, probe);
             k += 1;
             while !is_open && k < windows.len() {
                 let (last, mut new) = (&windows[k - 1], windows[k]);
@@ -101,7 +137,7 @@ impl Merger {
                     new.b0 = last.b1.min(new.b1);
                 }
                 sweep.pass(new.b0);
-                is_open = sweep.insert(&new, run.level(k), l, &mut merged, weigh, probe);
+                is_open = sweep.insert(&new, run.level(k), l, merged, weigh, probe);
                 k += 1;
             }
             let Sweep { base, next, .. } = sweep;
@@ -120,13 +156,12 @@ impl Merger {
                     new,
                     run.level(k - 1),
                     l,
-                    &mut merged,
+                    merged,
                     weigh,
                     probe,
                 );
             }
         }
-        merged
     }
 
     /// Inserts `new`, whatever the windows that it meets may leave of it.

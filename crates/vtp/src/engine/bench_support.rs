@@ -114,7 +114,7 @@ impl Program for Run<'_> {
                 }
                 let block = bench.store.block_and_line_behind(copy);
                 // SAFETY: promised by the caller.
-                unsafe { kernels::compare::<L>(block, len, &mut bench.cuts) }
+                unsafe { kernels::compare::<L>(block, len, bench.gate.l, &mut bench.cuts) }
             }
             Kernel::Measure => {
                 let block = bench.store.block(list);

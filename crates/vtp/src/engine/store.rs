@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use geobench_window::Window;
+use geobench_window::{NeedleTips, Window};
 
 /// A cache line of a column.
 #[derive(Clone, Copy, Debug, Default)]
@@ -302,6 +302,35 @@ impl WindowStore {
     #[inline]
     fn range(&self, list: u32) -> Range<usize> {
         self.lists[list as usize].lines()
+    }
+
+    /// Drops those windows of `list`, on half-edge `h` of length `l`, from number `start` up to `len` that wind around the tip of a
+    /// needle; returns how many are left.
+    #[cold]
+    pub(crate) fn drop_wound(
+        &mut self,
+        tips: &NeedleTips,
+        h: u32,
+        l: f64,
+        list: u32,
+        places: Range<usize>,
+    ) -> usize {
+        let mut left = places.start;
+        for i in places {
+            let columns @ [b0, b1, px, py, sigma] = self.get(list, i);
+            let window = Window {
+                b0,
+                b1,
+                px,
+                py,
+                sigma,
+            };
+            if !tips.drop(h as usize, l, &window) {
+                self.put(list, left, columns);
+                left += 1;
+            }
+        }
+        left
     }
 
     /// The windows of `list` at `places`.

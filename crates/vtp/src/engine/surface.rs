@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
+use geobench_window::NeedleTips;
 
 use super::face_state::FaceState;
 use super::kernels::{Gate, Triangle};
@@ -93,6 +94,23 @@ impl Face {
         ]
     }
 
+    /// How far the foot of the apex lies before the head of a half-edge: l - cx, with an error relative to itself. The half-edge from
+    /// the head on and this one project onto each other alike.
+    #[inline]
+    pub(crate) fn apex_from_head(&self, corner: usize) -> f64 {
+        let after = next(corner);
+        self.apex_x[after] * self.length[after] * self.inverse_length[corner]
+    }
+
+    /// The apex in the frame of the neighbour's half-edge along this one, below it.
+    #[inline]
+    pub(crate) fn apex_below(&self, corner: usize) -> [f64; 2] {
+        [
+            self.apex_from_head(corner),
+            -(self.twice_area * self.inverse_length[corner]),
+        ]
+    }
+
     /// The triangle seen from a half-edge.
     #[inline]
     pub(crate) fn triangle(&self, corner: usize) -> Triangle {
@@ -104,7 +122,10 @@ impl Face {
             l,
             exits: [self.length[before], self.length[after]],
             apex: [cx, cy],
-            directions: [[cx * to_c, cy * to_c], [(l - cx) * from_c, -cy * from_c]],
+            directions: [
+                [cx * to_c, cy * to_c],
+                [self.apex_from_head(corner) * from_c, -cy * from_c],
+            ],
         }
     }
 }
@@ -140,6 +161,7 @@ pub(crate) struct Surface {
     /// The angle between each and the next edge, in radians.
     pub(crate) angles: Vec<f32>,
     pub(crate) mean_length: f64,
+    pub(crate) needle_tips: NeedleTips,
 }
 
 impl Surface {
@@ -177,6 +199,9 @@ impl Surface {
             rings,
             angles,
             mean_length: total / mesh.half_edge_count().max(1) as f64,
+            needle_tips: NeedleTips::of(mesh, 4 * mesh.face_count(), |h| {
+                number(numbering, h) as usize
+            }),
         }
     }
 
@@ -208,9 +233,7 @@ impl Surface {
             return [0.0, f64::NEG_INFINITY];
         }
         let (f, corner) = parts(twin);
-        let below = &self.faces[f];
-        let [x, y] = below.apex(corner);
-        [below.length[corner] - x, -y]
+        self.faces[f].apex_below(corner)
     }
 
     /// Where the half-edges that start at `v` stand in `rings` and `angles`.

@@ -9,6 +9,7 @@ use crate::engine::lanes::{Lanes, Scalar};
 use crate::engine::reunite::FEW;
 use crate::engine::store::NO_LIST;
 use crate::engine::surface::{NOBODY, next, parts, prev};
+use crate::precision::extent;
 
 impl Wave {
     /// Lists cross until none is ready; windows are reunited if `REUNITE`, of which nothing is left otherwise in the code that runs.
@@ -86,8 +87,9 @@ impl Wave {
         probe.enter(Phase::Pruning);
         if self.compared.takes(h, len) {
             let block = self.store.block_and_line_behind(list);
+            let extent = extent(triangle.l, field.surface().behind(h));
             // SAFETY: promised by the caller.
-            len = unsafe { kernels::compare::<L>(block, len, &mut self.cuts) };
+            len = unsafe { kernels::compare::<L>(block, len, extent, &mut self.cuts) };
         }
         let gate = Gate {
             l: triangle.l,
@@ -199,6 +201,15 @@ impl Wave {
             after = self
                 .store
                 .reunite_behind(face, corner, lists, before, after);
+        }
+        if !field.surface().needle_tips.is_empty() {
+            let surface = field.surface();
+            for side in (0..2).filter(|&side| lists[side] != NO_LIST) {
+                let (list, l) = (lists[side], surface.length(exits[side]));
+                let places = before[side].min(after[side])..after[side];
+                let tips = &surface.needle_tips;
+                after[side] = (self.store).drop_wound(tips, exits[side], l, list, places);
+            }
         }
         for side in 0..2 {
             if lists[side] != NO_LIST {

@@ -3,7 +3,7 @@
 use geobench_window::{Counter, Probe};
 
 use super::{Field, Wave};
-use crate::engine::kernels::MARGIN;
+use crate::engine::kernels::LOSES;
 use crate::engine::shadow::{Origin, Shadow};
 use crate::engine::store::NO_LIST;
 use crate::engine::surface::{NOBODY, half_edge, next, parts, prev};
@@ -85,7 +85,7 @@ impl Wave {
         let [to_a, to_b] = [d + face.length[corner], d + face.length[before]];
         let l = face.length[after];
         let twin = face.twin[after];
-        let [x, y] = face.apex(after);
+        let source = face.apex_below(after);
         let along_b = half_edge(f as u32, before);
         let length_b = face.length[before];
         // Seen from the opposite vertices the paths come along the far ends of their half-edges.
@@ -108,7 +108,7 @@ impl Wave {
         let [at_a, at_b] = [a, b].map(|v| field.distance(v));
         probe.add(Counter::Spawned, 1);
         // The vertex filter: each end's own path along the edge beats the farthest ray.
-        if (at_b + l) * MARGIN < to_a || (at_a + l) * MARGIN < to_b {
+        if (at_b + l) * LOSES < to_a || (at_a + l) * LOSES < to_b {
             probe.add(Counter::Filtered, 1);
             return;
         }
@@ -116,9 +116,9 @@ impl Wave {
         let list = self.store.reserve(field.list(target, k), 1);
         let len = self.store.len(list);
         debug_assert!(list != NO_LIST);
-        self.store.put(list, len, [0.0, l, l - x, -y, d]);
+        self.store.put(list, len, [0.0, l, source[0], source[1], d]);
         if P::COUNTS && F::COUNTS_LEVELS {
-            self.levels.start(twin, [l - x, -y], d);
+            self.levels.start(twin, source, d);
         }
         field.set_list(target, k, self.store.set_len(list, len + 1));
         self.make_ready(field, target, k);

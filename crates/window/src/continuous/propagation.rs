@@ -155,7 +155,9 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
             return;
         };
         probe.add(Counter::Children, 1);
-        if window.b1 - window.b0 < self.threshold {
+        if window.b1 - window.b0 < self.threshold
+            || self.surface.faces().winds_around_tip(h, &window)
+        {
             probe.add(Counter::Filtered, 1);
             return;
         }

@@ -176,10 +176,14 @@ impl Crossings {
         let (l, [cx, cy]) = (entrance.length, entrance.apex);
         let exit = faces.half_edge(entrance.exits[1]);
         let (length, inverse) = (exit.length, exit.inverse_length);
-        let (ux, uy) = ((l - cx) * inverse, -cy * inverse);
+        let (ux, uy) = (entrance.apex_from_head * inverse, -cy * inverse);
         let (x, y) = (w.px[lane] - cx, w.py[lane] - cy);
         let (px, across) = (ux * x + uy * y, ux * y - uy * x);
-        let end = (w.b1[lane] * height - offset) / -(across + uy * (w.b1[lane] - l));
+        let (n, m) = (
+            -w.py[lane] * (l - w.b1[lane]),
+            (w.b1[lane] * height - offset).abs(),
+        );
+        let end = length * m / (n + m);
         let window = Window {
             b0: 0.0,
             b1: less(end, length),
@@ -216,10 +220,12 @@ impl Crossings {
     fn run(&mut self, faces: &Faces) {
         let w = &self.entering;
         let (mut l, mut cx, mut cy) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let mut cx_from_head = [0.0; LANES];
         for i in 0..LANES {
             let entrance = faces.half_edge(self.entrances[i]);
             l[i] = entrance.length;
             [cx[i], cy[i]] = entrance.apex;
+            cx_from_head[i] = entrance.apex_from_head;
         }
         // s·e - D0 at both ends, and on which side the window leaves.
         let (mut side0, mut side1, mut is_right) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
@@ -249,13 +255,21 @@ impl Crossings {
             let left = 1.0 - right;
             let (b0, b1, sigma) = (w.b0[i], w.b1[i], w.sigma[i]);
             // The unit vector along the exit, and the source seen along it from where it begins.
-            let ux = ((left - right) * cx[i] + right * l[i]) * inverse[i];
+            let ux = (left * cx[i] + right * cx_from_head[i]) * inverse[i];
             let uy = (left - right) * cy[i] * inverse[i];
             let (x, y) = (w.px[i] - right * cx[i], w.py[i] - right * cy[i]);
             let (px, across) = (ux * x + uy * y, ux * y - uy * x);
-            let (depth, shift) = (-left * w.py[i], right * l[i]);
-            let start = (depth * b0 + right * side0[i]) / -(across + uy * (b0 - shift));
-            let end = (depth * b1 + right * side1[i]) / -(across + uy * (b1 - shift));
+            // Both parts into which each end's ray divides the exit: see `Passage`.
+            let (n0, m0) = (
+                -w.py[i] * (left * b0 + right * (l[i] - b0)),
+                side0[i].abs(),
+            );
+            let (n1, m1) = (
+                -w.py[i] * (left * b1 + right * (l[i] - b1)),
+                side1[i].abs(),
+            );
+            let start = length[i] * (left * n0 + right * m0) / (n0 + m0);
+            let end = length[i] * (left * n1 + right * m1) / (n1 + m1);
             // A window that covers the apex fills the left exit up to its end.
             let end = if covered {
                 length[i]

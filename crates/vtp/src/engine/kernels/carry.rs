@@ -58,9 +58,10 @@ pub(crate) struct Carried {
 /// Takes those of the first `len` windows of `block` for which `keep` has bits across `triangle`, as `rule` lets them, and
 /// adds those that arrive and are no narrower than `threshold` to the targets behind AC and CB.
 ///
-/// With e, D and m(s) as in [`measure`](super::measure()) and w(s) = D - cy·s, the ray through abscissa s
-/// meets AC at -la·py·s / w(s) from A, and CB at lb·m(s) / (-l·py - w(s)) from C. Each end of a window
-/// leaves through one exit, so both ends take two divisions, which are made as one: 1/(w₀w₁).
+/// With e, D and m(s) as in [`measure`](super::measure()), the ray through abscissa s divides AC as n : |m(s)| with n = -py·s, and
+/// BC as n : |m(s)| with n = -py·(l - s), from the ends that they share with the half-edge. Neither part is negative, so their sum loses no
+/// digits, however close the source is to the half-edge. Each end of a window leaves through one exit, so both ends take two divisions,
+/// which are made as one: 1/(d₀d₁).
 ///
 /// # Safety
 ///
@@ -89,7 +90,7 @@ pub(crate) unsafe fn carry<L: Lanes, R: Rule>(
         let open_right = L::Mask::from_bits(if right.open { u8::MAX } else { 0 });
         let (cx, cy) = (L::splat(triangle.apex[0]), L::splat(triangle.apex[1]));
         let (la, lb) = (L::splat(triangle.exits[0]), L::splat(triangle.exits[1]));
-        let (minus_l, minus_la) = (L::splat(-triangle.l), L::splat(-triangle.exits[0]));
+        let l = L::splat(triangle.l);
         for (register, &kept) in keep[..len.div_ceil(L::COUNT)].iter().enumerate() {
             let windows = columns.load::<L>(register * L::COUNT);
             let Windows {
@@ -117,13 +118,16 @@ pub(crate) unsafe fn carry<L: Lanes, R: Rule>(
             let go_right = tried[1] & zero.lt(m1);
             let (cut_left, cut_right) = (go_left & cut[0], go_right & cut[1]);
             // Where both ends arrive, each at its own exit.
-            let scale = minus_la * py;
-            let base = minus_l * py;
-            let (w0, w1) = (d - cy * b0, d - cy * b1);
-            let n0 = L::select(starts_left, scale * b0, lb * m0);
-            let d0 = L::select(starts_left, w0, base - w0);
-            let n1 = L::select(ends_left, scale * b1, lb * m1);
-            let d1 = L::select(ends_left, w1, base - w1);
+            let depth = zero - py;
+            let (from_corner0, from_corner1) = (
+                depth * L::select(starts_left, b0, l - b0),
+                depth * L::select(ends_left, b1, l - b1),
+            );
+            let (from_apex0, from_apex1) = (m0.abs(), m1.abs());
+            let n0 = L::select(starts_left, la * from_corner0, lb * from_apex0);
+            let d0 = from_corner0 + from_apex0;
+            let n1 = L::select(ends_left, la * from_corner1, lb * from_apex1);
+            let d1 = from_corner1 + from_apex1;
             let [q0, q1] = quotients::<L>([n0, n1], [d0, d1], go_left | go_right);
             let left_start = q0.max(zero);
             let mut left_end = L::select(ends_left, q1.min(la), la);
@@ -131,9 +135,11 @@ pub(crate) unsafe fn carry<L: Lanes, R: Rule>(
             let right_end = q1.min(lb);
             if (cut_left | cut_right).any() {
                 let [s, t] = limits;
-                let cut = (scale * s / (d - cy * s)).min(la);
+                let (n, m) = (depth * s, (s * e - d).abs());
+                let cut = (la * n / (n + m)).min(la);
                 left_end = L::select(cut_left, cut, left_end);
-                let cut = (lb * (t * e - d) / (base - (d - cy * t))).max(zero);
+                let (n, m) = (depth * (l - t), (t * e - d).abs());
+                let cut = (lb * m / (n + m)).max(zero);
                 right_start = L::select(cut_right, cut, right_start);
             }
             if go_left.any() {

@@ -3,10 +3,7 @@
 use super::columns::{Sink, Windows, within};
 use crate::engine::lanes::{LaneMask, Lanes};
 use crate::engine::store::Line;
-use crate::pairs::MARGIN;
-
-/// Fraction of the coordinates' size by which a point must lie off a ray to count as beside it.
-pub(super) const CLEARANCE: f64 = 1e-12;
+use crate::precision::{CLEARANCE, WINS};
 
 /// What neighbours leave of the intervals, kept from run to run.
 #[derive(Clone, Debug, Default)]
@@ -70,7 +67,7 @@ impl Cuts {
 }
 
 /// Compares neighbours among the first `len` windows of `block`, which is followed by a line that
-/// may be read; cuts what each loses, drops who has lost all, and returns how many are left.
+/// may be read and whose edge has this [`extent`](crate::precision::extent); cuts what each loses, drops who has lost all, and returns how many are left.
 ///
 /// As [`check_pair`](crate::pairs::check_pair) for windows that overlap, but all comparisons are made
 /// with the windows as they came: a ray that is cut crosses a real path that is shorter, and that
@@ -82,7 +79,12 @@ impl Cuts {
 ///
 /// The processor must know the instructions of `L`.
 #[inline(always)]
-pub(crate) unsafe fn compare<L: Lanes>(block: &mut [Line], len: usize, cuts: &mut Cuts) -> usize {
+pub(crate) unsafe fn compare<L: Lanes>(
+    block: &mut [Line],
+    len: usize,
+    extent: f64,
+    cuts: &mut Cuts,
+) -> usize {
     cuts.resize(len);
     // The last line is only for reading behind the block.
     let own = block.len() - 1;
@@ -96,7 +98,7 @@ pub(crate) unsafe fn compare<L: Lanes>(block: &mut [Line], len: usize, cuts: &mu
             let a = columns.load::<L>(i);
             let b = columns.load::<L>(i + 1);
             let pairs = within::<L>(i, len - 1);
-            cuts.note(i, losses::<L>(&a, &b, pairs).0);
+            cuts.note(i, losses::<L>(&a, &b, pairs, extent).0);
             i += L::COUNT;
         }
         cuts.open();
@@ -123,10 +125,13 @@ pub(super) unsafe fn losses<L: Lanes>(
     a: &Windows<L>,
     b: &Windows<L>,
     pairs: L::Mask,
+    extent: f64,
 ) -> ([[L; 2]; 2], L::Mask) {
     // SAFETY: promised by the caller.
-    let (zero, margin, clearance) =
-        unsafe { (L::splat(0.0), L::splat(MARGIN), L::splat(CLEARANCE)) };
+    let (zero, wins, clearance, blur) = unsafe {
+        let blur = L::splat(CLEARANCE * extent);
+        (L::splat(0.0), L::splat(WINS), L::splat(CLEARANCE), blur)
+    };
     let (mut of_a, mut of_b) = ([a.b0, a.b1], [b.b0, b.b1]);
     let (lo, hi) = (a.b0.max(b.b0), a.b1.min(b.b1));
     let overlap = pairs & lo.le(hi);
@@ -135,7 +140,7 @@ pub(super) unsafe fn losses<L: Lanes>(
         return ([of_a, of_b], apart);
     }
     let (dx, dy) = (b.px - a.px, b.py - a.py);
-    let size = clearance * (a.px.abs() + a.py.abs() + b.px.abs() + b.py.abs());
+    let size = clearance * (a.px.abs() + a.py.abs() + b.px.abs() + b.py.abs()) + blur;
     let (back_x, back_y) = (zero - dx, zero - dy);
     let b_left_of_a = side(a, a.b0, [dx, dy], size, zero)[0];
     let b_right_of_a = side(a, a.b1, [dx, dy], size, zero)[1];
@@ -150,8 +155,8 @@ pub(super) unsafe fn losses<L: Lanes>(
             continue;
         }
         let (to_a, to_b) = (length(a, x), length(b, x));
-        let a_wins = overlap & to_a.lt(to_b * margin);
-        let b_wins = overlap & to_b.lt(to_a * margin);
+        let a_wins = overlap & to_a.lt(to_b * wins - blur);
+        let b_wins = overlap & to_b.lt(to_a * wins - blur);
         of_a[0] = L::select(b_wins & cut_a[0], of_a[0].max(x), of_a[0]);
         of_a[1] = L::select(b_wins & cut_a[1], of_a[1].min(x), of_a[1]);
         of_b[0] = L::select(a_wins & cut_b[0], of_b[0].max(x), of_b[0]);

@@ -1,10 +1,9 @@
 //! Through which exits of its face a window may leave.
 
 use super::columns::Windows;
-use super::compare::CLEARANCE;
 use crate::engine::lanes::{LaneMask, Lanes};
 use crate::engine::store::Line;
-use crate::pairs::MARGIN;
+use crate::precision::{CLEARANCE, WINS};
 
 /// By how far, as a fraction of the half-edge, rays of a source on the edge must lie beyond the best path before rule
 /// 1 cuts them: such a source, behind a face of no area, sends rays of all directions through less width
@@ -228,7 +227,7 @@ impl Rule for Reach {
         } = rays.windows;
         // SAFETY: promised by the caller.
         unsafe {
-            let margin = L::splat(MARGIN);
+            let margin = L::splat(WINS);
             let py2 = py * py;
             let (x0, x1) = (b0 - px, b1 - px);
             let to_tail = (sigma + (x0 * x0 + py2).sqrt() + b0) * margin;
@@ -269,7 +268,7 @@ impl Rule for EveryBetterPath<'_> {
     unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L> {
         // SAFETY: promised by the caller.
         unsafe {
-            let own = to_apex(rays, self.apex) * L::splat(MARGIN);
+            let own = to_apex(rays, self.apex) * L::splat(WINS);
             let mut sides = Free.sides(rays);
             for (path, length) in self.paths {
                 let longer = rays.kept & L::splat(*length).lt(own);

@@ -3,10 +3,11 @@
 use super::columns::{Columns, Sink, Windows, within};
 use crate::engine::lanes::{LaneMask, Lanes};
 use crate::engine::store::Line;
+use crate::precision::MARGIN;
 
-/// How much shorter a path through a vertex must be, relative to itself and the edge, before it deletes a window: rounding
-/// may be that of the edge, where the vertex is much nearer than that.
-pub(crate) const MARGIN: f64 = 1.0 + 1e-12;
+/// What a path through a vertex and the edge are multiplied by before they are compared with a window: rounding may be that of the edge,
+/// where the vertex is much nearer than its length.
+pub(crate) const LOSES: f64 = 1.0 + MARGIN;
 
 /// What the passes must know of the half-edge.
 #[derive(Clone, Copy, Debug)]
@@ -35,8 +36,8 @@ impl<L: Lanes> Filter<L> {
         // SAFETY: promised by the caller.
         unsafe {
             Self {
-                tail: L::splat((gate.ends[0] + gate.l) * MARGIN - gate.l),
-                head: L::splat((gate.ends[1] + gate.l) * MARGIN),
+                tail: L::splat((gate.ends[0] + gate.l) * LOSES - gate.l),
+                head: L::splat((gate.ends[1] + gate.l) * LOSES),
             }
         }
     }

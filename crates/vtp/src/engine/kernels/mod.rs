@@ -23,6 +23,6 @@ mod trim;
 pub(crate) use carry::{Carried, Target, Triangle, carry};
 pub(crate) use compare::{Cuts, compare};
 pub(crate) use exits::BestPath;
-pub(crate) use filter::{Gate, MARGIN, gather};
+pub(crate) use filter::{Gate, LOSES, gather};
 pub(crate) use measure::{Measured, measure};
 pub(crate) use settle::settle;

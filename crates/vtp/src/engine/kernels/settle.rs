@@ -1,11 +1,12 @@
 //! Rules 2 and 3 as the paper has them: neighbours are compared until all of them stay.
 
 use super::columns::{Sink, Windows, within};
-use super::compare::{CLEARANCE, Cuts, losses, side};
+use super::compare::{Cuts, losses, side};
 use super::trim::trim;
 use crate::engine::lanes::{LaneMask, Lanes};
 use crate::engine::store::Line;
-use crate::pairs::{BLURRED, INSIDE, MARGIN};
+use crate::pairs::{BLURRED, INSIDE};
+use crate::precision::{CLEARANCE, WINS, extent};
 
 /// Compares neighbours among the first `len` windows of `block`, which is followed by a line that may be read; cuts what
 /// each loses, drops who has lost all, compares those who thereby become neighbours, and so on.
@@ -37,6 +38,8 @@ pub(crate) unsafe fn settle<L: Lanes, const TRIM: bool>(
         return (len, true);
     }
     cuts.resize(len);
+    let behind = behind();
+    let extent = extent(l, behind);
     // A bit for each window that is to be compared with the next one, a byte for each register.
     let registers = len.div_ceil(L::COUNT);
     again.clear();
@@ -56,8 +59,8 @@ pub(crate) unsafe fn settle<L: Lanes, const TRIM: bool>(
                 let b = columns.load::<L>(i + 1);
                 let pairs = within::<L>(i, len - 1) & L::Mask::from_bits(again[i / L::COUNT]);
                 let left = if pairs.any() {
-                    let (left, apart) = losses::<L>(&a, &b, pairs);
-                    let left = crossings::<L>(&a, &b, apart, l, &behind, left);
+                    let (left, apart) = losses::<L>(&a, &b, pairs, extent);
+                    let left = crossings::<L>(&a, &b, apart, l, behind, left);
                     if TRIM {
                         let (left, anew) = trim::<L>(&a, &b, pairs, l, left);
                         if anew.any() {
@@ -126,25 +129,28 @@ unsafe fn crossings<L: Lanes>(
     b: &Windows<L>,
     apart: L::Mask,
     l: f64,
-    behind: &impl Fn() -> [f64; 2],
+    behind: [f64; 2],
     mut left: [[L; 2]; 2],
 ) -> [[L; 2]; 2] {
     if !apart.any() {
         return left;
     }
     // SAFETY: promised by the caller.
-    let (zero, clearance) = unsafe { (L::splat(0.0), L::splat(CLEARANCE)) };
+    let (zero, clearance, blur) = unsafe {
+        let blur = CLEARANCE * extent(l, behind);
+        (L::splat(0.0), L::splat(CLEARANCE), L::splat(blur))
+    };
     let in_order = a.b1.lt(b.b0);
     let (v, u) = (select(in_order, a, b), select(in_order, b, a));
     // Rays to the nearest ends cross below the edge if each source lies beyond the other's ray.
     let (dx, dy) = (u.px - v.px, u.py - v.py);
-    let size = clearance * (a.px.abs() + a.py.abs() + b.px.abs() + b.py.abs());
+    let size = clearance * (a.px.abs() + a.py.abs() + b.px.abs() + b.py.abs()) + blur;
     let beyond_left = side(&v, v.b1, [dx, dy], size, zero)[0];
     let beyond_right = side(&u, u.b0, [zero - dx, zero - dy], size, zero)[1];
     let crossing = apart & beyond_left & beyond_right;
     if crossing.any() {
         // SAFETY: promised by the caller.
-        let dead = unsafe { dearer::<L>(&v, &u, crossing, l, behind()) };
+        let dead = unsafe { dearer::<L>(&v, &u, crossing, l, behind) };
         // SAFETY: promised by the caller.
         let none = unsafe { L::splat(f64::NEG_INFINITY) };
         let a_dies = (in_order & dead[0]) | (!in_order & dead[1]);
@@ -183,7 +189,8 @@ unsafe fn dearer<L: Lanes>(
     // SAFETY: promised by the caller.
     unsafe {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        let (l, margin) = (L::splat(l), L::splat(MARGIN));
+        let rounding = L::splat(CLEARANCE * extent(l, behind));
+        let (l, wins) = (L::splat(l), L::splat(WINS));
         let (tx, ty) = (L::splat(behind[0]), L::splat(behind[1]));
         let (rx, ry) = (v.b1 - v.px, zero - v.py);
         let (qx, qy) = (u.b0 - u.px, zero - u.py);
@@ -210,8 +217,8 @@ unsafe fn dearer<L: Lanes>(
             & x.lt(rightmost - slack);
         let (to_left, to_right) = (v.sigma + s * r2.sqrt(), u.sigma + t * q2.sqrt());
         [
-            pairs & inside & to_right.lt(to_left * margin),
-            pairs & inside & to_left.lt(to_right * margin),
+            pairs & inside & to_right.lt(to_left * wins - rounding),
+            pairs & inside & to_left.lt(to_right * wins - rounding),
         ]
     }
 }

@@ -3,7 +3,7 @@
 use super::columns::Windows;
 use super::compare::length;
 use crate::engine::lanes::{LaneMask, Lanes};
-use crate::pairs::MARGIN;
+use crate::precision::WINS;
 use crate::trim::ON_EDGE;
 
 /// What is `left` of the intervals of neighbours `a` and `b` after each of `pairs` has given up the stretches of
@@ -27,7 +27,7 @@ pub(super) unsafe fn trim<L: Lanes>(
     let (lo, hi) = (a0.max(b0), a1.min(b1));
     // SAFETY: promised by the caller.
     let (on_edge, margin, half) =
-        unsafe { (L::splat(-ON_EDGE * l), L::splat(MARGIN), L::splat(0.5)) };
+        unsafe { (L::splat(-ON_EDGE * l), L::splat(WINS), L::splat(0.5)) };
     let overlap = pairs & a0.lt(a1) & b0.lt(b1) & lo.lt(hi) & a.py.max(b.py).le(on_edge);
     if !overlap.any() {
         return (left, overlap);

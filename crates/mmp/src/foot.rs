@@ -1,0 +1,117 @@
+//! Sources on the line of an edge: all their directions pass through one point, their foot.
+//!
+//! Trimming compares distances along the edge. A source V on the edge itself, behind a face of no area, sends rays of all directions through its
+//! foot, where its distance is σ, and only grazing ones through all other points. A window of another source that comes along the edge, V
+//! on its way, ties with it at the foot and beyond, and has one direction only. If it took the foot from V, or half of it by rounding, the other
+//! directions would be lost.
+//!
+//! So the foot of a window is a piece of its own, as wide as rounding moves it. It is compared with other windows as a whole, at the foot, and
+//! yields only to one that is shorter there beyond doubt: then V is no shortest path to its own foot, and none of its directions is of use.
+//! Among equals it stays, since it holds every direction that they have.
+
+use geobench_window::Window;
+use geobench_window::precision::MARGIN;
+
+/// Half the width of a foot, as a fraction of the edge: some units in the last place of an abscissa.
+const HALF_WIDTH: f64 = 4e-15;
+
+/// The foot of `w` on an edge of length `l`, if its source stands on the edge, or closer to it than [`MARGIN`] tells, and all directions of the
+/// source are its own: an interval that ends beside the foot has only some of them, and rounding does not tell which.
+#[inline]
+pub(crate) fn foot(w: &Window, l: f64) -> Option<[f64; 2]> {
+    (w.py.abs() <= MARGIN * l).then(|| whole_foot(w, l))?
+}
+
+#[cold]
+fn whole_foot(w: &Window, l: f64) -> Option<[f64; 2]> {
+    let half = HALF_WIDTH * l;
+    let (start, end) = ((w.px - half).max(0.0), (w.px + half).min(l));
+    (w.b0 <= start && start < end && end <= w.b1).then_some([start, end])
+}
+
+/// Whether `w` is nothing but a foot.
+#[inline]
+fn is_foot(w: &Window, l: f64) -> bool {
+    foot(w, l) == Some([w.b0, w.b1])
+}
+
+/// Whether any common range of two windows, of this width, may be part of a foot.
+#[inline]
+pub(crate) fn may_be_foot(width: f64, l: f64) -> bool {
+    width <= 2.5 * HALF_WIDTH * l
+}
+
+/// Whether the whole range that `old` and `new` share goes to `new`, if one of them is a foot; `None` if neither is.
+#[cold]
+pub(crate) fn does_new_win(old: &Window, new: &Window, l: f64) -> Option<bool> {
+    if is_foot(old, l) {
+        Some(is_shorter_at_foot(new, old, l))
+    } else if is_foot(new, l) {
+        Some(!is_shorter_at_foot(old, new, l))
+    } else {
+        None
+    }
+}
+
+/// Whether `w` reaches the foot of `foot` and is shorter there beyond doubt.
+fn is_shorter_at_foot(w: &Window, foot: &Window, l: f64) -> bool {
+    let x = foot.px;
+    let d = foot.distance(x);
+    w.b0 <= x && x <= w.b1 && w.distance(x) < d - MARGIN * (d + l)
+}
+
+/// The pieces of a window with a foot: first the foot, then what lies left and right of it.
+pub(crate) fn pieces(w: &Window, l: f64) -> impl Iterator<Item = Window> {
+    let [start, end] = foot(w, l).unwrap_or([w.b0, w.b1]);
+    let ranges = [[start, end], [w.b0, start], [end, w.b1]];
+    let w = *w;
+    let pieces = ranges.map(move |[b0, b1]| Window { b0, b1, ..w });
+    pieces.into_iter().filter(|piece| piece.b0 < piece.b1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ON_EDGE: Window = Window {
+        b0: 0.25,
+        b1: 1.0,
+        px: 0.5,
+        py: -1e-30,
+        sigma: 1.0,
+    };
+
+    #[test]
+    fn a_window_on_the_edge_is_its_foot_and_what_lies_beside() {
+        let all: Vec<Window> = pieces(&ON_EDGE, 1.0).collect();
+        let [foot, left, right] = all[..] else {
+            panic!("{all:?}")
+        };
+        assert!(is_foot(&foot, 1.0) && !is_foot(&left, 1.0) && !is_foot(&right, 1.0));
+        assert_eq!((left.b0, left.b1), (0.25, foot.b0));
+        assert_eq!((right.b0, right.b1), (foot.b1, 1.0));
+        let above = Window {
+            py: -1e-9,
+            ..ON_EDGE
+        };
+        assert_eq!(pieces(&above, 1.0).collect::<Vec<_>>(), [above]);
+    }
+
+    #[test]
+    fn a_foot_yields_to_a_shorter_window_only() {
+        let foot = pieces(&ON_EDGE, 1.0).next().unwrap();
+        let along = |sigma: f64| Window {
+            px: -1.0,
+            sigma,
+            b0: 0.0,
+            ..ON_EDGE
+        };
+        // At the foot the other's distance is 1.5 more than its σ.
+        for (sigma, shorter) in [(-0.5, false), (-0.5 - 1e-9, true), (-0.5 + 1e-9, false)] {
+            assert_eq!(does_new_win(&foot, &along(sigma), 1.0), Some(shorter));
+            assert_eq!(does_new_win(&along(sigma), &foot, 1.0), Some(!shorter));
+        }
+        assert_eq!(does_new_win(&foot, &foot, 1.0), Some(false));
+        assert_eq!(does_new_win(&along(0.0), &along(1.0), 1.0), None);
+    }
+}

@@ -1,0 +1,3 @@
+//! Placeholder.
+
+pub use geobench_mesh::precision::MARGIN;

@@ -41,7 +41,7 @@ pub struct Entrance {
     /// on the right; `None` at the boundary.
     pub exits: [Option<HalfEdgeId>; 2],
     /// Position of the vertex opposite to each exit, B and A, in the frame by which a window leaves there.
-    behind: [[f64; 2]; 2],
+    pub behind: [[f64; 2]; 2],
 }
 
 impl Entrance {

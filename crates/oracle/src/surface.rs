@@ -28,6 +28,9 @@ pub struct Surface<S> {
     /// The sides that leave each vertex, in no order.
     pub(crate) leaving: Vec<Vec<usize>>,
     bends: Vec<bool>,
+    /// For each side the total angle of the fan of triangles around its tail; infinite where the fan
+    /// is open.
+    pub(crate) turns: Vec<f64>,
 }
 
 /// The side after `side` around its triangle.
@@ -113,7 +116,11 @@ impl<S: Scalar> Surface<S> {
             sides,
             leaving,
             bends: Vec::new(),
+            turns: Vec::new(),
         };
+        surface.turns = (0..surface.sides.len())
+            .map(|side| surface.turn_around_tail(side))
+            .collect();
         surface.bends = (0..vertex_count)
             .map(|v| surface.can_bend(v) || surface.is_beside_thin_triangle(v))
             .collect();
@@ -190,6 +197,19 @@ impl<S: Scalar> Surface<S> {
         (fan, true)
     }
 
+    fn turn_around_tail(&self, side: usize) -> f64 {
+        match self.fan(side) {
+            (_, true) => f64::INFINITY,
+            (fan, false) => fan.iter().map(|&side| self.angle_at_tail(side)).sum(),
+        }
+    }
+
+    /// The angle of the triangle of `side` at its tail.
+    fn angle_at_tail(&self, side: usize) -> f64 {
+        let [x, y] = self.sides[side].apex;
+        y.to_f64().atan2(x.to_f64())
+    }
+
     /// Whether the angles of a fan sum to more than 2π, or more than π for an open one.
     ///
     /// The sum in f64 tells the number of turns; the product of the directions as complex numbers
@@ -200,7 +220,7 @@ impl<S: Scalar> Surface<S> {
         let mut product = [S::from_f64(if open { -1.0 } else { 1.0 }), S::zero()];
         for &side in fan {
             let [x, y] = self.sides[side].apex;
-            sum += y.to_f64().atan2(x.to_f64());
+            sum += self.angle_at_tail(side);
             let reach = self.sides[prev(side)].length;
             let (x, y) = (x / reach, y / reach);
             let [re, im] = product;

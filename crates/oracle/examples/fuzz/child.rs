@@ -1,0 +1,244 @@
+//! Judging in a child process, so that a hang, an abort or a full memory costs one answer only.
+//!
+//! The child is this program with the option [`OPTION`]. It reads [`Request`]s and writes [`Reply`]s,
+//! one to a line.
+
+use std::env;
+use std::io::{self, BufRead, BufReader, Write};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
+
+use geobench::registry::select_one;
+use rustix::process::{Resource, Rlimit, setrlimit};
+use serde::{Deserialize, Serialize};
+
+use crate::case::{Case, Expected, Failure, FailureKind, Skip, Verdict};
+use crate::judge;
+
+/// The option that makes a child of the program.
+pub(crate) const OPTION: &str = "--child";
+
+/// Address space of a child.
+const MOST_MEMORY: u64 = 4 << 30;
+
+/// How long the oracle may take.
+const ORACLE_LIMIT: Duration = Duration::from_secs(20);
+
+#[derive(Serialize, Deserialize)]
+struct Request {
+    case: Case,
+    /// If they are known.
+    expected: Option<Expected>,
+    /// Windows of `mmp`, if they are known.
+    work: Option<u64>,
+    /// Specs of the algorithms to judge, in this order.
+    algorithms: Vec<String>,
+}
+
+#[derive(Serialize, Deserialize)]
+enum Reply {
+    Skipped(Skip),
+    Expected(Expected),
+    Work(Option<u64>),
+    Judged(Verdict),
+}
+
+/// What the child does: it answers requests until there are no more.
+pub(crate) fn serve() -> io::Result<()> {
+    let limit = Rlimit {
+        current: Some(MOST_MEMORY),
+        maximum: Some(MOST_MEMORY),
+    };
+    setrlimit(Resource::As, limit)?;
+    std::panic::set_hook(Box::new(|_| {}));
+    for line in io::stdin().lock().lines() {
+        let request: Request = serde_json::from_str(&line?)?;
+        answer(request)?;
+    }
+    Ok(())
+}
+
+fn answer(request: Request) -> io::Result<()> {
+    let Request { case, .. } = request;
+    let mesh = match judge::mesh(&case) {
+        Ok(mesh) => mesh,
+        Err(skip) => return send(&Reply::Skipped(skip)),
+    };
+    let expected = match request.expected {
+        Some(expected) => expected,
+        None => match judge::expected(&case, &mesh) {
+            Ok(expected) => expected,
+            Err(skip) => return send(&Reply::Skipped(skip)),
+        },
+    };
+    send(&Reply::Expected(expected.clone()))?;
+    let work = match request.work {
+        None if case.bounded => judge::work_of_mmp(&case, &mesh),
+        known => known,
+    };
+    send(&Reply::Work(work))?;
+    for spec in &request.algorithms {
+        let selection = select_one(spec).map_err(io::Error::other)?;
+        let verdict = judge::judge(&selection, &case, &mesh, &expected, work);
+        send(&Reply::Judged(verdict))?;
+    }
+    Ok(())
+}
+
+fn send(reply: &Reply) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    serde_json::to_writer(&mut out, reply)?;
+    out.write_all(b"\n")?;
+    out.flush()
+}
+
+/// The parent's side: a child that is started when it is needed, and again after its death.
+pub(crate) struct Judge {
+    /// How long an algorithm may take.
+    limit: Duration,
+    child: Option<Running>,
+}
+
+struct Running {
+    process: Child,
+    stdin: ChildStdin,
+    replies: Receiver<Reply>,
+}
+
+/// What all algorithms made of a case.
+pub(crate) struct Judged {
+    pub(crate) expected: Expected,
+    /// In the order in which they were asked for.
+    pub(crate) verdicts: Vec<Verdict>,
+}
+
+impl Judge {
+    pub(crate) fn new(limit: Duration) -> Self {
+        Self { limit, child: None }
+    }
+
+    /// Has `algorithms` judged by distances that are `known`, or by the oracle's.
+    pub(crate) fn judge(
+        &mut self,
+        case: &Case,
+        known: Option<Expected>,
+        algorithms: &[String],
+    ) -> io::Result<Result<Judged, Skip>> {
+        let mut expected = known;
+        let mut work = None;
+        let mut work_is_known = false;
+        let mut verdicts = Vec::new();
+        let patience = self.limit;
+        while verdicts.len() < algorithms.len() {
+            let bounded = case.bounded && (work.is_some() || !work_is_known);
+            let request = Request {
+                case: Case {
+                    bounded,
+                    ..case.clone()
+                },
+                expected: expected.clone(),
+                work,
+                algorithms: algorithms[verdicts.len()..].to_vec(),
+            };
+            let child = self.request(&request)?;
+            let mut in_oracle = expected.is_none();
+            let end = loop {
+                if verdicts.len() == algorithms.len() {
+                    break None;
+                }
+                let limit = if in_oracle { ORACLE_LIMIT } else { patience };
+                match child.replies.recv_timeout(limit) {
+                    Ok(Reply::Skipped(skip)) => return Ok(Err(skip)),
+                    Ok(Reply::Expected(found)) => {
+                        expected = Some(found);
+                        in_oracle = false;
+                    }
+                    Ok(Reply::Work(windows)) => {
+                        work = windows;
+                        work_is_known = true;
+                    }
+                    Ok(Reply::Judged(verdict)) => verdicts.push(verdict),
+                    Err(end) => break Some(end),
+                }
+            };
+            let Some(end) = end else { break };
+            let status = self.stop()?;
+            if expected.is_none() {
+                return Ok(Err(Skip::GaveUp));
+            }
+            if work_is_known {
+                verdicts.push(Verdict::Failed(match end {
+                    RecvTimeoutError::Timeout => Failure {
+                        kind: FailureKind::Hang,
+                        text: format!("not done after {} s", patience.as_secs_f64()),
+                    },
+                    RecvTimeoutError::Disconnected => Failure {
+                        kind: FailureKind::Panic,
+                        text: format!("the process died: {status}"),
+                    },
+                }));
+            }
+            // It was `mmp` that hung while its windows were counted; its own turn will show it.
+            work_is_known = true;
+        }
+        let Some(expected) = expected else {
+            return Ok(Err(Skip::GaveUp));
+        };
+        Ok(Ok(Judged { expected, verdicts }))
+    }
+
+    fn request(&mut self, request: &Request) -> io::Result<&mut Running> {
+        let mut child = match self.child.take() {
+            Some(child) => child,
+            None => Running::start()?,
+        };
+        serde_json::to_writer(&mut child.stdin, request)?;
+        child.stdin.write_all(b"\n")?;
+        child.stdin.flush()?;
+        Ok(self.child.insert(child))
+    }
+
+    fn stop(&mut self) -> io::Result<String> {
+        let Some(mut child) = self.child.take() else {
+            return Ok(String::new());
+        };
+        child.process.kill()?;
+        Ok(child.process.wait()?.to_string())
+    }
+}
+
+impl Drop for Judge {
+    fn drop(&mut self) {
+        let _ = self.stop();
+    }
+}
+
+impl Running {
+    fn start() -> io::Result<Self> {
+        let mut process = Command::new(env::current_exe()?)
+            .arg(OPTION)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()?;
+        let (Some(stdin), Some(stdout)) = (process.stdin.take(), process.stdout.take()) else {
+            return Err(io::Error::other("the child has no pipes"));
+        };
+        let (sender, replies) = channel();
+        thread::spawn(move || {
+            for line in BufReader::new(stdout).lines() {
+                let reply = line.ok().and_then(|line| serde_json::from_str(&line).ok());
+                if reply.is_none_or(|reply| sender.send(reply).is_err()) {
+                    return;
+                }
+            }
+        });
+        Ok(Self {
+            process,
+            stdin,
+            replies,
+        })
+    }
+}

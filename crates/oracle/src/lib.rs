@@ -17,12 +17,14 @@
 //!   from above and from below that share nothing with unfolding.
 //! * [`closed_forms`]: surfaces whose distances are known by formulas.
 //! * [`zoo`]: small surfaces with every feature that has broken a geodesic program.
+//! * [`nasty`]: random meshes of the sorts that break such programs.
 
 mod bounds;
 pub mod closed_forms;
 mod double_double;
 mod flood;
 mod model;
+pub mod nasty;
 mod random;
 pub mod reference;
 mod scalar;

@@ -3,6 +3,7 @@
 //! The child is this program with the option [`OPTION`]. It reads [`Request`]s and writes [`Reply`]s,
 //! one to a line.
 
+use std::collections::HashMap;
 use std::env;
 use std::io::{self, BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
@@ -15,13 +16,16 @@ use rustix::process::{Resource, Rlimit, setrlimit};
 use serde::{Deserialize, Serialize};
 
 use crate::case::{Case, Expected, Failure, FailureKind, Skip, Verdict};
-use crate::judge;
+use crate::{judge, variants};
 
 /// The option that makes a child of the program.
 pub(crate) const OPTION: &str = "--child";
 
 /// Address space of a child.
 const MOST_MEMORY: u64 = 4 << 30;
+
+/// After so many hangs of an algorithm on one mesh, its other variants are left out.
+const MOST_HANGS: usize = 2;
 
 /// How long the oracle may take.
 const ORACLE_LIMIT: Duration = Duration::from_secs(20);
@@ -128,24 +132,28 @@ impl Judge {
     ) -> io::Result<Result<Judged, Skip>> {
         let mut expected = known;
         let mut work = None;
-        let mut work_is_known = false;
-        let mut verdicts = Vec::new();
+        let mut work_is_known = !case.bounded;
+        let mut verdicts: Vec<Option<Verdict>> = vec![None; algorithms.len()];
         let patience = self.limit;
-        while verdicts.len() < algorithms.len() {
-            let bounded = case.bounded && (work.is_some() || !work_is_known);
+        loop {
+            let waiting = waiting(algorithms, &mut verdicts);
+            if waiting.is_empty() {
+                break;
+            }
             let request = Request {
                 case: Case {
-                    bounded,
+                    bounded: !work_is_known,
                     ..case.clone()
                 },
                 expected: expected.clone(),
                 work,
-                algorithms: algorithms[verdicts.len()..].to_vec(),
+                algorithms: waiting.iter().map(|&i| algorithms[i].clone()).collect(),
             };
             let child = self.request(&request)?;
             let mut in_oracle = expected.is_none();
+            let mut waiting = waiting.into_iter().peekable();
             let end = loop {
-                if verdicts.len() == algorithms.len() {
+                if waiting.peek().is_none() {
                     break None;
                 }
                 let limit = if in_oracle { ORACLE_LIMIT } else { patience };
@@ -159,17 +167,21 @@ impl Judge {
                         work = windows;
                         work_is_known = true;
                     }
-                    Ok(Reply::Judged(verdict)) => verdicts.push(verdict),
+                    Ok(Reply::Judged(verdict)) => {
+                        if let Some(place) = waiting.next() {
+                            verdicts[place] = Some(verdict);
+                        }
+                    }
                     Err(end) => break Some(end),
                 }
             };
-            let Some(end) = end else { break };
+            let Some(end) = end else { continue };
             let status = self.stop()?;
             if expected.is_none() {
                 return Ok(Err(Skip::GaveUp));
             }
-            if work_is_known {
-                verdicts.push(Verdict::Failed(match end {
+            if work_is_known && let Some(place) = waiting.next() {
+                verdicts[place] = Some(Verdict::Failed(match end {
                     RecvTimeoutError::Timeout => Failure {
                         kind: FailureKind::Hang,
                         text: format!("not done after {} s", patience.as_secs_f64()),
@@ -186,7 +198,10 @@ impl Judge {
         let Some(expected) = expected else {
             return Ok(Err(Skip::GaveUp));
         };
-        Ok(Ok(Judged { expected, verdicts }))
+        Ok(Ok(Judged {
+            expected,
+            verdicts: verdicts.into_iter().flatten().collect(),
+        }))
     }
 
     fn request(&mut self, request: &Request) -> io::Result<&mut Running> {
@@ -207,6 +222,28 @@ impl Judge {
         child.process.kill()?;
         Ok(child.process.wait()?.to_string())
     }
+}
+
+/// The places of the algorithms without a verdict, less those whose other variants hang.
+fn waiting(algorithms: &[String], verdicts: &mut [Option<Verdict>]) -> Vec<usize> {
+    let mut hangs: HashMap<&str, usize> = HashMap::new();
+    for (label, verdict) in algorithms.iter().zip(verdicts.iter()) {
+        if let Some(Verdict::Failed(failure)) = verdict
+            && failure.kind == FailureKind::Hang
+        {
+            *hangs.entry(variants::name_of(label)).or_default() += 1;
+        }
+    }
+    let mut waiting = Vec::new();
+    for (place, label) in algorithms.iter().enumerate() {
+        let hung = hangs.get(variants::name_of(label)).copied().unwrap_or(0);
+        match &mut verdicts[place] {
+            Some(_) => {}
+            verdict if hung >= MOST_HANGS => *verdict = Some(Verdict::LeftOut),
+            None => waiting.push(place),
+        }
+    }
+    waiting
 }
 
 impl Drop for Judge {

@@ -32,6 +32,11 @@ pub(crate) fn selected(list: &str, plain: bool) -> Result<Vec<Selection>, Select
     Ok(all)
 }
 
+/// The name of the algorithm in a label.
+pub(crate) fn name_of(label: &str) -> &str {
+    label.split('{').next().unwrap_or_default()
+}
+
 /// Whether `selection` ends in reasonable time on a mesh with so many faces.
 pub(crate) fn can_finish(selection: &Selection, faces: usize) -> bool {
     selection.algorithm().name != "ch" || faces <= MOST_FACES_OF_CH

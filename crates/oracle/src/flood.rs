@@ -27,7 +27,8 @@ pub struct Search {
     /// Follow lines from every vertex, not only from those where a shortest path can bend.
     pub everywhere: bool,
     /// Drop lines that are longer, all along the side that they reach, than a path found to an end of
-    /// that side and on along it, and those that turn twice around a vertex. No shortest path is lost.
+    /// that side and on along it; and in space those that meet a triangle again. No shortest path
+    /// is lost.
     pub prune: bool,
     /// Give up after so many beams.
     pub most_beams: u64,
@@ -180,38 +181,51 @@ struct Lines<'a, S> {
 impl<S: Scalar> Lines<'_, S> {
     fn follow_from(&mut self, vertex: usize) -> Result<(), GaveUp> {
         let surface = self.surface;
-        let mut beams: Vec<Beam<S>> = surface.leaving[vertex]
+        let mut waiting: Vec<(usize, Beam<S>)> = surface.leaving[vertex]
             .iter()
             .filter_map(|&leaving| {
                 // Seen from the neighbour across the opposite side, that side's frame is turned by
                 // half a turn about its middle.
                 let opposite = surface.sides[next(leaving)];
                 let [x, y] = opposite.apex;
-                Some(Beam {
+                let beam = Beam {
                     side: opposite.twin?,
                     from: S::zero(),
                     to: opposite.length,
                     origin: [opposite.length - x, -y],
-                })
+                };
+                Some((0, beam))
             })
             .collect();
+        // The triangles that the present beam has crossed.
+        let mut crossed: Vec<usize> = Vec::new();
         // Depth first, few beams wait at any time.
-        while let Some(beam) = beams.pop() {
+        while let Some((depth, beam)) = waiting.pop() {
             let [x, y] = beam.origin;
             let nearest = beam.from.max(beam.to.min(x));
-            if self.start + (nearest - x).hypot(y) > self.limit
-                || self.prune && (self.is_beaten(&beam) || self.winds(&beam))
-            {
+            if self.start + (nearest - x).hypot(y) > self.limit {
                 continue;
             }
+            crossed.truncate(depth);
+            let triangle = beam.side / 3;
+            if self.prune && (self.is_beaten(&beam) || self.returns(triangle, &crossed)) {
+                continue;
+            }
+            crossed.push(triangle);
             *self.beams_left = self.beams_left.checked_sub(1).ok_or(GaveUp)?;
             let apex_vertex = surface.sides[prev(beam.side)].tail;
             let (split, through) = reach_apex(surface, &beam);
             offer(&mut self.best[apex_vertex], self.start + through);
-            beams.extend(left_part(surface, &beam, split));
-            beams.extend(right_part(surface, &beam, split));
+            waiting.extend(left_part(surface, &beam, split).map(|part| (depth + 1, part)));
+            waiting.extend(right_part(surface, &beam, split).map(|part| (depth + 1, part)));
         }
         Ok(())
+    }
+
+    /// Whether a beam that has `crossed` triangles meets one of them again. Two points of a triangle
+    /// in space have no shorter way between them than the straight one within it.
+    fn returns(&self, triangle: usize, crossed: &[usize]) -> bool {
+        self.surface.in_space && crossed.contains(&triangle)
     }
 
     /// Whether a path to an end of the side and along it is shorter wherever `beam` crosses the side.
@@ -228,21 +242,6 @@ impl<S: Scalar> Lines<'_, S> {
         };
         beaten(entered.tail, beam.to, beam.to)
             || beaten(head, entered.length - beam.from, beam.from)
-    }
-
-    /// Whether `beam` reaches an end of its side and has turned around that vertex by more than twice
-    /// the angle of its fan. The triangle between origin, vertex and any place of the beam holds no
-    /// other vertex, so each line has crossed some edge at the vertex twice. A piece of that edge is
-    /// shorter than the line between the two crossings.
-    fn winds(&self, beam: &Beam<S>) -> bool {
-        const TURNS: f64 = 2.0 + 1e-6;
-        let entered = &self.surface.sides[beam.side];
-        let [x, y] = beam.origin;
-        let turned = |along: S| (-y).to_f64().atan2(along.to_f64());
-        let around_tail = self.surface.turns[beam.side];
-        let around_head = self.surface.turns[next(beam.side)];
-        beam.from == S::zero() && turned(x) > TURNS * around_tail
-            || beam.to == entered.length && turned(entered.length - x) > TURNS * around_head
     }
 }
 

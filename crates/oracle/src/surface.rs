@@ -28,9 +28,8 @@ pub struct Surface<S> {
     /// The sides that leave each vertex, in no order.
     pub(crate) leaving: Vec<Vec<usize>>,
     bends: Vec<bool>,
-    /// For each side the total angle of the fan of triangles around its tail; infinite where the fan
-    /// is open.
-    pub(crate) turns: Vec<f64>,
+    /// Whether the triangles lie in space, so that every edge is the shortest way between its ends.
+    pub(crate) in_space: bool,
 }
 
 /// The side after `side` around its triangle.
@@ -52,7 +51,7 @@ impl<S: Scalar> Surface<S> {
     /// When a triangle names a vertex that does not exist, or two triangles run through an edge in
     /// the same direction (an edge that is not manifold, or triangles oriented differently).
     pub fn from_positions(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
-        Self::new(positions.len(), triangles, |t| {
+        let mut surface = Self::new(positions.len(), triangles, |t| {
             let corners = triangles[t].map(|v| positions[v as usize].map(S::from_f64));
             let sides = [0, 1, 2].map(|k| minus(corners[(k + 1) % 3], corners[k]));
             let lengths = sides.map(norm);
@@ -62,7 +61,9 @@ impl<S: Scalar> Surface<S> {
                 let x = -dot(sides[(k + 2) % 3], sides[k]) / lengths[k];
                 (lengths[k], [x, twice_area / lengths[k]])
             })
-        })
+        });
+        surface.in_space = true;
+        surface
     }
 
     /// The surface of `triangles` whose sides have these lengths: `lengths[t][k]` is the side from
@@ -116,11 +117,8 @@ impl<S: Scalar> Surface<S> {
             sides,
             leaving,
             bends: Vec::new(),
-            turns: Vec::new(),
+            in_space: false,
         };
-        surface.turns = (0..surface.sides.len())
-            .map(|side| surface.turn_around_tail(side))
-            .collect();
         surface.bends = (0..vertex_count)
             .map(|v| surface.can_bend(v) || surface.is_beside_thin_triangle(v))
             .collect();
@@ -197,19 +195,6 @@ impl<S: Scalar> Surface<S> {
         (fan, true)
     }
 
-    fn turn_around_tail(&self, side: usize) -> f64 {
-        match self.fan(side) {
-            (_, true) => f64::INFINITY,
-            (fan, false) => fan.iter().map(|&side| self.angle_at_tail(side)).sum(),
-        }
-    }
-
-    /// The angle of the triangle of `side` at its tail.
-    fn angle_at_tail(&self, side: usize) -> f64 {
-        let [x, y] = self.sides[side].apex;
-        y.to_f64().atan2(x.to_f64())
-    }
-
     /// Whether the angles of a fan sum to more than 2π, or more than π for an open one.
     ///
     /// The sum in f64 tells the number of turns; the product of the directions as complex numbers
@@ -220,7 +205,7 @@ impl<S: Scalar> Surface<S> {
         let mut product = [S::from_f64(if open { -1.0 } else { 1.0 }), S::zero()];
         for &side in fan {
             let [x, y] = self.sides[side].apex;
-            sum += self.angle_at_tail(side);
+            sum += y.to_f64().atan2(x.to_f64());
             let reach = self.sides[prev(side)].length;
             let (x, y) = (x / reach, y / reach);
             let [re, im] = product;

@@ -27,6 +27,12 @@ pub(crate) enum Verdict {
     Failed(Failure),
 }
 
+impl Verdict {
+    pub(crate) fn is_hang(&self) -> bool {
+        matches!(self, Self::Failed(failure) if failure.kind == FailureKind::Hang)
+    }
+}
+
 /// What is wrong with an answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Failure {

@@ -151,6 +151,9 @@ impl Judge {
             };
             let child = self.request(&request)?;
             let mut in_oracle = expected.is_none();
+            // A second hang will hardly be a slow machine.
+            let hangs = verdicts.iter().flatten().filter(|v| v.is_hang()).count();
+            let patience = if hangs < 2 { patience } else { patience / 4 };
             let mut waiting = waiting.into_iter().peekable();
             let end = loop {
                 if waiting.peek().is_none() {
@@ -228,9 +231,7 @@ impl Judge {
 fn waiting(algorithms: &[String], verdicts: &mut [Option<Verdict>]) -> Vec<usize> {
     let mut hangs: HashMap<&str, usize> = HashMap::new();
     for (label, verdict) in algorithms.iter().zip(verdicts.iter()) {
-        if let Some(Verdict::Failed(failure)) = verdict
-            && failure.kind == FailureKind::Hang
-        {
+        if verdict.as_ref().is_some_and(Verdict::is_hang) {
             *hangs.entry(variants::name_of(label)).or_default() += 1;
         }
     }

@@ -1,5 +1,8 @@
 //! The oracle: every straight line from every point where a shortest path can start or bend.
 
+use std::error::Error;
+use std::fmt;
+
 use crate::bounds::edge_graph;
 use crate::scalar::Scalar;
 use crate::surface::{Surface, next, prev};
@@ -18,6 +21,58 @@ struct Beam<S> {
     origin: [S; 2],
 }
 
+/// How the oracle searches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Search {
+    /// Follow lines from every vertex, not only from those where a shortest path can bend.
+    pub everywhere: bool,
+    /// Drop lines that are longer, all along the side that they reach, than a path found to an end of
+    /// that side and on along it; and in space those that meet a triangle again. No shortest path
+    /// is lost.
+    pub prune: bool,
+    /// Give up after so many beams.
+    pub most_beams: u64,
+}
+
+impl Search {
+    /// Every line from every vertex where a path can bend, however many there are.
+    pub const EXHAUSTIVE: Self = Self {
+        everywhere: false,
+        prune: false,
+        most_beams: u64::MAX,
+    };
+
+    /// As [`EXHAUSTIVE`](Self::EXHAUSTIVE), but pruned and for at most `most_beams` beams.
+    pub const fn pruned(most_beams: u64) -> Self {
+        Self {
+            prune: true,
+            most_beams,
+            ..Self::EXHAUSTIVE
+        }
+    }
+
+    /// The same with lines from every vertex.
+    #[must_use]
+    pub const fn from_everywhere(self) -> Self {
+        Self {
+            everywhere: true,
+            ..self
+        }
+    }
+}
+
+/// The search took more beams than it was allowed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GaveUp;
+
+impl fmt::Display for GaveUp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the oracle gave up: too many lines")
+    }
+}
+
+impl Error for GaveUp {}
+
 /// The distance of every vertex from the nearest of `sources`; `None` where no path leads.
 ///
 /// Exact but for rounding. Dijkstra's algorithm over the vertices at which a path can bend, where
@@ -33,8 +88,38 @@ struct Beam<S> {
 ///
 /// When a source is not a vertex.
 pub fn distances<S: Scalar>(surface: &Surface<S>, sources: &[u32]) -> Vec<Option<S>> {
+    match search(surface, sources, Search::EXHAUSTIVE) {
+        Ok(distances) => distances,
+        Err(gave_up) => unreachable!("{gave_up}, but it may take any number of them"),
+    }
+}
+
+/// As [`distances`], by a search that may prune and may give up.
+///
+/// ```
+/// use geobench_oracle::{DoubleDouble, Search, rounded, search, zoo};
+///
+/// let surface = zoo::octahedron().surface::<DoubleDouble>();
+/// let found = search(&surface, &[0], Search::pruned(1_000)).expect("1,000 beams are enough");
+/// assert_eq!(rounded(&found)[1], 6.0_f64.sqrt());
+/// assert!(search(&surface, &[0], Search::pruned(3)).is_err());
+/// ```
+///
+/// # Errors
+///
+/// When it takes more beams than `search` allows.
+///
+/// # Panics
+///
+/// When a source is not a vertex.
+pub fn search<S: Scalar>(
+    surface: &Surface<S>,
+    sources: &[u32],
+    search: Search,
+) -> Result<Vec<Option<S>>, GaveUp> {
     let mut best = edge_graph(surface, sources);
     let mut open: Vec<usize> = (0..best.len()).filter(|&v| best[v].is_some()).collect();
+    let mut beams_left = search.most_beams;
     let nearer = |best: &[Option<S>], a: usize, b: usize| best[a] < best[b];
     while let Some(at) = (0..open.len()).reduce(|i, j| {
         if nearer(&best, open[j], open[i]) {
@@ -59,13 +144,20 @@ pub fn distances<S: Scalar>(surface: &Surface<S>, sources: &[u32]) -> Vec<Option
         let is_source = sources.contains(&(vertex as u32));
         let furthest = open.iter().filter_map(|&v| best[v]).reduce(Scalar::max);
         if let Some(furthest) = furthest
-            && (is_source || surface.bends_at(vertex as u32))
+            && (is_source || search.everywhere || surface.bends_at(vertex as u32))
         {
-            let limit = furthest * S::from_f64(MARGIN);
-            follow_lines_from(surface, vertex, start, limit, &mut best);
+            let mut lines = Lines {
+                surface,
+                start,
+                limit: furthest * S::from_f64(MARGIN),
+                prune: search.prune,
+                best: &mut best,
+                beams_left: &mut beams_left,
+            };
+            lines.follow_from(vertex)?;
         }
     }
-    best
+    Ok(best)
 }
 
 fn offer<S: Scalar>(best: &mut Option<S>, length: S) {
@@ -74,45 +166,82 @@ fn offer<S: Scalar>(best: &mut Option<S>, length: S) {
     }
 }
 
-/// Follows all lines from `vertex`, itself at distance `start`, up to the distance `limit`.
-fn follow_lines_from<S: Scalar>(
-    surface: &Surface<S>,
-    vertex: usize,
+/// The lines from one vertex.
+struct Lines<'a, S> {
+    surface: &'a Surface<S>,
+    /// Distance of the vertex.
     start: S,
+    /// Distance up to which they are followed.
     limit: S,
-    best: &mut [Option<S>],
-) {
-    let mut beams: Vec<Beam<S>> = surface.leaving[vertex]
-        .iter()
-        .filter_map(|&leaving| {
-            // Seen from the neighbour across the opposite side, that side's frame is turned by
-            // half a turn about its middle.
-            let opposite = surface.sides[next(leaving)];
-            let [x, y] = opposite.apex;
-            Some(Beam {
-                side: opposite.twin?,
-                from: S::zero(),
-                to: opposite.length,
-                origin: [opposite.length - x, -y],
+    prune: bool,
+    best: &'a mut [Option<S>],
+    beams_left: &'a mut u64,
+}
+
+impl<S: Scalar> Lines<'_, S> {
+    fn follow_from(&mut self, vertex: usize) -> Result<(), GaveUp> {
+        let surface = self.surface;
+        let mut waiting: Vec<(usize, Beam<S>)> = surface.leaving[vertex]
+            .iter()
+            .filter_map(|&leaving| {
+                // Seen from the neighbour across the opposite side, that side's frame is turned by
+                // half a turn about its middle.
+                let opposite = surface.sides[next(leaving)];
+                let [x, y] = opposite.apex;
+                let beam = Beam {
+                    side: opposite.twin?,
+                    from: S::zero(),
+                    to: opposite.length,
+                    origin: [opposite.length - x, -y],
+                };
+                Some((0, beam))
             })
-        })
-        .collect();
-    while let Some(beam) = beams.pop() {
-        // Depth first, few beams wait at any time, unless lines run in circles at no length.
-        assert!(
-            beams.len() < 1_000_000,
-            "lines from {vertex} do not get ahead"
-        );
-        let [x, y] = beam.origin;
-        let nearest = beam.from.max(beam.to.min(x));
-        if start + (nearest - x).hypot(y) > limit {
-            continue;
+            .collect();
+        // The triangles that the present beam has crossed.
+        let mut crossed: Vec<usize> = Vec::new();
+        // Depth first, few beams wait at any time.
+        while let Some((depth, beam)) = waiting.pop() {
+            let [x, y] = beam.origin;
+            let nearest = beam.from.max(beam.to.min(x));
+            if self.start + (nearest - x).hypot(y) > self.limit {
+                continue;
+            }
+            crossed.truncate(depth);
+            let triangle = beam.side / 3;
+            if self.prune && (self.is_beaten(&beam) || self.returns(triangle, &crossed)) {
+                continue;
+            }
+            crossed.push(triangle);
+            *self.beams_left = self.beams_left.checked_sub(1).ok_or(GaveUp)?;
+            let apex_vertex = surface.sides[prev(beam.side)].tail;
+            let (split, through) = reach_apex(surface, &beam);
+            offer(&mut self.best[apex_vertex], self.start + through);
+            waiting.extend(left_part(surface, &beam, split).map(|part| (depth + 1, part)));
+            waiting.extend(right_part(surface, &beam, split).map(|part| (depth + 1, part)));
         }
-        let apex_vertex = surface.sides[prev(beam.side)].tail;
-        let (split, through) = reach_apex(surface, &beam);
-        offer(&mut best[apex_vertex], start + through);
-        beams.extend(left_part(surface, &beam, split));
-        beams.extend(right_part(surface, &beam, split));
+        Ok(())
+    }
+
+    /// Whether a beam that has `crossed` triangles meets one of them again. Two points of a triangle
+    /// in space have no shorter way between them than the straight one within it.
+    fn returns(&self, triangle: usize, crossed: &[usize]) -> bool {
+        self.surface.in_space && crossed.contains(&triangle)
+    }
+
+    /// Whether a path to an end of the side and along it is shorter wherever `beam` crosses the side.
+    ///
+    /// The lead of the path through the tail falls along the side, since no length grows faster than
+    /// the place on the side; so its least value is at the beam's far end. Likewise for the head.
+    fn is_beaten(&self, beam: &Beam<S>) -> bool {
+        let entered = &self.surface.sides[beam.side];
+        let head = self.surface.sides[next(beam.side)].tail;
+        let [x, y] = beam.origin;
+        let beaten = |end: usize, along: S, place: S| {
+            let here = self.start + (place - x).hypot(y);
+            self.best[end].is_some_and(|d| (d + along) * S::from_f64(1.0 + S::LEAD) < here)
+        };
+        beaten(entered.tail, beam.to, beam.to)
+            || beaten(head, entered.length - beam.from, beam.from)
     }
 }
 

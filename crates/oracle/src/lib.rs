@@ -12,17 +12,19 @@
 //! [`DoubleDouble`] with some 31 digits, which tells rounding errors from mistakes.
 //!
 //! * [`Surface`]: the triangles, from positions or from edge lengths.
-//! * [`distances`]: the oracle.
+//! * [`distances`]: the oracle; [`search`] is the same with a bound on its work.
 //! * [`edge_graph_distances`], [`steiner_distances`], [`euclidean_distances`]: bounds from above,
 //!   from above and from below that share nothing with unfolding.
 //! * [`closed_forms`]: surfaces whose distances are known by formulas.
 //! * [`zoo`]: small surfaces with every feature that has broken a geodesic program.
+//! * [`nasty`]: random meshes of the sorts that break such programs.
 
 mod bounds;
 pub mod closed_forms;
 mod double_double;
 mod flood;
 mod model;
+pub mod nasty;
 mod random;
 pub mod reference;
 mod scalar;
@@ -32,7 +34,7 @@ pub mod zoo;
 
 pub use bounds::{edge_graph_distances, euclidean_distances, steiner_distances};
 pub use double_double::DoubleDouble;
-pub use flood::distances;
+pub use flood::{GaveUp, Search, distances, search};
 pub use model::{Geometry, Model};
 pub use random::Random;
 pub use scalar::Scalar;

@@ -27,6 +27,10 @@ pub trait Scalar:
     /// apart well enough to aim by: rounding, as seen over that height, is a visible angle.
     const THIN: f64;
 
+    /// By what part of it a path must be longer than another to be dropped for it: well above the
+    /// rounding of both.
+    const LEAD: f64;
+
     /// The number `value`, exactly.
     fn from_f64(value: f64) -> Self;
 
@@ -64,6 +68,7 @@ pub trait Scalar:
 impl Scalar for f64 {
     const SADDLE_SLACK: f64 = 1e-10;
     const THIN: f64 = 1e-7;
+    const LEAD: f64 = 1e-12;
 
     fn from_f64(value: f64) -> Self {
         value
@@ -81,6 +86,7 @@ impl Scalar for f64 {
 impl Scalar for DoubleDouble {
     const SADDLE_SLACK: f64 = 1e-15;
     const THIN: f64 = 1e-15;
+    const LEAD: f64 = 1e-15;
 
     fn from_f64(value: f64) -> Self {
         Self::new(value)

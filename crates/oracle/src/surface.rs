@@ -28,6 +28,8 @@ pub struct Surface<S> {
     /// The sides that leave each vertex, in no order.
     pub(crate) leaving: Vec<Vec<usize>>,
     bends: Vec<bool>,
+    /// Whether the triangles lie in space, so that every edge is the shortest way between its ends.
+    pub(crate) in_space: bool,
 }
 
 /// The side after `side` around its triangle.
@@ -49,7 +51,7 @@ impl<S: Scalar> Surface<S> {
     /// When a triangle names a vertex that does not exist, or two triangles run through an edge in
     /// the same direction (an edge that is not manifold, or triangles oriented differently).
     pub fn from_positions(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
-        Self::new(positions.len(), triangles, |t| {
+        let mut surface = Self::new(positions.len(), triangles, |t| {
             let corners = triangles[t].map(|v| positions[v as usize].map(S::from_f64));
             let sides = [0, 1, 2].map(|k| minus(corners[(k + 1) % 3], corners[k]));
             let lengths = sides.map(norm);
@@ -59,7 +61,9 @@ impl<S: Scalar> Surface<S> {
                 let x = -dot(sides[(k + 2) % 3], sides[k]) / lengths[k];
                 (lengths[k], [x, twice_area / lengths[k]])
             })
-        })
+        });
+        surface.in_space = true;
+        surface
     }
 
     /// The surface of `triangles` whose sides have these lengths: `lengths[t][k]` is the side from
@@ -113,6 +117,7 @@ impl<S: Scalar> Surface<S> {
             sides,
             leaving,
             bends: Vec::new(),
+            in_space: false,
         };
         surface.bends = (0..vertex_count)
             .map(|v| surface.can_bend(v) || surface.is_beside_thin_triangle(v))

@@ -1,0 +1,89 @@
+//! A mesh with sources, and what can be said about an answer.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// A mesh, the sources, and how far an algorithm may go.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Case {
+    pub(crate) vertices: Vec<[f64; 3]>,
+    pub(crate) faces: Vec<[u32; 3]>,
+    pub(crate) sources: Vec<u32>,
+    /// Whether windows are counted: they may be at most [`MOST_WORK`](crate::judge::MOST_WORK) times as
+    /// many as those of `mmp`.
+    pub(crate) bounded: bool,
+}
+
+/// Distances; `None` is unreachable.
+pub(crate) type Expected = Vec<Option<f64>>;
+
+/// What is known of an answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Verdict {
+    Right,
+    /// The algorithm takes too long on such a mesh, as is known.
+    LeftOut,
+    Failed(Failure),
+}
+
+impl Verdict {
+    pub(crate) fn is_hang(&self) -> bool {
+        matches!(self, Self::Failed(failure) if failure.kind == FailureKind::Hang)
+    }
+}
+
+/// What is wrong with an answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Failure {
+    pub(crate) kind: FailureKind,
+    pub(crate) text: String,
+}
+
+/// The kinds of failures, the columns of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub(crate) enum FailureKind {
+    TooLong,
+    TooShort,
+    /// Infinite at a vertex that can be reached.
+    Lost,
+    Panic,
+    Hang,
+    /// Too many windows.
+    Work,
+}
+
+impl FailureKind {
+    pub(crate) const ALL: [Self; 6] = [
+        Self::TooLong,
+        Self::TooShort,
+        Self::Lost,
+        Self::Panic,
+        Self::Hang,
+        Self::Work,
+    ];
+}
+
+impl fmt::Display for FailureKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::TooLong => "too long",
+            Self::TooShort => "too short",
+            Self::Lost => "lost",
+            Self::Panic => "panic",
+            Self::Hang => "hang",
+            Self::Work => "work",
+        })
+    }
+}
+
+/// Why a case is not judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub(crate) enum Skip {
+    /// The mesh is refused.
+    Refused,
+    /// The oracle takes too long.
+    GaveUp,
+    /// Two searches of the oracle disagree.
+    Unsure,
+}

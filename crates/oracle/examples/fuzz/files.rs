@@ -1,0 +1,83 @@
+//! Failures in files that `geobench verify` takes.
+
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use geobench_mesh::io as mesh_io;
+
+use crate::case::{Case, Expected};
+
+/// What stands before the sources in a file.
+const SOURCES: &str = "# sources:";
+
+/// What stands in a file whose windows are counted.
+const BOUNDED: &str = "# windows: bounded";
+
+/// An algorithm and what was wrong with its answer.
+pub(crate) type Finding = (String, String);
+
+/// Writes `NAME.obj` to `folder`, and for a single source the right distances beside it, where
+/// `verify` finds them.
+pub(crate) fn write(
+    folder: &Path,
+    name: &str,
+    origin: &str,
+    case: &Case,
+    expected: &Expected,
+    findings: &[Finding],
+) -> io::Result<PathBuf> {
+    fs::create_dir_all(folder)?;
+    let path = folder.join(format!("{name}.obj"));
+    let mut out = BufWriter::new(File::create(&path)?);
+    writeln!(out, "# {origin}")?;
+    for (algorithm, text) in findings {
+        writeln!(out, "# {algorithm}: {text}")?;
+    }
+    writeln!(out, "{}", command(name, case, findings))?;
+    let sources: Vec<String> = case.sources.iter().map(u32::to_string).collect();
+    writeln!(out, "{SOURCES} {}", sources.join(" "))?;
+    if case.bounded {
+        writeln!(out, "{BOUNDED}")?;
+    }
+    mesh_io::write_obj(&mut out, &case.vertices, &case.faces)?;
+    out.flush()?;
+    if let [source] = case.sources[..] {
+        let mut text = "vertex,distance\n".to_owned();
+        for (vertex, distance) in expected.iter().enumerate() {
+            let _ = writeln!(text, "{vertex},{:?}", distance.unwrap_or(f64::INFINITY));
+        }
+        fs::write(folder.join(format!("{name}.s{source}.csv")), text)?;
+    }
+    Ok(path)
+}
+
+/// The command line that shows the failure.
+fn command(name: &str, case: &Case, findings: &[Finding]) -> String {
+    let algorithms: Vec<&str> = findings.iter().map(|(name, _)| name.as_str()).collect();
+    let algorithms = algorithms.join(",");
+    match case.sources[..] {
+        [source] => {
+            format!("# geobench verify {name}.obj --source {source} --algo '{algorithms}'")
+        }
+        _ => format!(
+            "# cargo run --release -p geobench-oracle --example fuzz -- --again {name}.obj --algo '{algorithms}'"
+        ),
+    }
+}
+
+/// Reads what [`write`] wrote. The source is 0 in a file that does not name any.
+pub(crate) fn read(path: &Path) -> io::Result<Case> {
+    let soup = mesh_io::read(path).map_err(io::Error::other)?;
+    let text = fs::read_to_string(path)?;
+    let named = text.lines().find_map(|line| line.strip_prefix(SOURCES));
+    let numbers = named.unwrap_or("0").split_whitespace();
+    let sources = numbers.map(str::parse).collect::<Result<_, _>>();
+    Ok(Case {
+        vertices: soup.positions,
+        faces: soup.triangles,
+        sources: sources.map_err(io::Error::other)?,
+        bounded: text.lines().any(|line| line == BOUNDED),
+    })
+}

@@ -1,0 +1,109 @@
+//! The algorithms of the registry, each with the values of its parameters that keep it exact.
+
+use geobench::registry::{Algorithm, Numbers, Parameter, SelectError, Selection, Value, select};
+
+/// Most faces that `ch` is given: its windows grow exponentially with the faces it can go around.
+const MOST_FACES_OF_CH: usize = 40;
+
+/// The parameter that costs exactness.
+const APPROXIMATE: &str = "threshold";
+
+/// What a list of the command line asks for: an item with parameters asks for itself; a name or a
+/// family asks for the algorithms with all [`variants`], unless `plain`. What does not claim to be
+/// exact is left out.
+pub(crate) fn selected(list: &str, plain: bool) -> Result<Vec<Selection>, SelectError> {
+    let mut all: Vec<Selection> = Vec::new();
+    for selection in select(list)? {
+        let algorithm = *selection.algorithm();
+        if !algorithm.exact && !algorithm.name.starts_with("test-") {
+            continue;
+        }
+        let more = if plain || selection.label() != algorithm.name {
+            vec![selection]
+        } else {
+            variants(&algorithm)
+        };
+        for selection in more {
+            if all.iter().all(|known| known.label() != selection.label()) {
+                all.push(selection);
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// The name of the algorithm in a label.
+pub(crate) fn name_of(label: &str) -> &str {
+    label.split('{').next().unwrap_or_default()
+}
+
+/// Whether `selection` ends in reasonable time on a mesh with so many faces.
+pub(crate) fn can_finish(selection: &Selection, faces: usize) -> bool {
+    selection.algorithm().name != "ch" || faces <= MOST_FACES_OF_CH
+}
+
+/// `algorithm` with its defaults, with every other value of one parameter, and with every pair of
+/// other words of two parameters.
+fn variants(algorithm: &Algorithm) -> Vec<Selection> {
+    let settings: Vec<(&Parameter, Vec<String>)> = algorithm
+        .parameters
+        .iter()
+        .filter(|parameter| parameter.name != APPROXIMATE)
+        .map(|parameter| (parameter, other_values(parameter)))
+        .collect();
+    let mut specs = vec![algorithm.name.to_owned()];
+    for (i, (parameter, values)) in settings.iter().enumerate() {
+        for value in values {
+            let one = format!("{}={value}", parameter.name);
+            specs.push(format!("{}{{{one}}}", algorithm.name));
+            for (other, values) in &settings[i + 1..] {
+                for value in values.iter().filter(|v| is_word(parameter, other, v)) {
+                    let name = algorithm.name;
+                    specs.push(format!("{name}{{{one},{}={value}}}", other.name));
+                }
+            }
+        }
+    }
+    let parsed = specs.iter().filter_map(|spec| match select(spec) {
+        Ok(selected) => Some(selected),
+        // A parameter that goes only with another value of a second one.
+        Err(SelectError::Idle { .. }) => None,
+        Err(error) => panic!("{spec}: {error}"),
+    });
+    parsed.flatten().collect()
+}
+
+/// Whether a parameter takes words only, and `value` of `other` is one of its words.
+fn is_word(parameter: &Parameter, other: &Parameter, value: &str) -> bool {
+    parameter.allowed.numbers == Numbers::None && other.allowed.words.contains(&value)
+}
+
+/// The values of `parameter`, but for its default: every word, both ends of its range, and 1.
+fn other_values(parameter: &Parameter) -> Vec<String> {
+    let words = parameter
+        .allowed
+        .words
+        .iter()
+        .map(|&word| Value::Word(word));
+    let numbers = match parameter.allowed.numbers {
+        Numbers::None => Vec::new(),
+        Numbers::Integers(..) if parameter.name == "threads" => vec![Value::Integer(2)],
+        Numbers::Integers(least, most) => vec![
+            Value::Integer(least),
+            Value::Integer(1.clamp(least, most)),
+            Value::Integer(most),
+        ],
+        Numbers::Reals(least, most) => vec![
+            Value::Real(least),
+            Value::Real(1.0_f64.clamp(least, most)),
+            Value::Real(most),
+        ],
+    };
+    let mut texts: Vec<String> = words
+        .chain(numbers)
+        .filter(|value| *value != parameter.default)
+        .map(|value| value.to_string())
+        .collect();
+    texts.dedup();
+    texts
+}

@@ -1,0 +1,290 @@
+//! A mesh under construction, and what can be done to it.
+
+use std::collections::HashMap;
+
+use crate::model::{Geometry, Model};
+use crate::random::Random;
+
+/// Positions and faces, in any state.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Draft {
+    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) faces: Vec<[u32; 3]>,
+}
+
+impl From<Model> for Draft {
+    fn from(model: Model) -> Self {
+        let positions = match model.geometry {
+            Geometry::Positions(positions) => positions,
+            Geometry::Lengths(_) => Vec::new(),
+        };
+        Self {
+            positions,
+            faces: model.triangles,
+        }
+    }
+}
+
+impl Draft {
+    /// Keeps the first `most` faces only, and the vertices that they use.
+    pub(super) fn limit(&mut self, most: usize) {
+        if self.faces.len() > most {
+            self.faces.truncate(most);
+            self.drop_unused_vertices();
+        }
+    }
+
+    fn drop_unused_vertices(&mut self) {
+        let mut used = vec![false; self.positions.len()];
+        for &v in self.faces.as_flattened() {
+            used[v as usize] = true;
+        }
+        let mut numbers = vec![0; self.positions.len()];
+        let mut positions = Vec::new();
+        for (v, used) in used.into_iter().enumerate() {
+            numbers[v] = positions.len() as u32;
+            if used {
+                positions.push(self.positions[v]);
+            }
+        }
+        self.positions = positions;
+        for v in self.faces.as_flattened_mut() {
+            *v = numbers[*v as usize];
+        }
+    }
+
+    /// The largest extent along an axis.
+    pub(super) fn size(&self) -> f64 {
+        let side = |axis: usize| {
+            let along = self.positions.iter().map(|p| p[axis]);
+            let start = (f64::INFINITY, f64::NEG_INFINITY);
+            let (least, most) = along.fold(start, |(a, b), x| (a.min(x), b.max(x)));
+            most - least
+        };
+        [0, 1, 2].map(side).into_iter().fold(0.0, f64::max)
+    }
+
+    pub(super) fn scale(&mut self, factors: [f64; 3]) {
+        self.place(|p| [0, 1, 2].map(|i| p[i] * factors[i]));
+    }
+
+    pub(super) fn translate(&mut self, by: [f64; 3]) {
+        self.place(|p| [0, 1, 2].map(|i| p[i] + by[i]));
+    }
+
+    /// Rounds coordinates to 2^-`bits` of the size.
+    pub(super) fn round(&mut self, bits: u32) {
+        let size = self.size();
+        if size > 0.0 {
+            let step = 2.0_f64.powi(size.log2().floor() as i32 - bits.cast_signed() - 1);
+            self.place(|p| p.map(|x| (x / step).round() * step));
+        }
+    }
+
+    pub(super) fn place(&mut self, mut at: impl FnMut([f64; 3]) -> [f64; 3]) {
+        for position in &mut self.positions {
+            *position = at(*position);
+        }
+    }
+
+    /// A random side: the face and its corners, the side first.
+    fn random_side(&self, random: &mut Random) -> (usize, [u32; 3]) {
+        let face = random.below(self.faces.len() as u32) as usize;
+        let mut corners = self.faces[face];
+        corners.rotate_left(random.below(3) as usize);
+        (face, corners)
+    }
+
+    /// The face with a side from `a` to `b`, and its third corner.
+    fn face_with(&self, a: u32, b: u32) -> Option<(usize, u32)> {
+        let third = |&[p, q, r]: &[u32; 3]| match (a, b) {
+            side if side == (p, q) => Some(r),
+            side if side == (q, r) => Some(p),
+            side if side == (r, p) => Some(q),
+            _ => None,
+        };
+        let mut faces = self.faces.iter().enumerate();
+        faces.find_map(|(f, corners)| Some((f, third(corners)?)))
+    }
+
+    fn between(&self, a: u32, b: u32, part: f64) -> [f64; 3] {
+        let [a, b] = [a, b].map(|v| self.positions[v as usize]);
+        [0, 1, 2].map(|i| a[i] + part * (b[i] - a[i]))
+    }
+
+    fn add(&mut self, position: [f64; 3]) -> u32 {
+        self.positions.push(position);
+        self.positions.len() as u32 - 1
+    }
+
+    /// Puts new vertices on edges and cuts the faces on both sides.
+    pub(super) fn split_edges(&mut self, count: u32, random: &mut Random) {
+        for _ in 0..count {
+            let (face, [a, b, c]) = self.random_side(random);
+            let middle = self.add(self.between(a, b, random.part()));
+            if let Some((other, d)) = self.face_with(b, a) {
+                self.faces[other] = [b, middle, d];
+                self.faces.push([middle, a, d]);
+            }
+            self.faces[face] = [a, middle, c];
+            self.faces.push([middle, b, c]);
+        }
+    }
+
+    /// Puts new vertices on edges, or `height` of the edge beside them, and cuts the faces on one side
+    /// only. Between the new vertex and the edge there is a face with no area, or hardly any.
+    pub(super) fn insert_on_edges(&mut self, count: u32, height: f64, random: &mut Random) {
+        for _ in 0..count {
+            let (face, [a, b, c]) = self.random_side(random);
+            let mut place = self.between(a, b, random.part());
+            let [start, end] = [a, b].map(|v| self.positions[v as usize]);
+            let length = (0..3)
+                .map(|i| (end[i] - start[i]).abs())
+                .fold(0.0, f64::max);
+            for (x, by) in place.iter_mut().zip(random.in_ball()) {
+                *x += by * height * length;
+            }
+            let middle = self.add(place);
+            self.faces[face] = [a, middle, c];
+            self.faces.extend([[middle, b, c], [a, b, middle]]);
+        }
+    }
+
+    pub(super) fn flip_edges(&mut self, count: u32, random: &mut Random) {
+        for _ in 0..count {
+            let (face, [a, b, c]) = self.random_side(random);
+            let Some((other, d)) = self.face_with(b, a) else {
+                continue;
+            };
+            if c == d || self.face_with(c, d).is_some() || self.face_with(d, c).is_some() {
+                continue;
+            }
+            self.faces[face] = [c, d, b];
+            self.faces[other] = [d, c, a];
+        }
+    }
+
+    /// Moves one end of an edge almost to the other.
+    pub(super) fn shorten_edges(&mut self, count: u32, random: &mut Random) {
+        for _ in 0..count {
+            let (_, [a, b, _]) = self.random_side(random);
+            let part = random.magnitude(-16, -2);
+            self.positions[a as usize] = self.between(b, a, part);
+        }
+    }
+
+    /// Puts a smaller triangle into faces; leaves it out if these are to be holes.
+    pub(super) fn inset_faces(&mut self, count: u32, holes: bool, random: &mut Random) {
+        for _ in 0..count {
+            let (face, corners) = self.random_side(random);
+            let size = random.magnitude(-12, -1);
+            let towards = random.below(4) as usize;
+            let points = corners.map(|v| self.positions[v as usize]);
+            let centre = match points.get(towards) {
+                // Near a corner, but not in it.
+                Some(_) => {
+                    let weight = |k: usize| if k == towards { 0.75 } else { 0.125 };
+                    [0, 1, 2].map(|i| (0..3).map(|k| weight(k) * points[k][i]).sum::<f64>())
+                }
+                None => [0, 1, 2].map(|i| points.iter().map(|p| p[i]).sum::<f64>() / 3.0),
+            };
+            let inner = points.map(|p| [0, 1, 2].map(|i| centre[i] + size * (p[i] - centre[i])));
+            let inner = inner.map(|p| self.add(p));
+            self.faces.swap_remove(face);
+            for k in 0..3 {
+                let [a, b] = [corners[k], corners[(k + 1) % 3]];
+                let [p, q] = [inner[k], inner[(k + 1) % 3]];
+                self.faces.extend([[a, b, q], [a, q, p]]);
+            }
+            if !holes {
+                self.faces.push(inner);
+            }
+        }
+    }
+
+    /// Removes faces, but not the last one.
+    pub(super) fn remove_faces(&mut self, count: u32, random: &mut Random) {
+        for _ in 0..count {
+            if self.faces.len() > 1 {
+                let (face, _) = self.random_side(random);
+                self.faces.swap_remove(face);
+            }
+        }
+    }
+
+    /// Makes one vertex of two that are no neighbours; the faces of the second are stretched.
+    pub(super) fn weld(&mut self, random: &mut Random) {
+        let count = self.positions.len() as u32;
+        let [kept, gone] = [random.below(count), random.below(count)];
+        let both = |face: &[u32; 3]| face.contains(&kept) && face.contains(&gone);
+        if kept != gone && !self.faces.iter().any(both) {
+            for v in self.faces.as_flattened_mut() {
+                if *v == gone {
+                    *v = kept;
+                }
+            }
+        }
+    }
+
+    pub(super) fn place_beside(&mut self, other: &Self) -> u32 {
+        let shift = self.positions.len() as u32;
+        self.positions.extend(&other.positions);
+        let shifted = other.faces.iter().map(|face| face.map(|v| v + shift));
+        self.faces.extend(shifted);
+        shift
+    }
+
+    /// Joins `other` in one point with this one.
+    pub(super) fn pinch(&mut self, other: &Self, random: &mut Random) {
+        let at = random.below(self.positions.len() as u32);
+        let other_at = random.below(other.positions.len() as u32);
+        let [to, from] = [
+            self.positions[at as usize],
+            other.positions[other_at as usize],
+        ];
+        let mut other = other.clone();
+        other.translate([0, 1, 2].map(|i| to[i] - from[i]));
+        let joint = self.place_beside(&other) + other_at;
+        for v in self.faces.as_flattened_mut() {
+            if *v == joint {
+                *v = at;
+            }
+        }
+        self.drop_unused_vertices();
+    }
+
+    /// Gives vertices and faces other numbers, and faces another first corner.
+    pub(super) fn renumber(&mut self, random: &mut Random) {
+        let mut numbers: Vec<u32> = (0..self.positions.len() as u32).collect();
+        for i in (1..numbers.len()).rev() {
+            numbers.swap(i, random.below(i as u32 + 1) as usize);
+        }
+        let mut positions = self.positions.clone();
+        for (&number, &position) in numbers.iter().zip(&self.positions) {
+            positions[number as usize] = position;
+        }
+        self.positions = positions;
+        for face in &mut self.faces {
+            *face = face.map(|v| numbers[v as usize]);
+            face.rotate_left(random.below(3) as usize);
+        }
+        for i in (1..self.faces.len()).rev() {
+            self.faces.swap(i, random.below(i as u32 + 1) as usize);
+        }
+    }
+
+    /// Cuts every face into four.
+    pub(super) fn subdivide(&mut self) {
+        let mut middles = HashMap::new();
+        let mut faces = Vec::new();
+        for [a, b, c] in std::mem::take(&mut self.faces) {
+            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| {
+                *middles
+                    .entry((p.min(q), p.max(q)))
+                    .or_insert_with(|| self.add(self.between(p.min(q), p.max(q), 0.5)))
+            });
+            faces.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        self.faces = faces;
+    }
+}

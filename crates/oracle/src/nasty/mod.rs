@@ -1,0 +1,171 @@
+//! Random small meshes of the sorts that break geodesic programs, each fixed by its seed.
+//!
+//! A mesh starts as one of [`Kind::ALL`]: slivers, exact ties, faces without area, needle tips and
+//! so on. Some of them are then changed further: edges split and flipped, points inserted on edges,
+//! edges shortened to almost nothing, faces removed; the whole is stretched, scaled, moved away
+//! from the origin, renumbered, turned inside out or joined with another one.
+//!
+//! A mesh may have a defect that no program accepts, such as an edge without length. Whether it has
+//! one is for the mesh under test to find out.
+
+mod draft;
+mod kinds;
+mod random;
+
+use crate::model::Model;
+use crate::random::Random;
+use draft::Draft;
+
+pub use kinds::Kind;
+
+/// Most faces of a mesh.
+pub const MOST_FACES: usize = 120;
+
+/// A random mesh with sources.
+#[derive(Clone, Debug)]
+pub struct Nasty {
+    /// The seed that it was made from.
+    pub seed: u64,
+    /// What it started as.
+    pub kind: Kind,
+    /// The mesh. Its sources are meant to be used together.
+    pub model: Model,
+}
+
+/// The mesh of `seed`, of a kind that the seed chooses.
+///
+/// ```
+/// use geobench_oracle::nasty;
+///
+/// let mesh = nasty::mesh(17);
+/// assert_eq!(mesh.model, nasty::mesh(17).model);
+/// assert!(mesh.model.triangles.len() <= nasty::MOST_FACES);
+/// ```
+pub fn mesh(seed: u64) -> Nasty {
+    let count = Kind::ALL.len() as u64;
+    Kind::ALL[(seed % count) as usize].mesh(seed)
+}
+
+impl Kind {
+    /// The mesh of this kind for `seed`.
+    pub fn mesh(self, seed: u64) -> Nasty {
+        let mut random = Random::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
+        let mut draft = self.draft(&mut random);
+        draft.limit(MOST_FACES);
+        let mut changes = Vec::new();
+        change(&mut draft, self, &mut random, &mut changes);
+        draft.limit(MOST_FACES);
+        let sources = sources(&draft, &mut random);
+        let mut name = format!("{self} {seed}");
+        for change in changes {
+            name += ", ";
+            name += change;
+        }
+        let model = Model::new(name, draft.positions, draft.faces).only_from(&sources);
+        Nasty {
+            seed,
+            kind: self,
+            model,
+        }
+    }
+}
+
+/// Changes that may be made to any mesh.
+fn change(draft: &mut Draft, kind: Kind, random: &mut Random, changes: &mut Vec<&'static str>) {
+    let mut chance = |random: &mut Random, one_in: u32, what: &'static str| {
+        let made = random.below(one_in) == 0;
+        if made {
+            changes.push(what);
+        }
+        made
+    };
+    if chance(random, 6, "edges split") {
+        draft.split_edges(random.below(6) + 1, random);
+    }
+    if chance(random, 8, "flat faces") {
+        draft.insert_on_edges(random.below(6) + 1, 0.0, random);
+    }
+    if chance(random, 12, "nearly flat faces") {
+        let height = random.magnitude(-17, -4);
+        draft.insert_on_edges(random.below(6) + 1, height, random);
+    }
+    if chance(random, 10, "edges flipped") {
+        draft.flip_edges(random.below(10) + 1, random);
+    }
+    if chance(random, 12, "edges nearly collapsed") {
+        draft.shorten_edges(random.below(3) + 1, random);
+    }
+    if chance(random, 12, "pinholes") {
+        draft.inset_faces(random.below(3) + 1, true, random);
+    }
+    if chance(random, 16, "faces removed") {
+        draft.remove_faces(random.below(4) + 1, random);
+    }
+    if chance(random, 20, "two vertices made one") {
+        draft.weld(random);
+    }
+    if chance(random, 12, "stretched") {
+        let factors = [0; 3].map(|_| random.magnitude(-5, 5));
+        draft.scale(factors);
+    }
+    if chance(random, 16, "joined with another") {
+        let other = Kind::ALL[random.below(Kind::ALL.len() as u32) as usize];
+        let mut other = other.draft(random);
+        other.limit(30);
+        if random.below(2) == 0 {
+            draft.pinch(&other, random);
+        } else {
+            draft.place_beside(&other);
+        }
+    }
+    if chance(random, 12, "coordinates rounded") {
+        draft.round(random.below(6));
+    }
+    // Positions far from the origin are rounded; needle tips and tiny parts would be lost.
+    if kind != Kind::NeedleTip && chance(random, 10, "far from the origin") {
+        let size = draft.size();
+        let far = [0; 3].map(|_| random.between(-1e6, 1e6).round() * size);
+        draft.translate(far);
+    }
+    if chance(random, 3, "scaled") {
+        let factor = random.magnitude(-30, 30);
+        draft.scale([factor; 3]);
+    }
+    if chance(random, 12, "with isolated vertices") {
+        let size = draft.size();
+        for _ in 0..=random.below(2) {
+            draft.positions.push(random.in_ball().map(|x| x * size));
+        }
+    }
+    if chance(random, 3, "renumbered") {
+        draft.renumber(random);
+    }
+    if chance(random, 4, "turned inside out") {
+        for face in &mut draft.faces {
+            face.swap(1, 2);
+        }
+    }
+}
+
+/// One vertex, or with a chance of one in four up to four.
+fn sources(draft: &Draft, random: &mut Random) -> Vec<u32> {
+    let count = match random.below(4) {
+        0 => 2 + random.below(3),
+        _ => 1,
+    };
+    let mut sources = Vec::new();
+    for _ in 0..count {
+        // Isolated vertices are worth a try now and then only.
+        let source = match random.below(40) {
+            0 => random.below(draft.positions.len() as u32),
+            _ => {
+                let face = random.below(draft.faces.len() as u32) as usize;
+                draft.faces[face][random.below(3) as usize]
+            }
+        };
+        if !sources.contains(&source) {
+            sources.push(source);
+        }
+    }
+    sources
+}

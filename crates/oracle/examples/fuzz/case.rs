@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use geobench_oracle::nasty::{Kind, Nasty};
 use serde::{Deserialize, Serialize};
 
 /// A mesh, the sources, and how far an algorithm may go.
@@ -13,6 +14,17 @@ pub(crate) struct Case {
     /// Whether windows are counted: they may be at most [`MOST_WORK`](crate::judge::MOST_WORK) times as
     /// many as those of `mmp`.
     pub(crate) bounded: bool,
+}
+
+impl From<Nasty> for Case {
+    fn from(mesh: Nasty) -> Self {
+        Self {
+            vertices: mesh.model.positions().unwrap_or_default().to_vec(),
+            faces: mesh.model.triangles,
+            sources: mesh.model.sources,
+            bounded: mesh.kind == Kind::NeedleTip,
+        }
+    }
 }
 
 /// Distances; `None` is unreachable.
@@ -51,6 +63,12 @@ pub(crate) enum FailureKind {
     Hang,
     /// Too many windows.
     Work,
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.kind, self.text)
+    }
 }
 
 impl FailureKind {

@@ -43,8 +43,8 @@ fn failures(name: &str, case: &Case, known: Option<Expected>) -> Result<Vec<Stri
     Ok(failures)
 }
 
-/// Fails with all that any algorithm gets wrong, or with the first mesh on which one hangs. Returns how many
-/// meshes were judged.
+/// Fails with all that any algorithm gets wrong, or with the first mesh on which one hangs. Returns
+/// how many meshes were judged.
 fn check(cases: Vec<(String, Case, Option<Expected>)>) -> usize {
     const SHOWN: usize = 60;
     let mut wrong = Vec::new();
@@ -58,6 +58,7 @@ fn check(cases: Vec<(String, Case, Option<Expected>)>) -> usize {
                 judged += 1;
                 wrong.extend(failures);
             }
+            Ok(Err(Skip::MeshPanics)) => panic!("{name}: the mesh cannot be built"),
             Ok(Err(_)) => {}
             Err(RecvTimeoutError::Timeout) => panic!("{name}: some algorithm hangs"),
             Err(RecvTimeoutError::Disconnected) => panic!("{name}: the judge panicked"),

@@ -11,8 +11,8 @@ pub(crate) struct Case {
     pub(crate) vertices: Vec<[f64; 3]>,
     pub(crate) faces: Vec<[u32; 3]>,
     pub(crate) sources: Vec<u32>,
-    /// Whether windows are counted: they may be at most [`MOST_WORK`](crate::judge::MOST_WORK) times as
-    /// many as those of `mmp`.
+    /// Whether windows are counted: they may be at most [`MOST_WORK`](crate::judge::MOST_WORK)
+    /// times as many as those of `mmp`.
     pub(crate) bounded: bool,
 }
 
@@ -100,6 +100,8 @@ impl fmt::Display for FailureKind {
 pub(crate) enum Skip {
     /// The mesh is refused.
     Refused,
+    /// Building the mesh panics, which counts as a failure.
+    MeshPanics,
     /// The oracle takes too long.
     GaveUp,
     /// Two searches of the oracle disagree.

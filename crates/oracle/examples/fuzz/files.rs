@@ -64,7 +64,8 @@ fn command(name: &str, case: &Case, findings: &[Finding]) -> String {
             format!("# geobench verify {name}.obj --source {source} --algo '{algorithms}'")
         }
         _ => format!(
-            "# cargo run --release -p geobench-oracle --example fuzz -- --again {name}.obj --algo '{algorithms}'"
+            "# cargo run --release -p geobench-oracle --example fuzz -- \
+             --again {name}.obj --algo '{algorithms}'"
         ),
     }
 }

@@ -39,7 +39,10 @@ mod variants;
 /// Looks for meshes on which an algorithm is wrong.
 #[derive(Parser)]
 #[command(group(ArgGroup::new("meshes").args(["seeds", "slivers", "again"])))]
-#[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a switch of the command line"
+)]
 struct Options {
     /// Seeds of the meshes, from A up to but without B
     #[arg(long, value_name = "A..B", default_value = "0..1000", value_parser = seeds)]
@@ -233,8 +236,8 @@ impl Fuzzer<'_> {
         failed.collect()
     }
 
-    /// Saves the mesh, made smaller for the first of the algorithms that fail; then, if some others do
-    /// not fail on the smaller one, for the first of these, and so on.
+    /// Saves the mesh, made smaller for the first of the algorithms that fail; then, if some others
+    /// do not fail on the smaller one, for the first of these, and so on.
     fn save(
         &self,
         judge: &mut Judge,

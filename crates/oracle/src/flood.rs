@@ -26,9 +26,9 @@ struct Beam<S> {
 pub struct Search {
     /// Follow lines from every vertex, not only from those where a shortest path can bend.
     pub everywhere: bool,
-    /// Drop lines that are longer, all along the side that they reach, than a path found to an end of
-    /// that side and on along it; and in space those that meet a triangle again. No shortest path
-    /// is lost.
+    /// Drop lines that are longer, all along the side that they reach, than a path found to an end
+    /// of that side and on along it; and in space those that meet a triangle again. No distance
+    /// changes.
     pub prune: bool,
     /// Give up after so many beams.
     pub most_beams: u64,
@@ -222,16 +222,18 @@ impl<S: Scalar> Lines<'_, S> {
         Ok(())
     }
 
-    /// Whether a beam that has `crossed` triangles meets one of them again. Two points of a triangle
-    /// in space have no shorter way between them than the straight one within it.
+    /// Whether a beam that has `crossed` triangles meets one of them again. Two points of a
+    /// triangle in space have no shorter way between them than the straight one within it.
     fn returns(&self, triangle: usize, crossed: &[usize]) -> bool {
         self.surface.in_space && crossed.contains(&triangle)
     }
 
-    /// Whether a path to an end of the side and along it is shorter wherever `beam` crosses the side.
+    /// Whether a path to an end of the side and along it is shorter wherever `beam` crosses the
+    /// side.
     ///
-    /// The lead of the path through the tail falls along the side, since no length grows faster than
-    /// the place on the side; so its least value is at the beam's far end. Likewise for the head.
+    /// The lead of the path through the tail falls along the side, since no length grows faster
+    /// than the place on the side; so its least value is at the beam's far end. Likewise for the
+    /// head.
     fn is_beaten(&self, beam: &Beam<S>) -> bool {
         let entered = &self.surface.sides[beam.side];
         let head = self.surface.sides[next(beam.side)].tail;

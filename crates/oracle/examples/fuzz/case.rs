@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use geobench_oracle::nasty::{Kind, Nasty};
 use serde::{Deserialize, Serialize};
 
 /// A mesh, the sources, and how far an algorithm may go.
@@ -10,9 +11,20 @@ pub(crate) struct Case {
     pub(crate) vertices: Vec<[f64; 3]>,
     pub(crate) faces: Vec<[u32; 3]>,
     pub(crate) sources: Vec<u32>,
-    /// Whether windows are counted: they may be at most [`MOST_WORK`](crate::judge::MOST_WORK) times as
-    /// many as those of `mmp`.
+    /// Whether windows are counted: they may be at most [`MOST_WORK`](crate::judge::MOST_WORK)
+    /// times as many as those of `mmp`.
     pub(crate) bounded: bool,
+}
+
+impl From<Nasty> for Case {
+    fn from(mesh: Nasty) -> Self {
+        Self {
+            vertices: mesh.model.positions().unwrap_or_default().to_vec(),
+            faces: mesh.model.triangles,
+            sources: mesh.model.sources,
+            bounded: mesh.kind == Kind::NeedleTip,
+        }
+    }
 }
 
 /// Distances; `None` is unreachable.
@@ -53,6 +65,12 @@ pub(crate) enum FailureKind {
     Work,
 }
 
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.kind, self.text)
+    }
+}
+
 impl FailureKind {
     pub(crate) const ALL: [Self; 6] = [
         Self::TooLong,
@@ -82,6 +100,8 @@ impl fmt::Display for FailureKind {
 pub(crate) enum Skip {
     /// The mesh is refused.
     Refused,
+    /// Building the mesh panics, which counts as a failure.
+    MeshPanics,
     /// The oracle takes too long.
     GaveUp,
     /// Two searches of the oracle disagree.

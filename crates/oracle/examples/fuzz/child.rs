@@ -1,7 +1,7 @@
 //! Judging in a child process, so that a hang, an abort or a full memory costs one answer only.
 //!
-//! The child is this program with the option [`OPTION`]. It reads [`Request`]s and writes [`Reply`]s,
-//! one to a line.
+//! The child is this program with the option [`OPTION`]. It reads [`Request`]s and writes
+//! [`Reply`]s, one to a line.
 
 use std::collections::HashMap;
 use std::env;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use geobench_mesh::io as mesh_io;
 
-use crate::case::{Case, Expected};
+use crate::case::{Case, Expected, Failure, FailureKind};
 
 /// What stands before the sources in a file.
 const SOURCES: &str = "# sources:";
@@ -16,7 +16,7 @@ const SOURCES: &str = "# sources:";
 const BOUNDED: &str = "# windows: bounded";
 
 /// An algorithm and what was wrong with its answer.
-pub(crate) type Finding = (String, String);
+pub(crate) type Finding = (String, Failure);
 
 /// Writes `NAME.obj` to `folder`, and for a single source the right distances beside it, where
 /// `verify` finds them.
@@ -32,8 +32,8 @@ pub(crate) fn write(
     let path = folder.join(format!("{name}.obj"));
     let mut out = BufWriter::new(File::create(&path)?);
     writeln!(out, "# {origin}")?;
-    for (algorithm, text) in findings {
-        writeln!(out, "# {algorithm}: {text}")?;
+    for (algorithm, failure) in findings {
+        writeln!(out, "# {algorithm}: {failure}")?;
     }
     writeln!(out, "{}", command(name, case, findings))?;
     let sources: Vec<String> = case.sources.iter().map(u32::to_string).collect();
@@ -57,12 +57,15 @@ pub(crate) fn write(
 fn command(name: &str, case: &Case, findings: &[Finding]) -> String {
     let algorithms: Vec<&str> = findings.iter().map(|(name, _)| name.as_str()).collect();
     let algorithms = algorithms.join(",");
+    // `verify` takes one source at a time, and does not count.
+    let counted = |(_, failure): &Finding| failure.kind == FailureKind::Work;
     match case.sources[..] {
-        [source] => {
+        [source] if !findings.iter().any(counted) => {
             format!("# geobench verify {name}.obj --source {source} --algo '{algorithms}'")
         }
         _ => format!(
-            "# cargo run --release -p geobench-oracle --example fuzz -- --again {name}.obj --algo '{algorithms}'"
+            "# cargo run --release -p geobench-oracle --example fuzz -- \
+             --again {name}.obj --algo '{algorithms}'"
         ),
     }
 }

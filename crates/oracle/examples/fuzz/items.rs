@@ -73,7 +73,7 @@ impl Items {
     }
 }
 
-pub(crate) fn of_seed(seed: u64, kind: Option<Kind>) -> Item {
+fn of_seed(seed: u64, kind: Option<Kind>) -> Item {
     let mesh = match kind {
         Some(kind) => kind.mesh(seed),
         None => nasty::mesh(seed),
@@ -81,12 +81,7 @@ pub(crate) fn of_seed(seed: u64, kind: Option<Kind>) -> Item {
     Item {
         name: mesh.model.name.clone(),
         kind: mesh.kind.to_string(),
-        case: Case {
-            vertices: mesh.model.positions().unwrap_or_default().to_vec(),
-            faces: mesh.model.triangles,
-            sources: mesh.model.sources,
-            bounded: mesh.kind == Kind::NeedleTip,
-        },
+        case: mesh.into(),
         expected: None,
     }
 }

@@ -35,7 +35,8 @@ pub(crate) fn mesh(case: &Case) -> Result<Mesh, Skip> {
     let built = catch_unwind(|| Mesh::from_soup(soup));
     match built {
         Ok(Ok((mesh, _))) => Ok(mesh),
-        Ok(Err(_)) | Err(_) => Err(Skip::Refused),
+        Ok(Err(_)) => Err(Skip::Refused),
+        Err(_) => Err(Skip::MeshPanics),
     }
 }
 

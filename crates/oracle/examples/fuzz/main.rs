@@ -17,9 +17,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use std::{env, io, thread};
 
-use case::{Expected, Failure, Verdict};
+use case::{Expected, Verdict};
 use child::Judge;
 use clap::{ArgGroup, Parser};
+use files::Finding;
 use geobench_oracle::nasty::Kind;
 use items::{Item, Items};
 use minimise::Smallest;
@@ -38,6 +39,10 @@ mod variants;
 /// Looks for meshes on which an algorithm is wrong.
 #[derive(Parser)]
 #[command(group(ArgGroup::new("meshes").args(["seeds", "slivers", "again"])))]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a switch of the command line"
+)]
 struct Options {
     /// Seeds of the meshes, from A up to but without B
     #[arg(long, value_name = "A..B", default_value = "0..1000", value_parser = seeds)]
@@ -205,8 +210,7 @@ impl Fuzzer<'_> {
                     let failures = self.failures(&judged.verdicts);
                     if self.options.verbose {
                         for (algorithm, failure) in &failures {
-                            let (kind, text) = (failure.kind, &failure.text);
-                            eprintln!("{}: {algorithm}: {kind}: {text}", item.name);
+                            eprintln!("{}: {algorithm}: {failure}", item.name);
                         }
                     }
                     if self.options.out.is_some() {
@@ -215,7 +219,7 @@ impl Fuzzer<'_> {
                 }
             }
             let done = place + 1;
-            if done % 100 == 0 {
+            if done.is_multiple_of(100) {
                 let failures = self.table.lock().map_err(|_| died())?.failures();
                 let (all, seconds) = (self.items.len(), self.start.elapsed().as_secs());
                 eprintln!("{done} of {all} meshes, {failures} wrong answers, {seconds} s");
@@ -223,7 +227,7 @@ impl Fuzzer<'_> {
         }
     }
 
-    fn failures(&self, verdicts: &[Verdict]) -> Vec<(String, Failure)> {
+    fn failures(&self, verdicts: &[Verdict]) -> Vec<Finding> {
         let answers = self.algorithms.iter().zip(verdicts);
         let failed = answers.filter_map(|(algorithm, verdict)| match verdict {
             Verdict::Failed(failure) => Some((algorithm.clone(), failure.clone())),
@@ -232,14 +236,14 @@ impl Fuzzer<'_> {
         failed.collect()
     }
 
-    /// Saves the mesh, made smaller for the first of the algorithms that fail; then, if some others do
-    /// not fail on the smaller one, for the first of these, and so on.
+    /// Saves the mesh, made smaller for the first of the algorithms that fail; then, if some others
+    /// do not fail on the smaller one, for the first of these, and so on.
     fn save(
         &self,
         judge: &mut Judge,
         item: &Item,
         expected: &Expected,
-        mut failures: Vec<(String, Failure)>,
+        mut failures: Vec<Finding>,
     ) -> io::Result<()> {
         let Some(folder) = &self.options.out else {
             return Ok(());
@@ -260,21 +264,19 @@ impl Fuzzer<'_> {
             }
             let (case, right) = (&smallest.case, &smallest.expected);
             let all: Vec<String> = failures.iter().map(|(name, _)| name.clone()).collect();
-            let mut findings = vec![(algorithm.clone(), text_of(&smallest.failure))];
-            let mut shown = vec![(algorithm.clone(), smallest.failure.clone())];
+            let mut findings = vec![(algorithm.clone(), smallest.failure.clone())];
             if let Ok(judged) = judge.judge(case, Some(right.clone()), &all[1..])? {
                 for (name, verdict) in all[1..].iter().zip(judged.verdicts) {
                     if let Verdict::Failed(failure) = verdict {
-                        findings.push((name.clone(), text_of(&failure)));
-                        shown.push((name.clone(), failure));
+                        findings.push((name.clone(), failure));
                     }
                 }
             }
             let name = file_name(item, &algorithm);
             files::write(folder, &name, &item.name, case, right, &findings)?;
-            failures.retain(|(name, _)| shown.iter().all(|(known, _)| known != name));
+            failures.retain(|(name, _)| findings.iter().all(|(known, _)| known != name));
             let mut saved = self.saved.lock().map_err(|_| died())?;
-            let ways: HashSet<String> = shown.iter().map(way_to_fail).collect();
+            let ways: HashSet<String> = findings.iter().map(way_to_fail).collect();
             for way in ways {
                 *saved.entry(way).or_default() += 1;
             }
@@ -283,7 +285,7 @@ impl Fuzzer<'_> {
     }
 
     /// Whether there are few saved meshes on which the algorithm fails like that.
-    fn is_wanted(&self, failure: &(String, Failure)) -> bool {
+    fn is_wanted(&self, failure: &Finding) -> bool {
         let saved = self.saved.lock();
         let count = saved.map_or(0, |saved| {
             saved.get(&way_to_fail(failure)).copied().unwrap_or(0)
@@ -292,11 +294,7 @@ impl Fuzzer<'_> {
     }
 }
 
-fn text_of(failure: &Failure) -> String {
-    format!("{}: {}", failure.kind, failure.text)
-}
-
-fn way_to_fail((algorithm, failure): &(String, Failure)) -> String {
+fn way_to_fail((algorithm, failure): &Finding) -> String {
     format!("{} {}", variants::name_of(algorithm), failure.kind)
 }
 

@@ -58,7 +58,8 @@ impl Table {
 
 impl Row {
     fn failures(&self) -> usize {
-        self.failed.values().sum()
+        let unbuilt = self.skipped.get(&Skip::MeshPanics).copied().unwrap_or(0);
+        unbuilt + self.failed.values().sum::<usize>()
     }
 }
 
@@ -100,8 +101,10 @@ impl fmt::Display for Table {
         let of = |why| skipped.get(&why).copied().unwrap_or(0);
         writeln!(
             f,
-            "\nskipped meshes: {} refused, {} too hard for the oracle, {} on which it is unsure",
+            "\nskipped meshes: {} refused, {} that panic when they are built, \
+             {} too hard for the oracle, {} on which it is unsure",
             of(Skip::Refused),
+            of(Skip::MeshPanics),
             of(Skip::GaveUp),
             of(Skip::Unsure)
         )

@@ -128,15 +128,17 @@ fn some_plate(random: &mut Random) -> Draft {
 }
 
 fn uneven_lines(random: &mut Random) -> Vec<f64> {
-    let count = random.whole(2, 6);
-    let most = if random.coin() { 0 } else { -2 };
+    let count = random.whole(2, 7);
+    // Of how many gaps one is small.
+    let one_in = random.whole(1, 3);
+    let least = -random.whole(2, 13).cast_signed();
     let mut at = 0.0;
     let mut lines = vec![at];
     for _ in 0..count {
-        at += match random.below(3) {
-            0 => 1.0,
-            1 => random.between(0.1, 1.0),
-            _ => random.magnitude(-12, most),
+        at += match random.below(one_in) {
+            0 => random.magnitude(least, 0),
+            1 => 1.0,
+            _ => random.between(0.1, 1.0),
         };
         lines.push(at);
     }

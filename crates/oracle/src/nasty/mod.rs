@@ -72,8 +72,10 @@ impl Kind {
 
 /// Changes that may be made to any mesh.
 fn change(draft: &mut Draft, kind: Kind, random: &mut Random, changes: &mut Vec<&'static str>) {
+    // One mesh in three is changed much.
+    let often = if random.below(3) == 0 { 3 } else { 1 };
     let mut chance = |random: &mut Random, one_in: u32, what: &'static str| {
-        let made = random.below(one_in) == 0;
+        let made = random.below(one_in) < often;
         if made {
             changes.push(what);
         }
@@ -127,7 +129,7 @@ fn change(draft: &mut Draft, kind: Kind, random: &mut Random, changes: &mut Vec<
         let far = [0; 3].map(|_| random.between(-1e6, 1e6).round() * size);
         draft.translate(far);
     }
-    if chance(random, 3, "scaled") {
+    if chance(random, 4, "scaled") {
         let factor = random.magnitude(-30, 30);
         draft.scale([factor; 3]);
     }
@@ -137,7 +139,7 @@ fn change(draft: &mut Draft, kind: Kind, random: &mut Random, changes: &mut Vec<
             draft.positions.push(random.in_ball().map(|x| x * size));
         }
     }
-    if chance(random, 3, "renumbered") {
+    if chance(random, 4, "renumbered") {
         draft.renumber(random);
     }
     if chance(random, 4, "turned inside out") {
@@ -156,12 +158,11 @@ fn sources(draft: &Draft, random: &mut Random) -> Vec<u32> {
     let mut sources = Vec::new();
     for _ in 0..count {
         // Isolated vertices are worth a try now and then only.
-        let source = match random.below(40) {
-            0 => random.below(draft.positions.len() as u32),
-            _ => {
-                let face = random.below(draft.faces.len() as u32) as usize;
-                draft.faces[face][random.below(3) as usize]
-            }
+        let source = if random.below(40) == 0 {
+            random.below(draft.positions.len() as u32)
+        } else {
+            let face = random.below(draft.faces.len() as u32) as usize;
+            draft.faces[face][random.below(3) as usize]
         };
         if !sources.contains(&source) {
             sources.push(source);

@@ -2,6 +2,7 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Child, Policy, Surface, Turn};
+use geobench_window::trimming::KeptWindows;
 use geobench_window::{Counter, Passage, Phase, Probe, Side, VertexFilter, Window};
 
 use crate::angle::{Angles, Split};
@@ -14,16 +15,21 @@ pub struct Splitting {
     level_limit: u32,
     leaves: Leaves,
     angles: Angles,
+    kept: KeptWindows,
 }
 
 impl Splitting {
     /// Empty records for the angles of `mesh`.
     pub fn new(mesh: &Mesh, filter: VertexFilter) -> Self {
+        let order = Surface::order(mesh);
         Self {
             filter,
             level_limit: mesh.face_count() as u32,
             leaves: Leaves::default(),
             angles: Angles::new(mesh.half_edge_count()),
+            kept: KeptWindows::new(mesh, mesh.half_edge_count(), |h| {
+                order.new_half_edge(h).index()
+            }),
         }
     }
 
@@ -51,6 +57,7 @@ impl Policy for Splitting {
     fn reset(&mut self) {
         self.leaves.clear();
         self.angles.clear();
+        self.kept.clear();
     }
 
     fn root(&self, v: VertexId, _: &Surface) -> Lineage {
@@ -104,9 +111,18 @@ impl Policy for Splitting {
             probe.add(Counter::Filtered, 1);
             return None;
         }
+        let mut window = child.window;
+        if !self.kept.is_empty() {
+            let root = child.lineage.root.raw();
+            let Some(part) = self.kept.admit(child.h.index(), &window, root) else {
+                probe.add(Counter::Filtered, 1);
+                return None;
+            };
+            window = part;
+        }
         probe.enter(Phase::Management);
         let slot = self.leaves.insert(Node {
-            window: child.window,
+            window,
             lineage: child.lineage,
         });
         probe.raise(Counter::PeakWindows, self.leaves.len() as u64);

@@ -4,9 +4,7 @@ use std::ops::Range;
 
 use geobench_window::Window;
 
-use crate::division::{Division, Owner, Segment};
-use crate::duel::is_sliver;
-use crate::foot::{foot, pieces};
+use geobench_window::trimming::{Division, Owner, Segment, foot, is_sliver, pieces};
 use crate::lists::{Direction, Lists, Place, Slot};
 use crate::wedge::Fate;
 

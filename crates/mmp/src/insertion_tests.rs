@@ -161,7 +161,7 @@ fn both_parts_of_a_waiting_window_wait() {
 #[test]
 fn a_window_of_a_source_on_the_edge_is_no_sliver_however_narrow() {
     let whole = window(0.0, 1.0, 0.5, -1.0, 1.0);
-    let fan = window(0.0, 1e-14, 0.0, -1e-20, 0.0);
+    let fan = window(0.0, 4e-15, 0.0, -1e-20, 0.0);
     assert_eq!(insert_all(&[whole, fan]).len(0), 2);
     assert_eq!(insert_all(&[fan]).len(0), 1);
 }

@@ -30,9 +30,6 @@
 
 mod blocks;
 mod by_list;
-mod division;
-mod duel;
-mod foot;
 mod forgetting;
 mod insertion;
 mod lists;

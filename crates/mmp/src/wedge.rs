@@ -2,7 +2,7 @@
 
 use geobench_window::Window;
 
-use crate::duel::{Duel, is_sliver, matters};
+use geobench_window::trimming::{Duel, is_sliver, matters};
 
 /// What becomes of a new window, as far as it is simple.
 #[derive(Clone, Copy, Debug)]

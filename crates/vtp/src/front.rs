@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use geobench_window::{NeedleTips, Window};
+use geobench_window::Window;
+use geobench_window::trimming::KeptWindows;
 
 use crate::engine::store::{COLUMNS, Line, NO_LIST, WindowStore};
 use crate::engine::surface::{half_edge, parts};
@@ -238,17 +239,16 @@ impl Front {
         (list, len)
     }
 
-    /// Drops windows that wind around the tip of a needle: see [`WindowStore::drop_wound`].
+    /// Has `kept` decide on windows of `list`: see [`WindowStore::admit`].
     #[cold]
-    pub(crate) fn drop_wound(
+    pub(crate) fn admit(
         &mut self,
-        tips: &NeedleTips,
+        kept: &mut KeptWindows,
         h: u32,
-        l: f64,
         list: u32,
         places: Range<usize>,
     ) -> usize {
-        self.store.drop_wound(tips, h, l, list, places)
+        self.store.admit(kept, h, list, places)
     }
 
     /// Number of windows in a list.

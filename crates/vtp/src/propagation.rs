@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 
 use geobench_mesh::{Mesh, Numbering, VertexId};
+use geobench_window::trimming::KeptWindows;
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution, Window};
 
 use crate::crossing::{Carry, Inspect, Least};
@@ -12,7 +13,7 @@ use crate::engine::hand::Hand;
 use crate::engine::kernels::{BestPath, Gate, Target};
 use crate::engine::levels::Levels;
 use crate::engine::prefetch::{line, prefetch};
-use crate::engine::store::NO_LIST;
+use crate::engine::store::{NO_LIST, admit};
 use crate::engine::surface::{Face, NOBODY, Surface, next, parts, prev};
 use crate::exits::{Crossing, Exits};
 use crate::front::{Arrival, Front};
@@ -38,6 +39,7 @@ pub struct ListPropagation<'m, S, M, P, E> {
     passed: Vec<bool>,
     distances: Vec<f64>,
     levels: Levels,
+    kept: KeptWindows,
     /// Children narrower than this are dropped.
     threshold: f64,
     choices: PhantomData<(M, P)>,
@@ -50,6 +52,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
         let surface = Surface::new(mesh, &numbering);
         numbering.keep_new_vertices();
         let faces = mesh.face_count();
+        let kept = surface.kept.clone();
         Self {
             mesh,
             instructions: Instructions::detect(),
@@ -62,6 +65,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
             passed: Vec::new(),
             distances: Vec::new(),
             levels: Levels::default(),
+            kept,
             threshold: 0.0,
             choices: PhantomData,
         }
@@ -94,6 +98,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
         self.front.reset();
         self.exits.reset();
         self.levels.clear();
+        self.kept.clear();
         self.passed.clear();
         self.passed.resize(self.mesh.vertex_count(), false);
         self.distances.clear();
@@ -152,7 +157,14 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
                 if B::COUNTS {
                     self.levels.start(target, [px, py], sigma);
                 }
-                let window = [0.0, l, px, py, sigma];
+                let mut window = [0.0, l, px, py, sigma];
+                if !self.kept.is_empty() {
+                    let Some(part) = admit(&mut self.kept, target, window) else {
+                        probe.add(Counter::Filtered, 1);
+                        continue;
+                    };
+                    window = part;
+                }
                 let (list, len) = self.front.push(target, Arrival::AsRightChild, window);
                 self.close(target, list, len, len + 1, probe);
             }
@@ -286,12 +298,10 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
             (carried, targets.map(|target| target.len))
         };
         probe.enter(Phase::Management);
-        if !self.surface.needle_tips.is_empty() {
+        if !self.kept.is_empty() {
             for side in (0..2).filter(|&side| lists[side] != NO_LIST) {
-                let l = self.surface.length(exits[side]);
                 let places = before[side]..after[side];
-                let tips = &self.surface.needle_tips;
-                after[side] = (self.front).drop_wound(tips, exits[side], l, lists[side], places);
+                after[side] = (self.front).admit(&mut self.kept, exits[side], lists[side], places);
             }
         }
         if B::COUNTS {

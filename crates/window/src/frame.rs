@@ -2,9 +2,7 @@
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
 
-use crate::needle::NeedleTips;
 use crate::prefetch::prefetch;
-use crate::window::Window;
 
 /// A triangle seen from one of its half-edges: tail A at the origin, head B at `(l, 0)`, apex C
 /// above.
@@ -195,7 +193,6 @@ pub struct Faces {
     half_edges: Vec<HalfEdge>,
     /// Where the faces of the mesh are.
     numbering: Numbering,
-    needle_tips: NeedleTips,
 }
 
 impl Faces {
@@ -213,13 +210,9 @@ impl Faces {
             half_edges.extend(HalfEdge::of_face(mesh, &numbering, face));
         }
         numbering.keep_new_faces();
-        let needle_tips = NeedleTips::of(mesh, half_edges.len(), |h| {
-            numbering.new_half_edge(h).index()
-        });
         Self {
             half_edges,
             numbering,
-            needle_tips,
         }
     }
 
@@ -227,12 +220,6 @@ impl Faces {
     #[inline]
     pub fn number(&self, h: HalfEdgeId) -> HalfEdgeId {
         self.numbering.new_half_edge(h)
-    }
-
-    /// Whether `window`, which has arrived at `h`, has wound around the tip of a needle: see [`NeedleTips`].
-    #[inline]
-    pub fn winds_around_tip(&self, h: HalfEdgeId, window: &Window) -> bool {
-        !self.needle_tips.is_empty() && self.needle_tips.drop(h.index(), self.length(h), window)
     }
 
     /// The half-edge `h`.

@@ -6,9 +6,7 @@
 use geobench_window::{Counter, Probe, Window};
 
 use super::store::{Store, Stored};
-use crate::division::{Division, Owner, Segment};
-use crate::duel::{is_sliver, matters};
-use crate::foot::{foot, pieces};
+use geobench_window::trimming::{Division, Owner, Segment, foot, is_sliver, matters, pieces};
 use crate::wedge::Fate;
 
 /// Windows that arrive at one half-edge together.

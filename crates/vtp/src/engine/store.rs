@@ -6,7 +6,8 @@
 
 use std::ops::Range;
 
-use geobench_window::{NeedleTips, Window};
+use geobench_window::Window;
+use geobench_window::trimming::KeptWindows;
 
 /// A cache line of a column.
 #[derive(Clone, Copy, Debug, Default)]
@@ -103,6 +104,24 @@ pub(crate) struct WindowStore {
     /// For each class the lists whose blocks are free.
     free: Vec<Vec<u32>>,
     waiting: usize,
+}
+
+/// What `kept` leaves of a window that comes to half-edge `h`.
+#[cold]
+pub(crate) fn admit(
+    kept: &mut KeptWindows,
+    h: u32,
+    [b0, b1, px, py, sigma]: [f64; COLUMNS],
+) -> Option<[f64; COLUMNS]> {
+    let window = Window {
+        b0,
+        b1,
+        px,
+        py,
+        sigma,
+    };
+    let part = kept.admit(h as usize, &window, KeptWindows::ANY_ROOT)?;
+    Some([part.b0, part.b1, px, py, sigma])
 }
 
 impl WindowStore {
@@ -304,29 +323,19 @@ impl WindowStore {
         self.lists[list as usize].lines()
     }
 
-    /// Drops those windows of `list`, on half-edge `h` of length `l`, from number `start` up to `len` that wind around the tip of a
-    /// needle; returns how many are left.
+    /// Has `kept` decide on those windows of `list`, on half-edge `h` of a thin face, that stand at `places`; returns how many are left.
     #[cold]
-    pub(crate) fn drop_wound(
+    pub(crate) fn admit(
         &mut self,
-        tips: &NeedleTips,
+        kept: &mut KeptWindows,
         h: u32,
-        l: f64,
         list: u32,
         places: Range<usize>,
     ) -> usize {
         let mut left = places.start;
         for i in places {
-            let columns @ [b0, b1, px, py, sigma] = self.get(list, i);
-            let window = Window {
-                b0,
-                b1,
-                px,
-                py,
-                sigma,
-            };
-            if !tips.drop(h as usize, l, &window) {
-                self.put(list, left, columns);
+            if let Some(part) = admit(kept, h, self.get(list, i)) {
+                self.put(list, left, part);
                 left += 1;
             }
         }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
-use geobench_window::NeedleTips;
+use geobench_window::trimming::KeptWindows;
 
 use super::face_state::FaceState;
 use super::kernels::{Gate, Triangle};
@@ -161,7 +161,8 @@ pub(crate) struct Surface {
     /// The angle between each and the next edge, in radians.
     pub(crate) angles: Vec<f32>,
     pub(crate) mean_length: f64,
-    pub(crate) needle_tips: NeedleTips,
+    /// Empty: what is to be kept of a run beside thin faces.
+    pub(crate) kept: KeptWindows,
 }
 
 impl Surface {
@@ -199,7 +200,7 @@ impl Surface {
             rings,
             angles,
             mean_length: total / mesh.half_edge_count().max(1) as f64,
-            needle_tips: NeedleTips::of(mesh, 4 * mesh.face_count(), |h| {
+            kept: KeptWindows::new(mesh, 4 * mesh.face_count(), |h| {
                 number(numbering, h) as usize
             }),
         }

@@ -202,13 +202,10 @@ impl Wave {
                 .store
                 .reunite_behind(face, corner, lists, before, after);
         }
-        if !field.surface().needle_tips.is_empty() {
-            let surface = field.surface();
+        if !self.kept.is_empty() {
             for side in (0..2).filter(|&side| lists[side] != NO_LIST) {
-                let (list, l) = (lists[side], surface.length(exits[side]));
                 let places = before[side].min(after[side])..after[side];
-                let tips = &surface.needle_tips;
-                after[side] = (self.store).drop_wound(tips, exits[side], l, list, places);
+                after[side] = (self.store).admit(&mut self.kept, exits[side], lists[side], places);
             }
         }
         for side in 0..2 {

@@ -11,6 +11,8 @@ mod field;
 mod spawn;
 mod turns;
 
+use geobench_window::trimming::KeptWindows;
+
 pub(crate) use self::field::Field;
 use crate::engine::buckets::Buckets;
 use crate::engine::kernels::Cuts;
@@ -61,6 +63,7 @@ pub(crate) struct Wave {
     keep: Vec<u8>,
     cuts: Cuts,
     levels: Levels,
+    kept: KeptWindows,
 }
 
 impl Wave {
@@ -82,6 +85,7 @@ impl Wave {
             keep: Vec::new(),
             cuts: Cuts::default(),
             levels: Levels::default(),
+            kept: surface.kept.clone(),
         }
     }
 
@@ -101,6 +105,7 @@ impl Wave {
         self.buckets.reset();
         self.turn.clear();
         self.levels.clear();
+        self.kept.clear();
         self.spawned.clear();
         self.spawned.resize(vertices, f64::INFINITY);
         self.passed.clear();

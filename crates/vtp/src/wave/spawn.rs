@@ -5,7 +5,7 @@ use geobench_window::{Counter, Probe};
 use super::{Field, Wave};
 use crate::engine::kernels::LOSES;
 use crate::engine::shadow::{Origin, Shadow};
-use crate::engine::store::NO_LIST;
+use crate::engine::store::{NO_LIST, admit};
 use crate::engine::surface::{NOBODY, half_edge, next, parts, prev};
 
 impl Wave {
@@ -113,10 +113,18 @@ impl Wave {
             return;
         }
         let (target, k) = parts(twin);
+        let mut window = [0.0, l, source[0], source[1], d];
+        if !self.kept.is_empty() {
+            let Some(part) = admit(&mut self.kept, twin, window) else {
+                probe.add(Counter::Filtered, 1);
+                return;
+            };
+            window = part;
+        }
         let list = self.store.reserve(field.list(target, k), 1);
         let len = self.store.len(list);
         debug_assert!(list != NO_LIST);
-        self.store.put(list, len, [0.0, l, source[0], source[1], d]);
+        self.store.put(list, len, window);
         if P::COUNTS && F::COUNTS_LEVELS {
             self.levels.start(twin, source, d);
         }

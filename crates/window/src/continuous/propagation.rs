@@ -155,9 +155,7 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
             return;
         };
         probe.add(Counter::Children, 1);
-        if window.b1 - window.b0 < self.threshold
-            || self.surface.faces().winds_around_tip(h, &window)
-        {
+        if window.b1 - window.b0 < self.threshold {
             probe.add(Counter::Filtered, 1);
             return;
         }

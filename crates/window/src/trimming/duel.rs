@@ -5,9 +5,10 @@
 
 use std::cmp::Ordering;
 
-use geobench_window::{Window, tie_points};
+use crate::tie::tie_points;
+use crate::window::Window;
 
-use crate::foot::{does_new_win, may_be_foot};
+use super::foot::{does_new_win, may_be_foot};
 
 /// How much shorter a new window must be, relatively, to take ground from a stored one. The old
 /// one wins ties, so that a window that comes twice is not stored twice.
@@ -29,7 +30,7 @@ const STRAIGHT: f64 = 1e-6;
 
 /// What a new window takes from an old one of a range that they share.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Duel {
+pub enum Duel {
     /// This part of it.
     Won(f64, f64),
     /// Nothing.
@@ -40,7 +41,7 @@ pub(crate) enum Duel {
 
 /// Whether hardly any ray of `w` passes between `start` and `end`; see [`SLIVER`].
 #[inline]
-pub(crate) fn is_sliver(w: &Window, start: f64, end: f64, l: f64) -> bool {
+pub fn is_sliver(w: &Window, start: f64, end: f64, l: f64) -> bool {
     let width = end - start;
     width <= SLIVER * l && is_narrow(w, start, end)
 }
@@ -54,7 +55,7 @@ fn is_narrow(w: &Window, start: f64, end: f64) -> bool {
 
 /// Whether `start..end` is wide enough to matter to one of the windows.
 #[inline]
-pub(crate) fn matters(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool {
+pub fn matters(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool {
     start < end && !(is_sliver(old, start, end, l) && is_sliver(new, start, end, l))
 }
 
@@ -65,7 +66,7 @@ impl Duel {
     /// the windows are equal at the ends: these are left [open](Duel::Open).
     #[inline(always)]
     #[allow(clippy::inline_always)] // The windows are not to pass through memory.
-    pub(crate) fn between(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
+    pub fn between(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
         let (held, offered) = (
             [old.distance(lo), old.distance(hi)],
             [new.distance(lo), new.distance(hi)],
@@ -210,7 +211,7 @@ fn may_tie_twice(old: &Window, new: &Window, lo: f64, hi: f64) -> bool {
 /// The middle tells, unless they are equal there. Two sources on the line of the edge are equal all
 /// along the side on which one stands behind the other, and part where the nearer one stands: the
 /// ends tell then.
-pub(crate) fn is_new_shorter(old: &Window, new: &Window, start: f64, end: f64) -> bool {
+pub(super) fn is_new_shorter(old: &Window, new: &Window, start: f64, end: f64) -> bool {
     let compare = |x: f64| {
         let (held, offered) = (old.distance(x), new.distance(x));
         if offered < held * MARGIN {

@@ -9,8 +9,8 @@
 //! yields only to one that is shorter there beyond doubt: then V is no shortest path to its own foot, and none of its directions is of use.
 //! Among equals it stays, since it holds every direction that they have.
 
-use geobench_window::Window;
-use geobench_window::precision::MARGIN;
+use crate::window::Window;
+use crate::precision::MARGIN;
 
 /// Half the width of a foot, as a fraction of the edge: some units in the last place of an abscissa.
 const HALF_WIDTH: f64 = 4e-15;
@@ -18,7 +18,7 @@ const HALF_WIDTH: f64 = 4e-15;
 /// The foot of `w` on an edge of length `l`, if its source stands on the edge, or closer to it than [`MARGIN`] tells, and all directions of the
 /// source are its own: an interval that ends beside the foot has only some of them, and rounding does not tell which.
 #[inline]
-pub(crate) fn foot(w: &Window, l: f64) -> Option<[f64; 2]> {
+pub fn foot(w: &Window, l: f64) -> Option<[f64; 2]> {
     (w.py.abs() <= MARGIN * l).then(|| whole_foot(w, l))?
 }
 
@@ -37,13 +37,13 @@ fn is_foot(w: &Window, l: f64) -> bool {
 
 /// Whether any common range of two windows, of this width, may be part of a foot.
 #[inline]
-pub(crate) fn may_be_foot(width: f64, l: f64) -> bool {
+pub(super) fn may_be_foot(width: f64, l: f64) -> bool {
     width <= 2.5 * HALF_WIDTH * l
 }
 
 /// Whether the whole range that `old` and `new` share goes to `new`, if one of them is a foot; `None` if neither is.
 #[cold]
-pub(crate) fn does_new_win(old: &Window, new: &Window, l: f64) -> Option<bool> {
+pub(super) fn does_new_win(old: &Window, new: &Window, l: f64) -> Option<bool> {
     if is_foot(old, l) {
         Some(is_shorter_at_foot(new, old, l))
     } else if is_foot(new, l) {
@@ -61,7 +61,7 @@ fn is_shorter_at_foot(w: &Window, foot: &Window, l: f64) -> bool {
 }
 
 /// The pieces of a window with a foot: first the foot, then what lies left and right of it.
-pub(crate) fn pieces(w: &Window, l: f64) -> impl Iterator<Item = Window> {
+pub fn pieces(w: &Window, l: f64) -> impl Iterator<Item = Window> {
     let [start, end] = foot(w, l).unwrap_or([w.b0, w.b1]);
     let ranges = [[start, end], [w.b0, start], [end, w.b1]];
     let w = *w;

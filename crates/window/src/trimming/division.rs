@@ -1,13 +1,15 @@
 //! How a range is divided between a new window and those that it meets, in the general case.
 
-use geobench_window::{Window, tie_points};
+use crate::tie::tie_points;
+use crate::window::Window;
 
-use crate::foot::{does_new_win, may_be_foot};
-use crate::duel::{is_new_shorter, is_sliver, matters};
+use super::duel::{is_new_shorter, is_sliver, matters};
+use super::foot::{does_new_win, may_be_foot};
 
 /// Who is shorter on a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Owner {
+pub enum Owner {
+    /// The new window.
     New,
     /// The stored window at this place among those that the new one meets.
     Old(usize),
@@ -15,26 +17,29 @@ pub(crate) enum Owner {
 
 /// A range of the half-edge and its owner.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Segment {
-    pub(crate) start: f64,
-    pub(crate) end: f64,
-    pub(crate) owner: Owner,
+pub struct Segment {
+    /// Where it begins.
+    pub start: f64,
+    /// Where it ends.
+    pub end: f64,
+    /// The window that is shorter on it.
+    pub owner: Owner,
 }
 
 /// Ranges in ascending order, each with its owner.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Division {
+pub struct Division {
     segments: Vec<Segment>,
 }
 
 impl Division {
     /// The ranges.
-    pub(crate) fn segments(&self) -> &[Segment] {
+    pub fn segments(&self) -> &[Segment] {
         &self.segments
     }
 
     /// Divides the ranges of `met` and `new`, on an edge of length `l`, between them; slivers fall to nobody.
-    pub(crate) fn share_out(&mut self, met: &[Window], new: &Window, l: f64) {
+    pub fn share_out(&mut self, met: &[Window], new: &Window, l: f64) {
         self.segments.clear();
         let mut covered = new.b0;
         for (i, w) in met.iter().enumerate() {

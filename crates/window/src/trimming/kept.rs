@@ -1,0 +1,202 @@
+//! Windows kept beside thin faces, so that those that wind around a needle come to an end.
+
+use geobench_mesh::{HalfEdgeId, Mesh};
+
+use super::division::{Division, Owner};
+use super::foot::{foot, pieces};
+use crate::window::Window;
+
+/// Height of a face, relative to its longest edge, below which the windows that come to it are kept.
+///
+/// A path that winds N times around a needle of length L and girth c is longer than a straight one by some (Nc)²/2L. Lengths do not
+/// tell the two apart, to the [margin](crate::precision::MARGIN) m, up to N = √(2m)·L/c: without end for thin needles, a hundredth of a turn
+/// where the faces are as thin as this.
+const THIN: f64 = 1e-4;
+
+/// The windows that have come to the half-edges of thin faces, for algorithms that keep none.
+///
+/// No shortest path crosses an edge twice. A window that winds around a needle does, and the vertex filter deletes it as soon as it is longer
+/// than a path along an edge, which on a thin needle it never is beyond rounding. MMP does not propagate it: where it comes to a half-edge
+/// for the second time, the window that came first is as short, and of equal windows the first one stays. The same is done
+/// here on the half-edges of thin faces, which hardly any mesh has.
+#[derive(Clone, Debug, Default)]
+pub struct KeptWindows {
+    /// Which list each half-edge has, by its number; none if `NO_LIST`. Empty if no face is thin.
+    lists: Vec<u32>,
+    kept: Vec<List>,
+    division: Division,
+    met: Vec<Window>,
+    replaced: Vec<Kept>,
+}
+
+/// The windows of one half-edge, which do not overlap, in ascending order.
+#[derive(Clone, Debug)]
+struct List {
+    length: f64,
+    windows: Vec<Kept>,
+}
+
+/// A kept window and the number of the vertex it comes from, where the algorithm knows it.
+#[derive(Clone, Copy, Debug)]
+struct Kept {
+    window: Window,
+    root: u32,
+}
+
+const NO_LIST: u32 = u32::MAX;
+
+impl KeptWindows {
+    /// The root of windows of an algorithm that never gives a window up because its root has come nearer.
+    pub const ANY_ROOT: u32 = u32::MAX;
+
+    /// For `mesh`, whose half-edges have the numbers that `number` gives, all less than `numbers`; O(faces).
+    pub fn new(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
+        let mut kept = Self::default();
+        for face in mesh.faces().filter(|&face| is_thin(mesh, face.half_edge(0))) {
+            kept.lists.resize(numbers, NO_LIST);
+            for corner in 0..3 {
+                let h = face.half_edge(corner);
+                for h in [Some(h), mesh.twin(h)].into_iter().flatten() {
+                    let list = &mut kept.lists[number(h)];
+                    if *list == NO_LIST {
+                        *list = kept.kept.len() as u32;
+                        kept.kept.push(List {
+                            length: mesh.length(h),
+                            windows: Vec::new(),
+                        });
+                    }
+                }
+            }
+        }
+        kept
+    }
+
+    /// Whether no face is thin: then no window is kept, and none needs to be asked for.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.lists.is_empty()
+    }
+
+    /// Forgets all windows.
+    pub fn clear(&mut self) {
+        for list in &mut self.kept {
+            list.windows.clear();
+        }
+    }
+
+    /// Keeps `new`, which comes to half-edge number `h` from vertex number `root`, and returns the part of it that is to be
+    /// propagated; `None` if nothing is. A window to a half-edge of no thin face is returned whole.
+    ///
+    /// Of two windows of one root the one with less σ stays: its root has been reached by a shorter path since the other one started, which
+    /// the algorithm may give up for that. O(k) for k windows kept there.
+    #[cold]
+    pub fn admit(&mut self, h: usize, new: &Window, root: u32) -> Option<Window> {
+        let list = self.lists.get(h).copied().unwrap_or(NO_LIST);
+        let Some(List { length, windows: list }) = self.kept.get_mut(list as usize) else {
+            return Some(*new);
+        };
+        let l = *length;
+        if root != Self::ANY_ROOT {
+            list.retain(|kept| kept.root != root || kept.window.sigma <= new.sigma);
+        }
+        let mut parts: Option<[f64; 2]> = None;
+        for piece in if foot(new, l).is_some() { pieces(new, l).collect() } else { vec![*new] } {
+            let first = list.partition_point(|kept| kept.window.b1 <= piece.b0);
+            let met = list[first..].iter().take_while(|kept| kept.window.b0 < piece.b1);
+            self.met.clear();
+            self.met.extend(met.map(|kept| kept.window));
+            self.division.share_out(&self.met, &piece, l);
+            self.replaced.clear();
+            for segment in self.division.segments() {
+                let kept = match segment.owner {
+                    Owner::New => {
+                        let [start, end] = parts.unwrap_or([segment.start, segment.end]);
+                        parts = Some([start.min(segment.start), end.max(segment.end)]);
+                        Kept { window: piece, root }
+                    }
+                    Owner::Old(k) => list[first + k],
+                };
+                let window = Window {
+                    b0: segment.start,
+                    b1: segment.end,
+                    ..kept.window
+                };
+                self.replaced.push(Kept { window, ..kept });
+            }
+            list.splice(first..first + self.met.len(), self.replaced.iter().copied());
+        }
+        // What lies between two parts is not needed, and does no harm.
+        parts.map(|[b0, b1]| Window { b0, b1, ..*new })
+    }
+}
+
+/// Whether the face of `h` is so thin that windows are kept on its half-edges.
+fn is_thin(mesh: &Mesh, h: HalfEdgeId) -> bool {
+    let lengths = [h, h.next(), h.prev()].map(|h| mesh.length(h));
+    let longest = lengths.into_iter().fold(0.0, f64::max);
+    lengths[0] * mesh.apex(h)[1] < THIN * longest * longest
+}
+
+#[cfg(test)]
+mod tests {
+    use geobench_mesh::TriangleSoup;
+
+    use super::*;
+
+    fn mesh(height: f64) -> Mesh {
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.5, height, 0.0], [0.5, -1.0, 0.0]];
+        let soup = TriangleSoup::new(positions, vec![[0, 1, 2], [1, 0, 3]]);
+        Mesh::from_soup(soup).unwrap().0
+    }
+
+    fn kept(mesh: &Mesh) -> KeptWindows {
+        KeptWindows::new(mesh, mesh.half_edge_count(), HalfEdgeId::index)
+    }
+
+    const WINDOW: Window = Window {
+        b0: 0.0,
+        b1: 1.0,
+        px: 0.5,
+        py: -1.0,
+        sigma: 1.0,
+    };
+
+    #[test]
+    fn windows_are_kept_beside_thin_faces_only() {
+        assert!(kept(&mesh(1.0)).is_empty() && kept(&mesh(1e-3)).is_empty());
+        assert!(!kept(&mesh(1e-5)).is_empty());
+    }
+
+    #[test]
+    fn a_window_that_comes_again_goes_on_once() {
+        let mut kept = kept(&mesh(1e-5));
+        assert_eq!(kept.admit(0, &WINDOW, KeptWindows::ANY_ROOT), Some(WINDOW));
+        let again = Window { sigma: 1.0 + 1e-14, ..WINDOW };
+        assert_eq!(kept.admit(0, &again, KeptWindows::ANY_ROOT), None);
+        let again = Window { sigma: 1.0 - 1e-14, ..WINDOW };
+        assert_eq!(kept.admit(0, &again, KeptWindows::ANY_ROOT), None);
+        let shorter = Window { sigma: 0.5, ..WINDOW };
+        assert_eq!(kept.admit(0, &shorter, KeptWindows::ANY_ROOT), Some(shorter));
+        kept.clear();
+        assert_eq!(kept.admit(0, &again, KeptWindows::ANY_ROOT), Some(again));
+    }
+
+    #[test]
+    fn a_window_of_a_root_that_has_come_nearer_goes_on() {
+        let mut kept = kept(&mesh(1e-5));
+        let nearer = Window { sigma: 1.0 - 1e-14, ..WINDOW };
+        assert_eq!(kept.admit(0, &WINDOW, 7), Some(WINDOW));
+        assert_eq!(kept.admit(0, &nearer, 8), None);
+        assert_eq!(kept.admit(0, &nearer, 7), Some(nearer));
+        assert_eq!(kept.admit(0, &WINDOW, 7), None);
+    }
+
+    #[test]
+    fn only_the_part_that_is_shorter_goes_on() {
+        let mut kept = kept(&mesh(1e-5));
+        let left = Window { b1: 0.5, ..WINDOW };
+        assert_eq!(kept.admit(0, &left, KeptWindows::ANY_ROOT), Some(left));
+        let right = Window { b0: 0.5, ..WINDOW };
+        assert_eq!(kept.admit(0, &WINDOW, KeptWindows::ANY_ROOT), Some(right));
+    }
+}

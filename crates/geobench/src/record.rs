@@ -409,6 +409,13 @@ pub struct Check {
     /// null if nothing was compared.
     #[serde(default)]
     pub compared: Option<u64>,
+    /// The vertex with the largest relative difference; null if the answer agrees with the reference.
+    #[serde(default)]
+    pub worst_vertex: Option<u64>,
+    /// Answers to the same model and source with the same number agree with each other; 0 is the
+    /// reference's. Null if there is no answer, or one that is not held to the tolerance.
+    #[serde(default)]
+    pub cluster: Option<u32>,
 }
 
 /// Counters as a map from name to count or `null`, in the order of their table.

@@ -6,6 +6,7 @@ use anyhow::bail;
 
 use super::progress::Progress;
 use super::terminal::{self, Terminal};
+use crate::agreement;
 use crate::export::{self, Format};
 use crate::instructions;
 use crate::interrupt;
@@ -147,6 +148,9 @@ impl Listener for Reporter {
         self.progress.clear_table();
         self.progress.suspend(|| {
             remark(cells, self.format, self.quiet);
+            for summary in agreement::summaries(cells) {
+                terminal::error(&summary);
+            }
             if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
                 let look = self.terminal.look();
                 let mut text = export::model_table(group, model, cells, look);

@@ -77,6 +77,8 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             ("check_max_rel", text(cell.check.max_rel)),
             ("check_unreachable", text(cell.check.unreachable)),
             ("check_compared", text(cell.check.compared)),
+            ("check_worst_vertex", text(cell.check.worst_vertex)),
+            ("check_cluster", text(cell.check.cluster)),
             ("group", text(cell.group.as_ref())),
             ("instructions", text(cell.instructions)),
             ("shard", text(cell.shard)),

@@ -13,7 +13,7 @@ use crate::interrupt;
 use crate::limits::Limits;
 use crate::output::OutputFile;
 use crate::plan::Plan;
-use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
+use crate::record::{Cell, GroupRecord, InstructionCount, ModelRecord, ResultFile, Status};
 use crate::runner::{Listener, Step};
 
 use super::run::now;
@@ -115,7 +115,7 @@ impl Listener for Reporter {
         self.progress.ran(step, outcome);
     }
 
-    fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<u64> {
+    fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<InstructionCount> {
         // Nobody could tell the solve of an outside program from the rest of it.
         if cell.algorithm.starts_with("ext:") {
             return None;
@@ -125,12 +125,15 @@ impl Listener for Reporter {
         }
         self.progress
             .counting_instructions(&model.name, &cell.algorithm);
-        match instructions::count(&model.path, &cell.algorithm, cell.source?) {
+        let source = cell.source?;
+        match instructions::count(&model.path, &cell.algorithm, source) {
             Ok(count) => Some(count),
             Err(error) => {
-                self.progress.suspend(|| {
-                    terminal::warning(&format!("{}, {}: {error}", model.name, cell.algorithm));
-                });
+                let text = format!(
+                    "{}: {}, source {source}: instructions are not counted: {error}",
+                    model.name, cell.algorithm
+                );
+                self.progress.suspend(|| terminal::warning(&text));
                 None
             }
         }

@@ -81,6 +81,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             ("check_cluster", text(cell.check.cluster)),
             ("group", text(cell.group.as_ref())),
             ("instructions", text(cell.instructions)),
+            ("instructions_simd", text(cell.instructions_simd.as_ref())),
             ("shard", text(cell.shard)),
         ]
         .map(|(name, value)| (name.to_owned(), value)),

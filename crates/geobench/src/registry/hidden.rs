@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_mmp::mmp;
+use geobench_vtp::Instructions;
 use geobench_window::{Counter, Counters, Phases, Solution, SolveError, Solver};
 use rustix::process::{Signal, getpid, kill_process};
 
@@ -36,6 +37,12 @@ const VERTEX: Parameter = Parameter::integer(
     1,
     0..=1_000_000,
     "the vertex whose distance is too long; none if it does not exist",
+);
+
+const UNLESS: Parameter = Parameter::word(
+    "unless",
+    &["scalar", "never"],
+    "the instructions with which Valgrind knows all of them",
 );
 
 /// Everything there is of them, if they are to be found.
@@ -96,6 +103,17 @@ const FAMILY: &[Algorithm] = &[
             vertex: values.integer(&VERTEX) as usize,
         })
     }),
+    algorithm("test-illegal", &[UNLESS], |mesh, values| {
+        let is_known = match values.word(&UNLESS) {
+            Some("scalar") => values.instructions() == Instructions::Scalar,
+            _ => false,
+        };
+        misbehave(mesh, &Values::default(), move || {
+            if is_under_valgrind() && !is_known {
+                kill(Signal::ILL);
+            }
+        })
+    }),
     algorithm("test-overflow", &[AFTER], |mesh, values| {
         misbehave(mesh, values, || {
             black_box(descend(0));
@@ -130,6 +148,11 @@ fn kill(signal: Signal) {
     loop {
         let _ = kill_process(getpid(), signal);
     }
+}
+
+/// Whether this process runs under Valgrind, which preloads a library of its own.
+fn is_under_valgrind() -> bool {
+    std::env::var("LD_PRELOAD").is_ok_and(|libraries| libraries.contains("vgpreload"))
 }
 
 /// Uses more of the stack than there is.

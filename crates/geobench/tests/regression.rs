@@ -191,3 +191,73 @@ mod trusted_reference {
         }
     }
 }
+
+/// A solve with an instruction that Valgrind does not know, as `vtp-fast` on `gen:holes`, ended with
+/// SIGILL. Its instructions were missing, and the gate passed by them. These tests need Valgrind.
+mod missing_instructions {
+    use serde_json::Value;
+
+    use crate::support::{Outcome, Sandbox};
+
+    /// Counts the instructions of an algorithm on the square; standard error and the cell.
+    fn count(sandbox: &Sandbox, algorithm: &str) -> (String, Value) {
+        let output = sandbox
+            .command(&format!(
+                "run square.off --algo {algorithm} --check none --repeat 1 --warmup 0 \
+                 --instructions --quiet -o r.json"
+            ))
+            .env("GEOBENCH_TEST_ALGORITHMS", "1")
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{stderr}");
+        (stderr, sandbox.json("r.json")["cells"][0].clone())
+    }
+
+    #[test]
+    fn what_valgrind_does_not_know_was_not_counted() {
+        let sandbox = Sandbox::with_square();
+        let (stderr, cell) = count(&sandbox, "test-illegal");
+        assert_eq!(stderr, "");
+        assert!(cell["instructions"].as_u64() > Some(0), "{cell}");
+        assert_eq!(cell["instructions_simd"], "scalar");
+        let (_, cell) = count(&sandbox, "vtp-fast{simd=scalar}");
+        assert_eq!(cell["instructions_simd"], "scalar");
+    }
+
+    #[test]
+    fn vtp_fast_on_a_surface_with_holes_was_not_counted() {
+        let sandbox = Sandbox::new();
+        sandbox.succeed(
+            "run gen:holes --algo vtp-fast --check none --repeat 1 --warmup 0 --instructions \
+             --quiet -o r.json",
+        );
+        let cell = &sandbox.json("r.json")["cells"][0];
+        assert!(cell["instructions"].as_u64() > Some(1_000_000), "{cell}");
+        assert!(cell["instructions_simd"].is_string());
+    }
+
+    #[test]
+    fn a_solve_that_cannot_be_counted_passed_the_gate() {
+        let sandbox = Sandbox::with_square();
+        let (stderr, cell) = count(&sandbox, "test-illegal{unless=never}");
+        assert_eq!(cell["instructions"], Value::Null);
+        assert_eq!(
+            stderr,
+            "geobench: warning: square: test-illegal{unless=never}, source 0: instructions are not \
+             counted: Valgrind does not know an instruction of the solve, not even with simd=scalar; \
+             use a newer Valgrind\n"
+        );
+        let outcome: Outcome =
+            sandbox.call("compare r.json r.json --fail-on propagated=0,instructions=2%");
+        assert_eq!(outcome.code, 1, "{}", outcome.stdout);
+        assert!(
+            outcome.stdout.contains(
+                "square, test-illegal{unless=never}, source 0: instructions none -> none: missing in \
+                 both files [instructions=2%]"
+            ),
+            "{}",
+            outcome.stdout
+        );
+    }
+}

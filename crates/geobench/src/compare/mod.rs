@@ -248,13 +248,19 @@ fn change(cell: Key, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> Cel
         let Some(rule) = rule else {
             continue;
         };
-        let what = match (figure.old, figure.new) {
-            (Some(old), Some(new)) if rule.is_broken(old, new) => {
+        let kinds = different_instructions(old, new).filter(|_| measure == Measure::Instructions);
+        let what = match (figure.old, figure.new, kinds) {
+            // Such a difference may hide a slower solver.
+            (Some(old), Some(new), Some([from, to])) => {
+                let [old, new] = [old, new].map(exact);
+                format!("instructions {old} with {from} -> {new} with {to} do not compare")
+            }
+            (Some(old), Some(new), None) if rule.is_broken(old, new) => {
                 let [from, to] = [old, new].map(exact);
                 format!("{} {from} -> {to} ({})", figure.name, percent(new / old))
             }
-            (Some(_), Some(_)) => continue,
-            (old, new) => missing(figure.name, old.map(exact), new.map(exact)),
+            (Some(_), Some(_), _) => continue,
+            (old, new, _) => missing(figure.name, old.map(exact), new.map(exact)),
         };
         regressions.push(Regression {
             rule: Some(rule.to_string()),
@@ -348,14 +354,18 @@ fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
     notes
 }
 
+/// The vector instructions that were counted in a cell of two files, if they differ.
+fn different_instructions<'c>(old: &'c Cell, new: &'c Cell) -> Option<[&'c str; 2]> {
+    let old = old.instructions_simd.as_deref()?;
+    let new = new.instructions_simd.as_deref()?;
+    (old != new).then_some([old, new])
+}
+
 /// Which cells have instructions that were counted with other vector instructions.
 fn notes_on_instructions(cells: &[(Key, &Cell, &Cell)]) -> Option<String> {
     let mut others = cells.iter().filter_map(|(key, old, new)| {
-        let (old, new) = (
-            old.instructions_simd.as_ref()?,
-            new.instructions_simd.as_ref()?,
-        );
-        (old != new).then(|| format!("{key} ({old} and {new})"))
+        let [old, new] = different_instructions(old, new)?;
+        Some(format!("{key} ({old} and {new})"))
     });
     let first = others.next()?;
     let more = match others.count() {

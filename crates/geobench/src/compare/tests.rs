@@ -266,6 +266,12 @@ fn counts_with_different_vector_instructions_are_said() {
              horse, vtp, source 0 (avx2 and scalar)"
         ]
     );
+    assert_eq!(
+        worse(&compared(&old, &new, "instructions=2%")),
+        [
+            "horse, vtp, source 0: instructions 1,000,000 with avx2 -> 1,000,000 with scalar do not compare"
+        ]
+    );
 }
 
 #[test]

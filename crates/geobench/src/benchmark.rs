@@ -113,12 +113,16 @@ impl Benchmark<'_> {
             purpose: Purpose::Count,
             round: 0,
         };
-        cell.instructions = self.ledger.instructions(&run);
-        if cell.instructions.is_none() && !self.listener.interrupted() {
-            cell.instructions = self.listener.count_instructions(model, cell);
-            if let Some(count) = cell.instructions {
-                self.ledger.keep_instructions(run, count)?;
+        let mut found = self.ledger.instructions(&run).cloned();
+        if found.is_none() && !self.listener.interrupted() {
+            found = self.listener.count_instructions(model, cell);
+            if let Some(found) = &found {
+                self.ledger.keep_instructions(run, found)?;
             }
+        }
+        if let Some(found) = found {
+            cell.instructions = Some(found.count);
+            cell.instructions_simd = found.simd;
         }
         Ok(())
     }

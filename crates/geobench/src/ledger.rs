@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::record::{Check, ModelRecord};
+use crate::record::{Check, InstructionCount, ModelRecord};
 use crate::runner::{Failure, Observation, Purpose};
 
 /// A run of a cell: what makes it a different one from all others of a plan.
@@ -45,7 +45,7 @@ pub trait Ledger {
 
     /// How many instructions the solve of a cell took, named by the run that counts it, if that is
     /// known.
-    fn instructions(&self, run: &RunId) -> Option<u64>;
+    fn instructions(&self, run: &RunId) -> Option<&InstructionCount>;
 
     /// Keeps what is known about a model.
     ///
@@ -66,7 +66,7 @@ pub trait Ledger {
     /// # Errors
     ///
     /// When it cannot be kept, which ends the benchmark.
-    fn keep_instructions(&mut self, run: RunId, count: u64) -> anyhow::Result<()>;
+    fn keep_instructions(&mut self, run: RunId, found: &InstructionCount) -> anyhow::Result<()>;
 }
 
 /// Remembers nothing: every run is made.
@@ -82,7 +82,7 @@ impl Ledger for NoLedger {
         None
     }
 
-    fn instructions(&self, _: &RunId) -> Option<u64> {
+    fn instructions(&self, _: &RunId) -> Option<&InstructionCount> {
         None
     }
 
@@ -90,7 +90,7 @@ impl Ledger for NoLedger {
         Ok(())
     }
 
-    fn keep_instructions(&mut self, _: RunId, _: u64) -> anyhow::Result<()> {
+    fn keep_instructions(&mut self, _: RunId, _: &InstructionCount) -> anyhow::Result<()> {
         Ok(())
     }
 

@@ -7,6 +7,7 @@
 //! [`record`]s go to the [`export`] formats. `ARCHITECTURE.md` has the whole map.
 
 pub mod affinity;
+mod agreement;
 pub mod benchmark;
 pub mod check;
 pub mod cli;

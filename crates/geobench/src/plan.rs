@@ -43,6 +43,7 @@ pub struct Plan {
 
 /// What answers are compared with.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is one in a plan")]
 pub enum Reference {
     /// Nothing.
     None,

@@ -122,7 +122,11 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     cell.memory.rss_peak_bytes = most(|c| c.memory.rss_peak_bytes);
     cell.check.max_abs = largest(|c| c.check.max_abs);
     cell.check.max_rel = largest(|c| c.check.max_rel);
-    cell.instructions = rounds.iter().find_map(|c| c.instructions);
+    if let Some(counted) = rounds.iter().find(|c| c.instructions.is_some()) {
+        cell.instructions = counted.instructions;
+        cell.instructions_simd
+            .clone_from(&counted.instructions_simd);
+    }
     cell
 }
 

@@ -225,6 +225,11 @@ pub struct Cell {
     /// they were asked for.
     #[serde(default)]
     pub instructions: Option<u64>,
+    /// The widest vector instructions that the counted solve may have used, `avx512`, `avx2` or `scalar`:
+    /// narrower than in the timed runs where Valgrind does not know those. Null if nothing was counted, and
+    /// in files of older programs.
+    #[serde(default)]
+    pub instructions_simd: Option<String>,
     /// The part of the plan that it belongs to; null if the plan was not split.
     #[serde(default)]
     pub shard: Option<u32>,
@@ -251,10 +256,21 @@ impl Cell {
             check: Check::default(),
             group: None,
             instructions: None,
+            instructions_simd: None,
             shard: None,
             wavefront: Vec::new(),
         }
     }
+}
+
+/// How many instructions a solve takes.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct InstructionCount {
+    /// How many.
+    pub count: u64,
+    /// The widest vector instructions among them; null if that is not known.
+    #[serde(default)]
+    pub simd: Option<String>,
 }
 
 /// The wavefront at one moment of a run; distances are the windows' least ones.
@@ -409,6 +425,13 @@ pub struct Check {
     /// null if nothing was compared.
     #[serde(default)]
     pub compared: Option<u64>,
+    /// The vertex with the largest relative difference; null if the answer agrees with the reference.
+    #[serde(default)]
+    pub worst_vertex: Option<u64>,
+    /// Answers to the same model and source with the same number agree with each other; 0 is the
+    /// reference's. Null if there is no answer, or one that is not held to the tolerance.
+    #[serde(default)]
+    pub cluster: Option<u32>,
 }
 
 /// Counters as a map from name to count or `null`, in the order of their table.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::memory::Peaks;
 use crate::model::ModelRef;
-use crate::record::{Cell, ModelRecord, Phases, Status, WavefrontSample};
+use crate::record::{Cell, InstructionCount, ModelRecord, Phases, Status, WavefrontSample};
 use crate::registry::Selection;
 use crate::wire;
 
@@ -130,7 +130,7 @@ pub trait Listener {
 
     /// Counts the instructions of the solve of a cell that ended well, if that is asked for and can be
     /// done.
-    fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<u64> {
+    fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<InstructionCount> {
         let _ = (model, cell);
         None
     }

@@ -433,6 +433,9 @@ pub(super) struct CountOneSolveOptions {
     pub(super) model: String,
     pub(super) algorithm: String,
     pub(super) source: u32,
+    /// The widest instructions to use
+    #[arg(long)]
+    pub(super) simd: Option<String>,
 }
 
 #[derive(Args, Debug)]

@@ -89,7 +89,8 @@ fn command() -> ExitCode {
         Command::Completions(options) => shell::completions(&options),
         Command::Man(options) => shell::man(&options),
         Command::CountOneSolve(o) => {
-            instructions::solve_once(&o.model, &o.algorithm, o.source).map(|()| Verdict::Passed)
+            instructions::solve_once(&o.model, &o.algorithm, o.source, o.simd.as_deref())
+                .map(|()| Verdict::Passed)
         }
     };
     match done {

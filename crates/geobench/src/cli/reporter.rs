@@ -6,13 +6,14 @@ use anyhow::bail;
 
 use super::progress::Progress;
 use super::terminal::{self, Terminal};
+use crate::agreement;
 use crate::export::{self, Format};
 use crate::instructions;
 use crate::interrupt;
 use crate::limits::Limits;
 use crate::output::OutputFile;
 use crate::plan::Plan;
-use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
+use crate::record::{Cell, GroupRecord, InstructionCount, ModelRecord, ResultFile, Status};
 use crate::runner::{Listener, Step};
 
 use super::run::now;
@@ -114,7 +115,7 @@ impl Listener for Reporter {
         self.progress.ran(step, outcome);
     }
 
-    fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<u64> {
+    fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<InstructionCount> {
         // Nobody could tell the solve of an outside program from the rest of it.
         if cell.algorithm.starts_with("ext:") {
             return None;
@@ -124,12 +125,15 @@ impl Listener for Reporter {
         }
         self.progress
             .counting_instructions(&model.name, &cell.algorithm);
-        match instructions::count(&model.path, &cell.algorithm, cell.source?) {
+        let source = cell.source?;
+        match instructions::count(&model.path, &cell.algorithm, source) {
             Ok(count) => Some(count),
             Err(error) => {
-                self.progress.suspend(|| {
-                    terminal::warning(&format!("{}, {}: {error}", model.name, cell.algorithm));
-                });
+                let text = format!(
+                    "{}: {}, source {source}: instructions are not counted: {error}",
+                    model.name, cell.algorithm
+                );
+                self.progress.suspend(|| terminal::warning(&text));
                 None
             }
         }
@@ -147,6 +151,9 @@ impl Listener for Reporter {
         self.progress.clear_table();
         self.progress.suspend(|| {
             remark(cells, self.format, self.quiet);
+            for summary in agreement::summaries(cells) {
+                terminal::error(&summary);
+            }
             if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
                 let look = self.terminal.look();
                 let mut text = export::model_table(group, model, cells, look);

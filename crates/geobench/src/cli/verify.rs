@@ -6,8 +6,9 @@ use geobench_mesh::VertexId;
 use super::Verdict;
 use super::args::VerifyOptions;
 use super::terminal;
+use crate::agreement::{self, Clusters, Vote};
 use crate::check::{self, Comparison};
-use crate::expected::{Expected, stored_sources};
+use crate::expected::{Expected, Field, stored_sources};
 use crate::export::number::scientific;
 use crate::interrupt;
 use crate::isolate::Sharing;
@@ -136,14 +137,9 @@ impl Session<'_> {
         self.options.algo.is_none() && comfortable.is_some_and(|most| faces > most)
     }
 
-    fn verify_source(
-        &self,
-        source: VertexId,
-        executor: &mut dyn Executor,
-        tally: &mut Tally,
-    ) -> anyhow::Result<()> {
-        let vertices = self.record.vertices.unwrap_or(0) as usize;
-        let stored = match self.model.file_path() {
+    /// The distances from `source` that are stored beside the model.
+    fn stored(&self, source: VertexId, vertices: usize, tally: &mut Tally) -> Option<Field> {
+        match self.model.file_path() {
             Some(path) if stored_sources(path).contains(&source.raw()) => {
                 match Expected::BesideModels.find(path, source.raw(), vertices) {
                     Ok(field) => Some(field),
@@ -155,8 +151,20 @@ impl Session<'_> {
                 }
             }
             _ => None,
-        };
+        }
+    }
+
+    fn verify_source(
+        &self,
+        source: VertexId,
+        executor: &mut dyn Executor,
+        tally: &mut Tally,
+    ) -> anyhow::Result<()> {
+        let vertices = self.record.vertices.unwrap_or(0) as usize;
+        let stored = self.stored(source, vertices, tally);
         let mut reference: Option<Vec<f64>> = None;
+        let mut clusters = Clusters::default();
+        let mut votes = Vec::new();
         for algorithm in self.algorithms {
             if interrupt::requested() {
                 return Ok(());
@@ -187,12 +195,22 @@ impl Session<'_> {
                 Ok(observation) => {
                     let found = observation.distances;
                     let tolerance = self.options.tolerance;
+                    let mut vote = Vote::of_reference(algorithm.label(), false);
+                    let mut agrees = algorithm.label() == REFERENCE;
                     if let Some(reference) = &reference {
                         match check::compare(&found, reference, tolerance) {
-                            Ok(comparison) => verdict.judge(REFERENCE, &comparison),
+                            Ok(comparison) => {
+                                verdict.judge(REFERENCE, &comparison);
+                                vote.compared(&comparison);
+                                agrees = comparison.agrees();
+                            }
                             Err(error) => verdict.wrong(&error.to_string()),
                         }
                     }
+                    if !agrees {
+                        vote.cluster = clusters.place(&found, tolerance);
+                    }
+                    votes.push(vote);
                     if let Some(field) = stored.as_ref().filter(|_| found.len() == vertices) {
                         let expected = field.distances.iter().copied();
                         let comparison = check::compare_some(&found, expected, tolerance);
@@ -222,7 +240,41 @@ impl Session<'_> {
                 ))?;
             }
         }
+        if let (Some(reference), Some(field)) = (&reference, &stored)
+            && reference.len() == vertices
+        {
+            let name = field.path.display().to_string();
+            votes.push(self.vote_of(&name, &field.distances, reference, &clusters));
+        }
+        if let Some(summary) = agreement::summary(&votes) {
+            let name = &self.record.name;
+            terminal::print(&format!("{name}: source {source}: {summary}\n"))?;
+        }
         Ok(())
+    }
+
+    /// Which of the answers the distances of a file agree with.
+    fn vote_of(
+        &self,
+        name: &str,
+        distances: &[(usize, f64)],
+        reference: &[f64],
+        clusters: &Clusters,
+    ) -> Vote {
+        let tolerance = self.options.tolerance;
+        let compare = |answer: &[f64]| {
+            let stored = distances.iter().copied();
+            check::compare_some(answer, stored, tolerance)
+        };
+        let mut vote = Vote::of_reference(name, true);
+        let comparison = compare(reference);
+        if !comparison.agrees() {
+            vote.compared(&comparison);
+            let has_all = |answer: &[f64]| answer.len() == reference.len();
+            let found = clusters.find(|answer| has_all(answer) && compare(answer).agrees());
+            vote.cluster = found.unwrap_or_else(|| clusters.next());
+        }
+        vote
     }
 }
 

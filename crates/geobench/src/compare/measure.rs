@@ -56,6 +56,17 @@ impl Measure {
         }
     }
 
+    /// Whether `cell` must have it. A counter is lacking where the algorithm does not count it, and
+    /// nothing is certain of outside programs.
+    pub fn is_due(self, cell: &Cell) -> bool {
+        // The other figures of memory follow from counters.
+        let is_measured = matches!(
+            self.name(),
+            "instructions" | "heap_peak_bytes" | "rss_peak_bytes"
+        );
+        is_measured && !cell.algorithm.starts_with("ext:")
+    }
+
     /// Whether more of it is worse and less is better. Of counters that is not so: another count
     /// means that the algorithm does something else.
     pub const fn is_cost(self) -> bool {

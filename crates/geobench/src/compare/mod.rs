@@ -9,6 +9,8 @@
 //!   interval lies wholly beyond its limit.
 //! * Counts do not vary: any other count means that the algorithm does something else, be it more or
 //!   less. Instructions and memory are costs, of which less is never wrong.
+//! * A figure that a rule is on and that one of the files lacks breaks the rule: a gate must not fall silent
+//!   because there is nothing left to watch.
 //! * A cell that was well and is not any more is a regression under any rules.
 //! * A cell that the new file lacks is one only under a rule on missing cells: to compare a part of a benchmark with
 //!   the whole is nothing unusual.
@@ -89,7 +91,7 @@ pub struct CellChange {
     pub status: [Status; 2],
     /// Time; null unless both have samples.
     pub time: Option<TimeChange>,
-    /// All other figures that at least one of them has.
+    /// All other figures that at least one of them has, or must have for a rule.
     pub figures: Vec<FigureChange>,
     /// In what it is worse; empty if it is not.
     pub regressions: Vec<Regression>,
@@ -163,6 +165,7 @@ pub fn compare(
             new: new_name.to_owned(),
         });
     }
+    let notes_on_instructions = notes_on_instructions(&matched.common);
     let paired = old.pairing.is_some() && old.pairing == new.pairing;
     let cells: Vec<CellChange> = matched
         .common
@@ -172,6 +175,7 @@ pub fn compare(
     let mut notes = matched.notes;
     notes.extend(notes_on_machines(old, new));
     notes.extend(notes_on_rules(&cells, rules));
+    notes.extend(notes_on_instructions);
     Ok(Comparison {
         schema: SCHEMA,
         old: side(old_name, old),
@@ -235,21 +239,28 @@ fn change(cell: Key, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> Cel
             old: measure.of(old),
             new: measure.of(new),
         };
-        if figure.old.is_none() && figure.new.is_none() {
+        let rule = rules.on(Subject::Figure(measure)).filter(|_| both_ok);
+        let is_due = rule.is_some() && measure.is_due(new);
+        if figure.old.is_none() && figure.new.is_none() && !is_due {
             continue;
         }
         figures.push(figure);
-        let Some(rule) = rules.on(Subject::Figure(measure)).filter(|_| both_ok) else {
+        let Some(rule) = rule else {
             continue;
         };
-        let what = match (figure.old, figure.new) {
-            (Some(old), Some(new)) if rule.is_broken(old, new) => {
+        let kinds = different_instructions(old, new).filter(|_| measure == Measure::Instructions);
+        let what = match (figure.old, figure.new, kinds) {
+            // Such a difference may hide a slower solver.
+            (Some(old), Some(new), Some([from, to])) => {
+                let [old, new] = [old, new].map(exact);
+                format!("instructions {old} with {from} -> {new} with {to} do not compare")
+            }
+            (Some(old), Some(new), None) if rule.is_broken(old, new) => {
                 let [from, to] = [old, new].map(exact);
                 format!("{} {from} -> {to} ({})", figure.name, percent(new / old))
             }
-            // A gate must not fall silent because there is nothing left to watch.
-            (Some(old), None) => format!("{} {} -> none", figure.name, exact(old)),
-            _ => continue,
+            (Some(_), Some(_), _) => continue,
+            (old, new, _) => missing(figure.name, old.map(exact), new.map(exact)),
         };
         regressions.push(Regression {
             rule: Some(rule.to_string()),
@@ -265,17 +276,28 @@ fn change(cell: Key, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> Cel
     }
 }
 
+/// That one of two files lacks a figure, or both do.
+fn missing(name: &str, old: Option<String>, new: Option<String>) -> String {
+    let file = match (&old, &new) {
+        (Some(_), None) => "the new file",
+        (None, Some(_)) => "the old file",
+        _ => "both files",
+    };
+    let [old, new] = [old, new].map(|value| value.unwrap_or_else(|| "none".to_owned()));
+    format!("{name} {old} -> {new}: missing in {file}")
+}
+
 /// In what a cell that ends well breaks the rule on times, if it does.
 fn worse_time(time: Option<&TimeChange>, old: &Cell, new: &Cell, rule: &Rule) -> Option<String> {
-    match (time, old.time.median) {
-        (Some(time), _) => time
-            .is_above(rule.limit)
-            .then(|| format!("time {}", time.in_words())),
-        // As with the other figures: a gate must not fall silent.
-        (None, Some(median)) if new.time.samples.is_empty() => {
-            Some(format!("time {median} s -> none"))
-        }
-        (None, _) => None,
+    if let Some(time) = time {
+        let is_worse = time.is_above(rule.limit);
+        return is_worse.then(|| format!("time {}", time.in_words()));
+    }
+    let median = |cell: &Cell| cell.time.median.map(|median| format!("{median} s"));
+    match [median(old), median(new)] {
+        // They are there, but one of them is 0.
+        [Some(_), Some(_)] => None,
+        [old, new] => Some(missing("time", old, new)),
     }
 }
 
@@ -332,6 +354,29 @@ fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
     notes
 }
 
+/// The vector instructions that were counted in a cell of two files, if they differ.
+fn different_instructions<'c>(old: &'c Cell, new: &'c Cell) -> Option<[&'c str; 2]> {
+    let old = old.instructions_simd.as_deref()?;
+    let new = new.instructions_simd.as_deref()?;
+    (old != new).then_some([old, new])
+}
+
+/// Which cells have instructions that were counted with other vector instructions.
+fn notes_on_instructions(cells: &[(Key, &Cell, &Cell)]) -> Option<String> {
+    let mut others = cells.iter().filter_map(|(key, old, new)| {
+        let [old, new] = different_instructions(old, new)?;
+        Some(format!("{key} ({old} and {new})"))
+    });
+    let first = others.next()?;
+    let more = match others.count() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    Some(format!(
+        "`instructions` were counted with different vector instructions and do not compare: {first}{more}"
+    ))
+}
+
 /// Which rules could not be applied.
 fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
     let well: Vec<&CellChange> = cells
@@ -370,13 +415,24 @@ fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
         };
         let name = measure.name();
         let of = |cell: &&&CellChange| cell.figures.iter().find(|f| f.name == name).copied();
-        let has_old = |cell: &&&CellChange| of(cell).is_some_and(|f| f.old.is_some());
-        let without = well.iter().filter(|cell| !has_old(cell)).count();
         // That some algorithms lack a counter is as it should be.
-        let expected = matches!(measure, Measure::Counter(_) | Measure::WavefrontDeviation);
-        if without == well.len() || (without > 0 && !expected) {
+        if well.iter().all(|cell| of(&cell).is_none()) {
             notes.push(format!(
-                "`{name}` is not compared in {without} of {} cells: the old file does not have it",
+                "`{name}` is not compared in {0} of {0} cells: neither file has it",
+                well.len()
+            ));
+        }
+        let lacks = |cell: &&&CellChange| {
+            of(cell).is_some_and(|figure| figure.old.is_none() || figure.new.is_none())
+        };
+        let lacking = well.iter().filter(lacks).count();
+        if lacking > 0 {
+            let how = match measure {
+                Measure::Instructions => "run both versions with --instructions",
+                _ => "run both versions so that it is measured",
+            };
+            notes.push(format!(
+                "`{name}` is missing in {lacking} of {} cells: {how}, or leave the rule out",
                 well.len()
             ));
         }

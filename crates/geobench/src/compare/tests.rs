@@ -190,23 +190,86 @@ fn what_does_not_end_well_any_more_is_worse_under_any_rules() {
 }
 
 #[test]
-fn a_figure_that_is_gone_breaks_its_rule_and_a_new_one_does_not() {
+fn a_figure_that_one_of_the_files_lacks_breaks_its_rule() {
     let (mut old, mut new) = (file(), file());
     cell(&mut new, "horse", "vtp").instructions = None;
     assert_eq!(
         worse(&compared(&old, &new, "instructions=2%")),
-        ["horse, vtp, source 0: instructions 1,000,000 -> none"]
+        ["horse, vtp, source 0: instructions 1,000,000 -> none: missing in the new file"]
     );
     for cell in &mut old.cells {
         cell.instructions = None;
     }
-    let comparison = compared(&old, &new, "instructions=2%,levels=0");
-    assert_eq!(worse(&comparison), [""; 0]);
+    let comparison = compared(&old, &new, "instructions=2%,levels=0,propagated=0");
+    assert_eq!(comparison.regressions, 6);
+    let worse = worse(&comparison);
+    assert_eq!(
+        worse[0],
+        "cow|2, mmp, source 0: instructions none -> 1,000,000: missing in the old file"
+    );
+    assert_eq!(
+        worse[5],
+        "horse, vtp, source 0: instructions none -> none: missing in both files"
+    );
     assert_eq!(
         comparison.notes,
         [
-            "`instructions` is not compared in 6 of 6 cells: the old file does not have it",
-            "`levels` is not compared in 6 of 6 cells: the old file does not have it"
+            "`instructions` is missing in 6 of 6 cells: run both versions with --instructions, or leave the rule out",
+            // No algorithm here counts it.
+            "`levels` is not compared in 6 of 6 cells: neither file has it"
+        ]
+    );
+    let shown = ComparisonFormat::Table.render(&comparison, false).unwrap();
+    assert!(
+        shown.contains("new !") && shown.contains("missing !"),
+        "{shown}"
+    );
+    // Without a rule it is as it may be.
+    assert!(!compared(&old, &new, "propagated=0").is_worse());
+}
+
+#[test]
+fn a_counter_that_one_of_the_files_lacks_breaks_its_rule() {
+    let (mut old, new) = (file(), file());
+    let ich = cell(&mut old, "horse", "ich");
+    let mut counters = geobench_window::Counters::default();
+    counters.set(Counter::StoredWindows, 3);
+    ich.counters = counters;
+    assert_eq!(
+        worse(&compared(&old, &new, "propagated=0")),
+        ["horse, ich, source 0: propagated none -> 9: missing in the old file"]
+    );
+}
+
+#[test]
+fn outside_programs_have_no_instructions() {
+    let (mut old, mut new) = (file(), file());
+    for file in [&mut old, &mut new] {
+        let cell = cell(file, "horse", "ich");
+        cell.algorithm = "ext:other".to_owned();
+        cell.instructions = None;
+    }
+    assert!(!compared(&old, &new, "instructions=0").is_worse());
+}
+
+#[test]
+fn counts_with_different_vector_instructions_are_said() {
+    let (mut old, mut new) = (file(), file());
+    cell(&mut old, "horse", "vtp").instructions_simd = Some("avx2".to_owned());
+    cell(&mut new, "horse", "vtp").instructions_simd = Some("scalar".to_owned());
+    // Files of older programs do not tell.
+    cell(&mut new, "horse", "ich").instructions_simd = Some("avx2".to_owned());
+    assert_eq!(
+        compared(&old, &new, "").notes,
+        [
+            "`instructions` were counted with different vector instructions and do not compare: \
+             horse, vtp, source 0 (avx2 and scalar)"
+        ]
+    );
+    assert_eq!(
+        worse(&compared(&old, &new, "instructions=2%")),
+        [
+            "horse, vtp, source 0: instructions 1,000,000 with avx2 -> 1,000,000 with scalar do not compare"
         ]
     );
 }
@@ -220,7 +283,9 @@ fn times_that_are_gone_or_0_do_not_pass_a_rule_on_time_in_silence() {
     let median = old.cells.last().unwrap().time.median.unwrap();
     assert_eq!(
         worse(&comparison),
-        [format!("horse, vtp, source 0: time {median} s -> none")]
+        [format!(
+            "horse, vtp, source 0: time {median} s -> none: missing in the new file"
+        )]
     );
     assert_eq!(
         comparison.notes,
@@ -229,7 +294,13 @@ fn times_that_are_gone_or_0_do_not_pass_a_rule_on_time_in_silence() {
         ]
     );
     let shown = ComparisonFormat::Table.render(&comparison, false).unwrap();
-    assert!(shown.contains("gone !"), "{shown}");
+    assert!(shown.contains("missing !"), "{shown}");
+    assert_eq!(
+        worse(&compared(&new, &old, "time=10%")),
+        [format!(
+            "horse, vtp, source 0: time none -> {median} s: missing in the old file"
+        )]
+    );
     // Without a rule it is said as well.
     let comparison = compared(&old, &new, "propagated=0");
     assert_eq!(worse(&comparison), [""; 0]);

@@ -258,7 +258,7 @@ fn time(change: &CellChange) -> Entry {
             marked(text, is_broken(change, "time"))
         }
         (None, [Status::Ok, Status::Ok]) if is_broken(change, "time") => {
-            marked("gone".to_owned(), true)
+            marked("missing".to_owned(), true)
         }
         (None, [Status::Ok, Status::Ok]) => Entry::plain("-"),
         (None, [old, new]) => {
@@ -276,10 +276,11 @@ fn time(change: &CellChange) -> Entry {
 }
 
 fn entry(change: &CellChange, figure: &FigureChange) -> Entry {
-    let text = match (figure.ratio(), figure.old) {
-        (Some(ratio), _) => percent(ratio),
-        (None, Some(_)) => "gone".to_owned(),
-        (None, None) => "new".to_owned(),
+    let text = match (figure.ratio(), figure.old, figure.new) {
+        (Some(ratio), _, _) => percent(ratio),
+        (None, Some(_), _) => "gone".to_owned(),
+        (None, None, Some(_)) => "new".to_owned(),
+        (None, None, None) => "missing".to_owned(),
     };
     marked(text, is_broken(change, figure.name))
 }

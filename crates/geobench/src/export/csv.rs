@@ -77,8 +77,11 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             ("check_max_rel", text(cell.check.max_rel)),
             ("check_unreachable", text(cell.check.unreachable)),
             ("check_compared", text(cell.check.compared)),
+            ("check_worst_vertex", text(cell.check.worst_vertex)),
+            ("check_cluster", text(cell.check.cluster)),
             ("group", text(cell.group.as_ref())),
             ("instructions", text(cell.instructions)),
+            ("instructions_simd", text(cell.instructions_simd.as_ref())),
             ("shard", text(cell.shard)),
         ]
         .map(|(name, value)| (name.to_owned(), value)),

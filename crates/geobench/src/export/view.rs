@@ -216,6 +216,32 @@ fn sources(cells: &[&Cell]) -> String {
     }
 }
 
+/// With which vector instructions the instructions were counted, where not all are the same.
+fn note_on_instructions(cells: &[&Cell]) -> Option<String> {
+    let mut counted: Vec<(&str, Vec<&str>)> = Vec::new();
+    for cell in cells {
+        let Some(simd) = cell.instructions_simd.as_deref() else {
+            continue;
+        };
+        let place = counted.iter().position(|(known, _)| *known == simd);
+        let place = place.unwrap_or_else(|| {
+            counted.push((simd, Vec::new()));
+            counted.len() - 1
+        });
+        let names = &mut counted[place].1;
+        if !names.contains(&cell.algorithm.as_str()) {
+            names.push(&cell.algorithm);
+        }
+    }
+    (counted.len() > 1).then(|| {
+        let kinds = counted.iter();
+        let kinds: Vec<String> = kinds
+            .map(|(simd, names)| format!("with {simd}: {}", names.join(", ")))
+            .collect();
+        format!("instructions are counted {}", kinds.join("; "))
+    })
+}
+
 /// How far the medians of the times can be trusted, and which samples lie far from the others.
 fn notes_on_times(cells: &[&Cell]) -> Vec<String> {
     let timed = || cells.iter().filter(|c| !c.time.samples.is_empty());
@@ -290,6 +316,7 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<String> {
         ));
     }
     notes.extend(notes_on_times(cells));
+    notes.extend(note_on_instructions(cells));
     let unreachable = cells.iter().filter_map(|c| c.check.unreachable).max();
     if let Some(unreachable @ 1..) = unreachable {
         notes.push(format!("unreachable vertices: {}", grouped(unreachable)));

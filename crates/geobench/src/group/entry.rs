@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use geobench_window::Counter;
 
+use crate::agreement;
 use crate::ledger::{Finding, RunId};
 use crate::memory::Peaks;
 use crate::plan::Plan;
@@ -52,6 +53,17 @@ impl<'p> Entry<'p> {
             || (0..plan.repeat).all(|round| !self.lacks(plan, Purpose::Time, round))
                 && !self.lacks(plan, Purpose::Count, 0)
                 && !self.lacks(plan, Purpose::Clock, 0)
+    }
+
+    /// The cluster of an answer that differed from the reference, if one did.
+    pub(super) fn odd_cluster(&self) -> Option<u32> {
+        let clusters = self
+            .findings
+            .values()
+            .filter_map(|found| found.check.cluster);
+        clusters
+            .max()
+            .filter(|&cluster| cluster != agreement::REFERENCE)
     }
 
     /// What came of the runs that are known, in short.
@@ -143,6 +155,7 @@ impl<'p> Entry<'p> {
         if findings().any(|finding| finding.unchecked.is_some()) {
             return Check {
                 unreachable,
+                cluster: worst.and_then(|check| check.cluster),
                 ..Check::default()
             };
         }

@@ -9,6 +9,7 @@ use geobench_mesh::VertexId;
 
 use self::entry::{Entry, outcome};
 use self::yardstick::{Answer, Yardstick};
+use crate::agreement;
 use crate::ledger::{Finding, Ledger, RunId};
 use crate::order::Turns;
 use crate::plan::{Plan, Reference};
@@ -110,7 +111,7 @@ impl<'p> Group<'p> {
             .map(|entry| self.run_id(entry.algorithm, Purpose::Time, 0))
             .collect();
         let cells = self.entries.into_iter().zip(ids).enumerate();
-        cells
+        let mut cells: Vec<Cell> = cells
             .filter(|(_, (entry, _))| entry.is_complete(self.plan))
             .map(|(place, (entry, id))| {
                 let places = rounds
@@ -119,10 +120,13 @@ impl<'p> Group<'p> {
                     .collect();
                 entry.finish(id, places, self.plan.group.wavefront)
             })
-            .collect()
+            .collect();
+        agreement::explain(&mut cells);
+        cells
     }
 
     fn make_runs(&mut self, stage: &mut Stage<'_>) -> anyhow::Result<()> {
+        self.restore_clusters(stage)?;
         let warmed = self.find_reference(stage)?;
         let all = 0..self.entries.len();
         for round in 0..self.plan.warmup {
@@ -197,13 +201,31 @@ impl<'p> Group<'p> {
             }
             // It stands for no cell; that it fails is kept, so that it is not tried again.
             None => {
-                let finding = self.judge(reference, done, &stage.yardstick);
+                let finding = self.judge(reference, done, &mut stage.yardstick);
                 stage.ledger.keep(run, &finding)?;
             }
             // Its cell is done but for the counts, whatever became of the answer now.
             Some(_) => {}
         }
         Ok(place)
+    }
+
+    /// Asks again for the answers that differed from the reference before an interruption, so that
+    /// those to come can be compared with them.
+    fn restore_clusters(&self, stage: &mut Stage<'_>) -> anyhow::Result<()> {
+        let mut restored = Vec::new();
+        for entry in &self.entries {
+            let Some(cluster) = entry.odd_cluster() else {
+                continue;
+            };
+            if !restored.contains(&cluster) {
+                restored.push(cluster);
+                let done = stage.execute(&self.as_step(entry.algorithm, Purpose::WarmUp))?;
+                let answer = done.ok().map(|observation| observation.distances);
+                stage.yardstick.clusters.restore(cluster, answer);
+            }
+        }
+        Ok(())
     }
 
     /// Makes a run, unless it has been made or its cell has failed.
@@ -233,7 +255,7 @@ impl<'p> Group<'p> {
     ) -> anyhow::Result<()> {
         let run = self.run_id(self.entries[place].algorithm, purpose, round);
         let algorithm = self.entries[place].algorithm;
-        let finding = self.judge(algorithm, done, &stage.yardstick);
+        let finding = self.judge(algorithm, done, &mut stage.yardstick);
         stage.ledger.keep(run, &finding)?;
         let step = self.as_step(algorithm, purpose);
         stage.listener.ran(&step, outcome(&finding));
@@ -247,15 +269,16 @@ impl<'p> Group<'p> {
         &self,
         algorithm: &Selection,
         done: Result<Observation, Failure>,
-        yardstick: &Yardstick,
+        yardstick: &mut Yardstick,
     ) -> Finding {
         match done {
             Ok(mut observation) => {
                 let distances = std::mem::take(&mut observation.distances);
-                let (check, failure) = yardstick.judge(&distances, self.plan.tolerance);
+                let is_approximate = algorithm.is_approximate();
+                let (check, failure) =
+                    yardstick.judge(&distances, self.plan.tolerance, is_approximate);
                 // An approximation may differ, but not without bounds.
-                let failure =
-                    failure.filter(|_| !algorithm.is_approximate() || check.max_rel.is_none());
+                let failure = failure.filter(|_| !is_approximate || check.max_rel.is_none());
                 Finding {
                     observation,
                     check,

@@ -1,5 +1,6 @@
 //! What the answers of a group are compared with.
 
+use crate::agreement::{self, Clusters};
 use crate::check::{self, Comparison, LengthMismatch};
 use crate::record::{Check, Status};
 use crate::runner::Failure;
@@ -11,6 +12,8 @@ pub(super) struct Yardstick {
     pub(super) answer: Option<Answer>,
     /// Why there is no expected answer although one is wanted.
     pub(super) unchecked: Option<String>,
+    /// Answers that differ from the expected one.
+    pub(super) clusters: Clusters,
 }
 
 /// What answers are compared with, and its name.
@@ -34,8 +37,25 @@ impl Answer {
 
 impl Yardstick {
     /// Compares an answer with the expected one; says how they compare and why the cell fails, if
-    /// it does.
-    pub(super) fn judge(&self, distances: &[f64], tolerance: f64) -> (Check, Option<Failure>) {
+    /// it does. An answer that is not held to the tolerance belongs to no cluster.
+    pub(super) fn judge(
+        &mut self,
+        distances: &[f64],
+        tolerance: f64,
+        is_approximate: bool,
+    ) -> (Check, Option<Failure>) {
+        let (mut check, failure) = self.compare(distances, tolerance);
+        let is_wanted = self.answer.is_some() || self.unchecked.is_some();
+        if is_wanted && !is_approximate {
+            check.cluster = Some(match (&self.answer, &failure) {
+                (Some(_), None) => agreement::REFERENCE,
+                _ => self.clusters.place(distances, tolerance),
+            });
+        }
+        (check, failure)
+    }
+
+    fn compare(&self, distances: &[f64], tolerance: f64) -> (Check, Option<Failure>) {
         let wrong = |message: String| Failure {
             status: Status::Wrong,
             message,
@@ -83,5 +103,9 @@ fn record(reference: Option<&str>, comparison: &Comparison) -> Check {
         max_rel: finite(comparison.max_rel),
         unreachable: Some(comparison.unreachable as u64),
         compared: reference.map(|_| comparison.compared as u64),
+        worst_vertex: reference
+            .and(comparison.worst)
+            .map(|worst| worst.vertex as u64),
+        cluster: None,
     }
 }

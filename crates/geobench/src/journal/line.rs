@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::ledger::{Finding, RunId};
-use crate::record::{ModelRecord, Session};
+use crate::record::{InstructionCount, ModelRecord, Session};
 
 /// A line of a journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,8 +18,9 @@ pub(super) enum Line {
     Instructions {
         /// The run that counts in that cell.
         id: RunId,
-        /// How many.
-        count: u64,
+        /// How many, and of what kind.
+        #[serde(flatten)]
+        found: InstructionCount,
     },
     /// A run ended.
     Run {

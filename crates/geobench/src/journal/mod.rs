@@ -24,7 +24,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::ledger::{Finding, Ledger, RunId};
-use crate::record::{ModelRecord, Session};
+use crate::record::{InstructionCount, ModelRecord, Session};
 use crate::runner::Purpose;
 
 pub use header::Header;
@@ -40,7 +40,7 @@ pub struct Journal {
     sessions: Vec<Session>,
     models: HashMap<String, ModelRecord>,
     findings: HashMap<RunId, Finding>,
-    instructions: HashMap<RunId, u64>,
+    instructions: HashMap<RunId, InstructionCount>,
 }
 
 /// Why a journal cannot be used.
@@ -251,9 +251,9 @@ impl Journal {
             Line::Model(model) => {
                 self.models.insert(model.name.clone(), model);
             }
-            Line::Instructions { id, count } => {
+            Line::Instructions { id, found } => {
                 header.check(&id)?;
-                self.instructions.insert(id, count);
+                self.instructions.insert(id, found);
             }
             Line::Run { id, found } => {
                 header.check(&id)?;
@@ -326,16 +326,16 @@ impl Ledger for Journal {
         self.findings.get(run)
     }
 
-    fn instructions(&self, run: &RunId) -> Option<u64> {
-        self.instructions.get(run).copied()
+    fn instructions(&self, run: &RunId) -> Option<&InstructionCount> {
+        self.instructions.get(run)
     }
 
-    fn keep_instructions(&mut self, id: RunId, count: u64) -> anyhow::Result<()> {
+    fn keep_instructions(&mut self, id: RunId, found: &InstructionCount) -> anyhow::Result<()> {
         self.keep_line(&Line::Instructions {
             id: id.clone(),
-            count,
+            found: found.clone(),
         })?;
-        self.instructions.insert(id, count);
+        self.instructions.insert(id, found.clone());
         Ok(())
     }
 

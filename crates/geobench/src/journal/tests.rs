@@ -9,7 +9,9 @@ use super::{Header, Journal, JournalError};
 use crate::benchmark::{Outcome, run};
 use crate::plan::{Plan, Reference};
 use crate::plan_record::PlanRecord;
-use crate::record::{Cell, Host, IsolationRecord, ModelRecord, Session, Status, Tool};
+use crate::record::{
+    Cell, Host, InstructionCount, IsolationRecord, ModelRecord, Session, Status, Tool,
+};
 use crate::registry;
 use crate::rehearsal::{Deaf, Rehearsal, crash_ich, plan, spoil_vtp};
 use crate::runner::{Failure, Listener, Purpose};
@@ -184,9 +186,12 @@ fn wherever_a_run_is_killed_it_goes_on_to_the_same_result() {
 struct Counting(u64);
 
 impl Listener for Counting {
-    fn count_instructions(&mut self, _: &ModelRecord, _: &Cell) -> Option<u64> {
+    fn count_instructions(&mut self, _: &ModelRecord, _: &Cell) -> Option<InstructionCount> {
         self.0 += 1;
-        Some(1000 + self.0)
+        Some(InstructionCount {
+            count: 1000 + self.0,
+            simd: Some("avx2".to_owned()),
+        })
     }
 }
 

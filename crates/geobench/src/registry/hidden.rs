@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_mmp::mmp;
+use geobench_vtp::Instructions;
 use geobench_window::{Counter, Counters, Phases, Solution, SolveError, Solver};
 use rustix::process::{Signal, getpid, kill_process};
 
@@ -23,6 +24,26 @@ const AFTER: Parameter = Parameter::integer(
 
 const BLOCK: Parameter =
     Parameter::integer("block", 1 << 20, 1..=1 << 60, "bytes of each allocation");
+
+const SHARE: Parameter = Parameter::real(
+    "share",
+    0.5,
+    0.0..=1.0,
+    "by what share of it a distance is too long",
+);
+
+const VERTEX: Parameter = Parameter::integer(
+    "vertex",
+    1,
+    0..=1_000_000,
+    "the vertex whose distance is too long; none if it does not exist",
+);
+
+const UNLESS: Parameter = Parameter::word(
+    "unless",
+    &["scalar", "never"],
+    "the instructions with which Valgrind knows all of them",
+);
 
 /// Everything there is of them, if they are to be found.
 pub(super) fn algorithms() -> &'static [Algorithm] {
@@ -74,6 +95,25 @@ const FAMILY: &[Algorithm] = &[
     algorithm("test-kill", &[AFTER], |mesh, values| {
         misbehave(mesh, values, || kill(Signal::KILL))
     }),
+    algorithm("test-wrong", &[AFTER, SHARE, VERTEX], |mesh, values| {
+        Box::new(Wrong {
+            inner: Box::new(mmp(mesh)),
+            well: values.integer(&AFTER),
+            factor: 1.0 + values.real(&SHARE),
+            vertex: values.integer(&VERTEX) as usize,
+        })
+    }),
+    algorithm("test-illegal", &[UNLESS], |mesh, values| {
+        let is_known = match values.word(&UNLESS) {
+            Some("scalar") => values.instructions() == Instructions::Scalar,
+            _ => false,
+        };
+        misbehave(mesh, &Values::default(), move || {
+            if is_under_valgrind() && !is_known {
+                kill(Signal::ILL);
+            }
+        })
+    }),
     algorithm("test-overflow", &[AFTER], |mesh, values| {
         misbehave(mesh, values, || {
             black_box(descend(0));
@@ -108,6 +148,11 @@ fn kill(signal: Signal) {
     loop {
         let _ = kill_process(getpid(), signal);
     }
+}
+
+/// Whether this process runs under Valgrind, which preloads a library of its own.
+fn is_under_valgrind() -> bool {
+    std::env::var("LD_PRELOAD").is_ok_and(|libraries| libraries.contains("vgpreload"))
 }
 
 /// Uses more of the stack than there is.
@@ -160,5 +205,47 @@ impl<D: FnMut() + Send> Solver for Misbehaving<'_, D> {
     fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError> {
         self.run();
         self.inner.clock(sources)
+    }
+}
+
+/// Answers as the solver inside but for one distance, after a number of right answers.
+struct Wrong<'m> {
+    inner: Box<dyn Solver + 'm>,
+    /// Runs that still go well.
+    well: u64,
+    factor: f64,
+    vertex: usize,
+}
+
+impl Wrong<'_> {
+    fn spoil(&mut self, solution: &mut Solution) {
+        match self.well.checked_sub(1) {
+            Some(less) => self.well = less,
+            None => {
+                if let Some(distance) = solution.distances.get_mut(self.vertex) {
+                    *distance *= self.factor;
+                }
+            }
+        }
+    }
+}
+
+impl Solver for Wrong<'_> {
+    fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
+        let mut solution = self.inner.solve(sources)?;
+        self.spoil(&mut solution);
+        Ok(solution)
+    }
+
+    fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
+        let (mut solution, counters) = self.inner.count(sources)?;
+        self.spoil(&mut solution);
+        Ok((solution, counters))
+    }
+
+    fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError> {
+        let (mut solution, phases) = self.inner.clock(sources)?;
+        self.spoil(&mut solution);
+        Ok((solution, phases))
     }
 }

@@ -13,6 +13,7 @@ mod mmp;
 mod outside;
 mod parameter;
 mod select;
+pub(crate) mod simd;
 mod threshold;
 mod vtp;
 mod vtp_fast;

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::ops::RangeInclusive;
 
+use geobench_vtp::Instructions;
+
 /// The parameter of every parallel algorithm, and of no other.
 pub(crate) const THREADS: Parameter = Parameter::integer(
     "threads",
@@ -219,6 +221,8 @@ impl fmt::Display for Allowed {
 pub struct Values {
     /// Those that differ from the defaults, in the order of the table.
     given: Vec<(&'static str, Value)>,
+    /// The widest instructions that the solver may use, if there is a limit.
+    pub(super) widest: Option<Instructions>,
 }
 
 impl Values {
@@ -230,6 +234,7 @@ impl Values {
         };
         Self {
             given: parameters.iter().filter_map(find).collect(),
+            widest: None,
         }
     }
 
@@ -253,7 +258,10 @@ impl Values {
                 )
             })
             .collect();
-        Self::new(parameters, &values)
+        Self {
+            widest: self.widest,
+            ..Self::new(parameters, &values)
+        }
     }
 
     /// The value of `parameter`.

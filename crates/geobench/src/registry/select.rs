@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use geobench_mesh::Mesh;
+use geobench_vtp::Instructions;
 use geobench_window::Solver;
 
 use super::outside::{OUTSIDE, PREFIX};
@@ -95,6 +96,19 @@ impl Selection {
             self.values = self.values.with(self.algorithm.parameters, &THREADS, value);
         }
         self
+    }
+
+    /// The same with no wider instructions than `widest`, as far as it can be told. What it is called
+    /// stays the same.
+    #[must_use]
+    pub fn at_most(mut self, widest: Instructions) -> Self {
+        self.values = self.values.at_most(widest);
+        self
+    }
+
+    /// The widest instructions that its solver may use.
+    pub fn instructions(&self) -> Instructions {
+        self.values.instructions()
     }
 
     /// Whether it is one of the suite's own parallel algorithms.

@@ -22,7 +22,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         comfortable_faces: None,
         parameters: &[THRESHOLD],
         build: |mesh, values| {
-            Box::new(Ftp::new(mesh).with_threshold(threshold::width(mesh, values)))
+            Box::new(
+                Ftp::new(mesh)
+                    .with_threshold(threshold::width(mesh, values))
+                    .with_instructions(values.instructions()),
+            )
         },
     },
     Algorithm {
@@ -38,7 +42,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         comfortable_faces: None,
         parameters: &[THRESHOLD],
         build: |mesh, values| {
-            Box::new(Opftp::new(mesh).with_threshold(threshold::width(mesh, values)))
+            Box::new(
+                Opftp::new(mesh)
+                    .with_threshold(threshold::width(mesh, values))
+                    .with_instructions(values.instructions()),
+            )
         },
     },
     Algorithm {
@@ -54,7 +62,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         comfortable_faces: None,
         parameters: &[THRESHOLD],
         build: |mesh, values| {
-            Box::new(Vtp::new(mesh).with_threshold(threshold::width(mesh, values)))
+            Box::new(
+                Vtp::new(mesh)
+                    .with_threshold(threshold::width(mesh, values))
+                    .with_instructions(values.instructions()),
+            )
         },
     },
     Algorithm {
@@ -70,7 +82,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         comfortable_faces: None,
         parameters: &[THRESHOLD],
         build: |mesh, values| {
-            Box::new(Opvtp::new(mesh).with_threshold(threshold::width(mesh, values)))
+            Box::new(
+                Opvtp::new(mesh)
+                    .with_threshold(threshold::width(mesh, values))
+                    .with_instructions(values.instructions()),
+            )
         },
     },
     Algorithm {
@@ -86,7 +102,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         comfortable_faces: None,
         parameters: &[THRESHOLD],
         build: |mesh, values| {
-            Box::new(VtpExhaustive::new(mesh).with_threshold(threshold::width(mesh, values)))
+            Box::new(
+                VtpExhaustive::new(mesh)
+                    .with_threshold(threshold::width(mesh, values))
+                    .with_instructions(values.instructions()),
+            )
         },
     },
     Algorithm {
@@ -102,7 +122,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         comfortable_faces: None,
         parameters: &[THRESHOLD],
         build: |mesh, values| {
-            Box::new(VtpTrimming::new(mesh).with_threshold(threshold::width(mesh, values)))
+            Box::new(
+                VtpTrimming::new(mesh)
+                    .with_threshold(threshold::width(mesh, values))
+                    .with_instructions(values.instructions()),
+            )
         },
     },
     Algorithm {
@@ -118,7 +142,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         comfortable_faces: None,
         parameters: &[THRESHOLD],
         build: |mesh, values| {
-            Box::new(VtpNoRule1::new(mesh).with_threshold(threshold::width(mesh, values)))
+            Box::new(
+                VtpNoRule1::new(mesh)
+                    .with_threshold(threshold::width(mesh, values))
+                    .with_instructions(values.instructions()),
+            )
         },
     },
     Algorithm {
@@ -134,7 +162,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         comfortable_faces: None,
         parameters: &[THRESHOLD],
         build: |mesh, values| {
-            Box::new(VtpNoRules23::new(mesh).with_threshold(threshold::width(mesh, values)))
+            Box::new(
+                VtpNoRules23::new(mesh)
+                    .with_threshold(threshold::width(mesh, values))
+                    .with_instructions(values.instructions()),
+            )
         },
     },
     Algorithm {
@@ -150,7 +182,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         comfortable_faces: None,
         parameters: &[THRESHOLD],
         build: |mesh, values| {
-            Box::new(EdgeBased::new(mesh).with_threshold(threshold::width(mesh, values)))
+            Box::new(
+                EdgeBased::new(mesh)
+                    .with_threshold(threshold::width(mesh, values))
+                    .with_instructions(values.instructions()),
+            )
         },
     },
 ];

@@ -1,16 +1,11 @@
 //! VTP for speed, on one thread and on several, with their switches.
 
-use geobench_vtp::{FastOptions, Instructions, Pvtp, VtpFast};
+use geobench_vtp::{FastOptions, Pvtp, VtpFast};
 use geobench_window::Counter;
 
 use super::parameter::THREADS;
+use super::simd::SIMD;
 use super::{Algorithm, Parameter, Values};
-
-const SIMD: Parameter = Parameter::word(
-    "simd",
-    &["auto", "avx512", "avx2", "scalar"],
-    "instructions to use, the widest that there are by default; narrower ones where these are missing",
-);
 
 const PAIRS: Parameter = Parameter::integer(
     "pairs",
@@ -84,12 +79,7 @@ fn threads(values: &Values) -> usize {
 
 fn options(values: &Values) -> FastOptions {
     FastOptions {
-        instructions: match values.word(&SIMD) {
-            Some("avx512") => Instructions::Avx512,
-            Some("avx2") => Instructions::Avx2,
-            Some("scalar") => Instructions::Scalar,
-            _ => Instructions::detect(),
-        },
+        instructions: values.instructions(),
         pairs: values.integer(&PAIRS) as u32,
         bucket: values.real(&BUCKET),
         shadow: values.word(&SHADOW) == Some("on"),

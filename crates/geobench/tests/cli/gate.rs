@@ -101,19 +101,41 @@ fn what_the_gate_is_for_is_caught() {
 }
 
 #[test]
-fn an_old_commit_that_cannot_count_instructions_is_no_failure() {
-    let sandbox = Sandbox::new();
-    let old = changed(|file| {
-        for cell in file["cells"].as_array_mut().unwrap() {
-            cell.as_object_mut().unwrap().remove("instructions");
-        }
+fn a_commit_whose_instructions_are_missing_fails() {
+    let without = changed(|file| {
+        file["cells"][2]
+            .as_object_mut()
+            .unwrap()
+            .remove("instructions");
     });
-    sandbox.write("old.json", &old);
-    sandbox.write("new.json", SLOWER);
-    let shown = sandbox.succeed(&format!("compare old.json new.json --fail-on {}", rules()));
+    let outcome = compared(&without, &rules());
+    assert_eq!(outcome.code, 1);
     assert!(
-        shown.contains(
-            "`instructions` is not compared in 4 of 4 cells: the old file does not have it"
-        )
+        outcome
+            .stdout
+            .starts_with("### geobench: 1 of 4 cells is worse\n")
+            && outcome.stdout.contains("-> none: missing in the new file"),
+        "{}",
+        outcome.stdout
     );
+    let sandbox = Sandbox::new();
+    sandbox.write("old.json", &without);
+    sandbox.write("new.json", BASE);
+    let arguments = format!("compare old.json new.json --fail-on {}", rules());
+    let outcome = sandbox.call(&arguments);
+    assert_eq!(outcome.code, 1);
+    assert!(
+        outcome
+            .stdout
+            .contains("missing in the old file [instructions=2%]")
+            && outcome.stdout.contains(
+                "`instructions` is missing in 1 of 4 cells: run both versions with --instructions, \
+                 or leave the rule out"
+            ),
+        "{}",
+        outcome.stdout
+    );
+    // What the script does where the old commit cannot count instructions at all.
+    let rules = rules().replace("instructions=2%,", "");
+    sandbox.succeed(&format!("compare old.json new.json --fail-on {rules}"));
 }

@@ -1,22 +1,9 @@
-use crate::support::Sandbox;
+//! Counting instructions, which needs Valgrind.
 
-/// Skips, and says so, where there is no Valgrind.
-fn has_valgrind() -> bool {
-    let found = std::process::Command::new("valgrind")
-        .arg("--version")
-        .output()
-        .is_ok();
-    if !found {
-        eprintln!("skipped: there is no valgrind");
-    }
-    found
-}
+use crate::support::Sandbox;
 
 #[test]
 fn instructions_are_those_of_the_solve_and_always_the_same() {
-    if !has_valgrind() {
-        return;
-    }
     let sandbox = Sandbox::with_square();
     let count = |model: &str, file: &str| {
         sandbox.succeed(&format!(

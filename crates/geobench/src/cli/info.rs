@@ -16,7 +16,7 @@ pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
         if i > 0 {
             terminal::print("\n")?;
         }
-        match model.load() {
+        match model.load_within(options.decompression.limit()) {
             Ok(loaded) => terminal::print(&describe(&loaded))?,
             Err(error) => {
                 verdict = Verdict::BadInput;

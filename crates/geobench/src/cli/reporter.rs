@@ -33,7 +33,9 @@ pub(super) struct Reporter {
 impl Reporter {
     /// A group begins.
     pub(super) fn begin(&mut self, plan: &Plan) -> anyhow::Result<()> {
-        let Limits { timeout, memory } = plan.limits;
+        let Limits {
+            timeout, memory, ..
+        } = plan.limits;
         self.result.groups.push(GroupRecord {
             timeout: timeout.0.map(|time| time.as_secs_f64()),
             memory_limit: memory.0,

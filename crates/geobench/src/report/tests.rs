@@ -35,6 +35,7 @@ fn options() -> Options {
     Options {
         ratio_to: None,
         picture: Wanted::None,
+        decompressed: DecompressionLimit::default(),
         tables: Tables::OfSuite,
     }
 }

@@ -6,6 +6,7 @@ mod support;
 
 use std::io::Write;
 use std::process::Command;
+use std::time::{Duration, Instant};
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -76,4 +77,52 @@ fn a_raised_limit_of_decompression_reaches_child_processes() {
         "{}",
         other.stderr
     );
+}
+
+/// Distances of the square from vertex 0, written by a script.
+const RIGHT: &str = r#"printf '0,0\n1,1\n2,1.4142135623730951\n3,1\n' > "$3""#;
+
+/// Describes outside programs in `peers.toml`, each a name, its protocol and the script that it is.
+fn describe(sandbox: &Sandbox, programs: &[(&str, &str, String)]) {
+    let tables = programs.iter().map(|(name, protocol, script)| {
+        sandbox.write(&format!("{name}.sh"), script);
+        format!(
+            "[ext.{name}]\nprotocol = '{protocol}'\n\
+             command = ['sh', '{name}.sh', '{{model}}', '{{source}}', '{{output}}']\n"
+        )
+    });
+    sandbox.write("peers.toml", &tables.collect::<String>());
+}
+
+#[test]
+fn an_answer_that_is_no_file_hung_the_run_or_gave_other_files_away() {
+    let sandbox = Sandbox::with_square();
+    sandbox.write("secret.txt", "the password\n");
+    let places = [
+        ("pipe", r#"mkfifo "$3""#),
+        ("link", r#"ln -s "$PWD/secret.txt" "$3""#),
+        ("endless", r#"ln -s /dev/zero "$3""#),
+        ("directory", r#"mkdir "$3""#),
+        ("large", r#"head -c 100000 /dev/zero > "$3""#),
+    ];
+    let script = |does: &&str| format!("{does}\necho '{{\"seconds\": 0.1}}'\n");
+    let programs = places.map(|(name, does)| (name, "once", script(&does)));
+    describe(&sandbox, &programs);
+    let names = places.map(|(name, _)| format!("ext:{name}")).join(",");
+    let start = Instant::now();
+    let call = sandbox.call(&format!(
+        "run square.off --ext peers.toml --algo vtp,{names} --repeat 1 --timeout 5s -o r.json"
+    ));
+    assert!(start.elapsed() < Duration::from_secs(60));
+    assert_eq!(call.code, 1, "{}", call.stderr);
+    for cell in &sandbox.json("r.json")["cells"].as_array().unwrap()[1..] {
+        assert_eq!(cell["status"], "crashed", "{cell}");
+        let message = cell["message"].as_str().unwrap();
+        let problem = match cell["algorithm"].as_str() {
+            Some("ext:large") => "it has more than 66048 bytes, too many for 4 vertices",
+            _ => "it is no regular file; write the distances to a file of this name",
+        };
+        assert!(message.contains(problem), "{message}");
+        assert!(!message.contains("password"), "{message}");
+    }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::files::files;
 use super::{Form, Input, Options, Report, Tables, Wanted, build, page};
+use crate::limits::DecompressionLimit;
 use crate::model::ModelRef;
 use crate::record::{GroupRecord, ResultFile};
 use crate::rehearsal::{Rehearsal, crash_ich, plan, rehearse, result, spoil_vtp};

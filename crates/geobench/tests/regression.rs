@@ -126,3 +126,76 @@ fn an_answer_that_is_no_file_hung_the_run_or_gave_other_files_away() {
         assert!(!message.contains("password"), "{message}");
     }
 }
+
+/// Programs that run in the directory of the sandbox, but for this one.
+#[cfg(target_os = "linux")]
+fn running_in(sandbox: &Sandbox) -> Vec<String> {
+    let place = std::fs::canonicalize(sandbox.path("")).unwrap();
+    let processes = std::fs::read_dir("/proc").unwrap().flatten();
+    processes
+        .filter(|process| {
+            std::fs::read_link(process.path().join("cwd")).is_ok_and(|cwd| cwd == place)
+        })
+        .filter_map(|process| std::fs::read_to_string(process.path().join("cmdline")).ok())
+        .filter(|command| !command.is_empty())
+        .collect()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_an_outside_program_had_started_outlived_it() {
+    let sandbox = Sandbox::with_square();
+    let quiet = "< /dev/null > /dev/null 2>&1";
+    let leaves = |name, start: &str| {
+        let script = format!("{start}\n{RIGHT}\necho '{{\"seconds\": 0.1}}'\n");
+        (name, "once", script)
+    };
+    describe(
+        &sandbox,
+        &[
+            leaves("session", &format!("setsid sleep 600 {quiet} &")),
+            leaves("orphan", &format!("setsid --fork sleep 600 {quiet}")),
+            leaves("bare", &format!("env -i setsid --fork sleep 600 {quiet}")),
+            leaves(
+                "hidden",
+                &format!("env -i setsid sh -c 'sleep 600; :' {quiet} &"),
+            ),
+            // Needs a process of its own as long as it lives, whatever else ends meanwhile.
+            (
+                "keeper",
+                "session",
+                format!(
+                    "setsid --fork sh -c 'echo $$ > pid; exec sleep 600' {quiet}\n\
+                     while [ ! -s pid ]; do sleep 0.01; done\necho '{{\"ready\": true}}'\n\
+                     while read -r _; do\n{RIGHT}\nkill -0 \"$(cat pid)\" || exit 7\n\
+                     echo '{{\"seconds\": 0.1}}'\ndone\n"
+                ),
+            ),
+        ],
+    );
+    let run = |algorithms: &str| {
+        sandbox.succeed(&format!(
+            "run square.off --ext peers.toml --algo vtp,{algorithms} --repeat 3 --warmup 1"
+        ));
+        assert_eq!(running_in(&sandbox), [""; 0], "{algorithms}");
+    };
+    for name in ["session", "orphan", "bare", "hidden", "keeper"] {
+        run(&format!("ext:{name}"));
+    }
+    run("ext:keeper,ext:session,ext:orphan,ext:hidden,ext:bare");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_a_child_had_started_outlived_it() {
+    let sandbox = Sandbox::with_square();
+    for algorithms in ["test-spawn", "test-spawn,vtp,test-spawn{after=2}"] {
+        let call = sandbox
+            .command(&format!("run square.off --algo {algorithms} --repeat 2"))
+            .env("GEOBENCH_TEST_ALGORITHMS", "1")
+            .output()
+            .unwrap();
+        assert!(call.status.success(), "{call:?}");
+        assert_eq!(running_in(&sandbox), [""; 0]);
+    }
+}

@@ -199,3 +199,61 @@ fn what_a_child_had_started_outlived_it() {
         assert_eq!(running_in(&sandbox), [""; 0]);
     }
 }
+
+#[test]
+fn names_of_models_were_formulas_html_and_orders_to_the_terminal() {
+    const NAME: &str = "=1+1<b>&|`x`\x1b[2J";
+    let sandbox = Sandbox::new();
+    sandbox.write(&format!("{NAME}.off"), support::SQUARE);
+    let run = "run . --algo vtp --repeat 1 --warmup 0";
+    let print = |format: &str| sandbox.succeed(&format!("{run} --format {format}"));
+    sandbox.succeed(&format!("{run} -o r.json -o r.csv -o r.md -o r.tex"));
+
+    assert_eq!(sandbox.json("r.json")["models"][0]["name"], NAME);
+    let csv = sandbox.read("r.csv");
+    assert!(csv.contains(&format!("\n'{NAME},vtp,0,")), "{csv}");
+    assert_eq!(print("csv").lines().nth(1).unwrap().find("'=1+1"), Some(0));
+    let escaped = "=1+1&lt;b>&amp;\\|\\`x\\`\\\\x1b[2J";
+    let markdown = sandbox.read("r.md");
+    assert!(
+        markdown.contains(&format!("| {escaped} (V: 4")),
+        "{markdown}"
+    );
+    assert!(
+        markdown.contains(&format!("- {escaped}: source 0")),
+        "{markdown}"
+    );
+    let latex = sandbox.read("r.tex");
+    assert!(
+        latex.contains("=1+1<b>\\&|`x`\\textbackslash{}x1b[2J &"),
+        "{latex}"
+    );
+    let table = print("table");
+    assert!(
+        table.contains("=1+1<b>&|`x`\\x1b[2J  (V: 4, F: 2)"),
+        "{table}"
+    );
+    let info = sandbox.succeed("info .");
+    assert!(info.starts_with("=1+1<b>&|`x`\\x1b[2J  (./=1"), "{info}");
+    let verified = sandbox.succeed("verify . --algo vtp");
+    assert!(
+        verified.contains("\\x1b[2J: source 0: vtp: ok"),
+        "{verified}"
+    );
+    let page = sandbox.call("report r.json -o r.html --picture none");
+    assert_eq!(page.code, 0, "{}", page.stderr);
+    for text in [
+        markdown,
+        latex,
+        table,
+        info,
+        verified,
+        sandbox.read("r.html"),
+    ] {
+        assert!(!text.contains('\x1b'), "{text}");
+    }
+    sandbox.write("wrong\x1b[2J.off", "OFF\n");
+    let call = sandbox.call("info wrong\x1b[2J.off");
+    assert_eq!(call.code, 2);
+    assert!(!call.stderr.contains('\x1b'), "{}", call.stderr);
+}

@@ -61,7 +61,7 @@ impl Reporter {
     /// Prints a part of the tables, if tables are what is to be printed.
     fn show(&mut self, text: &str) -> anyhow::Result<()> {
         if self.format == Format::Table && !text.is_empty() {
-            self.progress.suspend(|| terminal::print(text))?;
+            self.progress.suspend(|| terminal::print_rendered(text))?;
         }
         Ok(())
     }
@@ -156,7 +156,7 @@ impl Listener for Reporter {
                 let width = look.width.map(|width| width.saturating_sub(1));
                 text += &width
                     .map_or_else(String::new, |width| export::model_bars(group, cells, width));
-                terminal::print(&text)?;
+                terminal::print_rendered(&text)?;
             }
             anyhow::Ok(())
         })?;

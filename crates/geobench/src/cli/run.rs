@@ -102,9 +102,9 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     } = listener;
     drop(progress);
     if options.format == Format::Table {
-        terminal::print(&export::footnote(&result, terminal.styled))?;
+        terminal::print_rendered(&export::footnote(&result, terminal.styled))?;
     } else {
-        terminal::print(&options.format.render(&result)?)?;
+        terminal::print_rendered(&options.format.render(&result)?)?;
     }
     if !options.quiet {
         for doubt in &doubts {

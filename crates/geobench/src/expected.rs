@@ -133,11 +133,20 @@ pub(crate) fn stem(path: &Path) -> String {
     }
 }
 
-pub(crate) fn read(path: &Path, vertices: usize) -> Result<Field, ExpectedError> {
+fn read(path: &Path, vertices: usize) -> Result<Field, ExpectedError> {
     let text = fs::read_to_string(path).map_err(|error| ExpectedError::Unreadable {
         path: path.to_owned(),
         error,
     })?;
+    parse(path, &text, vertices)
+}
+
+/// Reads the text of the file `path`.
+///
+/// # Errors
+///
+/// Names the line.
+pub(crate) fn parse(path: &Path, text: &str, vertices: usize) -> Result<Field, ExpectedError> {
     let mut distances = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();
@@ -145,7 +154,7 @@ pub(crate) fn read(path: &Path, vertices: usize) -> Result<Field, ExpectedError>
             continue;
         }
         distances.push(
-            parse(line, vertices).map_err(|problem| ExpectedError::Line {
+            parse_line(line, vertices).map_err(|problem| ExpectedError::Line {
                 path: path.to_owned(),
                 line: index + 1,
                 problem,
@@ -166,14 +175,14 @@ pub(crate) fn read(path: &Path, vertices: usize) -> Result<Field, ExpectedError>
 }
 
 /// Reads `vertex,distance`, the distance being `inf` where no path leads.
-fn parse(line: &str, vertices: usize) -> Result<(usize, f64), String> {
+fn parse_line(line: &str, vertices: usize) -> Result<(usize, f64), String> {
     let (vertex, distance) = line
         .split_once(',')
-        .ok_or_else(|| format!("`{line}` is not of the form vertex,distance"))?;
+        .ok_or_else(|| format!("`{}` is not of the form vertex,distance", shown(line)))?;
     let vertex: usize = vertex
         .trim()
         .parse()
-        .map_err(|_| format!("`{vertex}` is not a vertex number"))?;
+        .map_err(|_| format!("`{}` is not a vertex number", shown(vertex)))?;
     if vertex >= vertices {
         return Err(format!(
             "vertex {vertex} does not exist: the model has {vertices} vertices, numbered from 0"
@@ -181,7 +190,16 @@ fn parse(line: &str, vertices: usize) -> Result<(usize, f64), String> {
     }
     match distance.trim().parse::<f64>() {
         Ok(value) if value >= 0.0 => Ok((vertex, value)),
-        _ => Err(format!("`{distance}` is not a distance")),
+        _ => Err(format!("`{}` is not a distance", shown(distance))),
+    }
+}
+
+/// The start of a text, as much of it as belongs into a message.
+fn shown(text: &str) -> String {
+    const MOST: usize = 40;
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
     }
 }
 

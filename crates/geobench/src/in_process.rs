@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use geobench_mesh::Mesh;
 use geobench_window::{SolveError, Solver};
 
+use crate::limits::DecompressionLimit;
 use crate::memory::PeakMemory;
 use crate::model::ModelRef;
 use crate::record::{ModelRecord, Phases, Status};
@@ -15,7 +16,10 @@ use crate::runner::{Executor, Failure, Observation, Purpose, Refusal, Step, Work
 /// This process as a place to work in. A cell that panics is lost alone; one that never ends or
 /// takes all memory takes the program with it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct InProcess;
+pub struct InProcess {
+    /// Bytes that a compressed model may decompress to.
+    pub decompressed: DecompressionLimit,
+}
 
 impl Workplace for InProcess {
     fn with_model(
@@ -23,9 +27,11 @@ impl Workplace for InProcess {
         model: &ModelRef,
         work: &mut dyn FnMut(&ModelRecord, &mut dyn Executor),
     ) -> Result<(), Refusal> {
-        let loaded = model.load().map_err(|error| Refusal {
-            message: error.to_string(),
-        })?;
+        let loaded = model
+            .load_within(self.decompressed)
+            .map_err(|error| Refusal {
+                message: error.to_string(),
+            })?;
         let mut bench = Bench {
             mesh: &loaded.mesh,
             solvers: Vec::new(),

@@ -12,6 +12,8 @@ pub struct Limits {
     pub timeout: Timeout,
     /// Memory that the process, with whatever processes it starts, may occupy.
     pub memory: MemoryLimit,
+    /// Bytes that a compressed model may decompress to.
+    pub decompressed: DecompressionLimit,
 }
 
 impl Limits {
@@ -19,6 +21,7 @@ impl Limits {
     pub const USUAL: Self = Self {
         timeout: Timeout::USUAL,
         memory: MemoryLimit(None),
+        decompressed: DecompressionLimit(None),
     };
 }
 
@@ -29,6 +32,11 @@ pub struct Timeout(pub Option<Duration>);
 /// A limit of memory in bytes; none by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MemoryLimit(pub Option<u64>);
+
+/// A limit of what a compressed model decompresses to, in bytes; by default the usual one
+/// ([`usual_decompression_limit`](geobench_mesh::io::usual_decompression_limit)).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DecompressionLimit(pub Option<u64>);
 
 impl Timeout {
     /// The usual limit of a run.
@@ -45,6 +53,9 @@ pub enum LimitError {
     /// It is no amount of memory.
     #[error("`{0}` is not a size; give one such as 512MiB, 8GiB or 4GB, or none")]
     Size(String),
+    /// It is no amount of memory, which must be given.
+    #[error("`{0}` is not a size; give one such as 512MiB, 8GiB or 4GB")]
+    Decompressed(String),
 }
 
 impl FromStr for Timeout {
@@ -84,22 +95,38 @@ impl FromStr for MemoryLimit {
     type Err = LimitError;
 
     fn from_str(text: &str) -> Result<Self, LimitError> {
-        let lower = text.trim().to_ascii_lowercase();
-        if lower == "none" {
+        if text.trim().eq_ignore_ascii_case("none") {
             return Ok(Self(None));
         }
-        let end = lower
-            .find(|c: char| !c.is_ascii_digit() && c != '.')
-            .unwrap_or(lower.len());
-        let (number, unit) = lower.split_at(end);
-        let unit = UNITS.iter().find(|(name, _)| *name == unit.trim_start());
-        let bytes = number.parse::<f64>().ok().zip(unit);
-        match bytes.map(|(number, (_, unit))| number * *unit as f64) {
-            // Beyond 2^53 no machine has it, and the number would not be exact.
-            Some(bytes) if (1.0..=9e15).contains(&bytes) => Ok(Self(Some(whole(bytes)))),
-            _ => Err(LimitError::Size(text.to_owned())),
+        match size(text) {
+            Some(bytes) => Ok(Self(Some(bytes))),
+            None => Err(LimitError::Size(text.to_owned())),
         }
     }
+}
+
+impl FromStr for DecompressionLimit {
+    type Err = LimitError;
+
+    fn from_str(text: &str) -> Result<Self, LimitError> {
+        match size(text) {
+            Some(bytes) => Ok(Self(Some(bytes))),
+            None => Err(LimitError::Decompressed(text.to_owned())),
+        }
+    }
+}
+
+/// The bytes that a number and a unit say.
+fn size(text: &str) -> Option<u64> {
+    let lower = text.trim().to_ascii_lowercase();
+    let end = lower
+        .find(|c: char| !c.is_ascii_digit() && c != '.')
+        .unwrap_or(lower.len());
+    let (number, unit) = lower.split_at(end);
+    let (_, unit) = UNITS.iter().find(|(name, _)| *name == unit.trim_start())?;
+    let bytes = number.parse::<f64>().ok()? * *unit as f64;
+    // Beyond 2^53 no machine has it, and the number would not be exact.
+    (1.0..=9e15).contains(&bytes).then(|| whole(bytes))
 }
 
 #[expect(clippy::cast_sign_loss, reason = "it is 1 or more")]
@@ -172,5 +199,7 @@ mod tests {
         ] {
             assert!(text.parse::<MemoryLimit>().is_err(), "{text}");
         }
+        assert_eq!("1g".parse(), Ok(DecompressionLimit(Some(1 << 30))));
+        assert!("none".parse::<DecompressionLimit>().is_err());
     }
 }

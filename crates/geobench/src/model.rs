@@ -12,6 +12,7 @@ use geobench_mesh::{InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, io as
 use sha2::{Digest, Sha256};
 
 use crate::expected::stem;
+use crate::limits::{DecompressionLimit, MemoryLimit};
 use crate::record::ModelRecord;
 
 /// A model that a user named, not loaded yet.
@@ -272,17 +273,17 @@ impl ModelRef {
         }
     }
 
-    /// Reads or generates the triangles, unchecked.
+    /// Reads or generates the triangles, unchecked. A compressed file may decompress to `limit`.
     ///
     /// # Errors
     ///
     /// When there is no such file or generator, or it cannot be understood.
-    pub fn read(&self) -> Result<TriangleSoup, ModelError> {
+    pub fn read(&self, limit: DecompressionLimit) -> Result<TriangleSoup, ModelError> {
         match &self.origin {
-            Origin::File(path) => read_file(path),
+            Origin::File(path) => read_file(path, limit),
             Origin::Generated(spec) => {
                 let made = match spec.path() {
-                    Some(path) => spec.modifiers().apply(read_file(Path::new(path))?),
+                    Some(path) => spec.modifiers().apply(read_file(Path::new(path), limit)?),
                     None => generate::generate(spec),
                 };
                 made.map_err(|error| ModelError::Unreadable {
@@ -292,14 +293,24 @@ impl ModelRef {
         }
     }
 
-    /// Reads or generates the model, checks it and builds its mesh.
+    /// Reads or generates the model, checks it and builds its mesh. A compressed file may decompress
+    /// to the usual number of bytes.
     ///
     /// # Errors
     ///
     /// Names the file and the line or the elements that make it unusable.
     pub fn load(&self) -> Result<LoadedModel, ModelError> {
+        self.load_within(DecompressionLimit::default())
+    }
+
+    /// As [`load`](Self::load), but a compressed file may decompress to `limit`.
+    ///
+    /// # Errors
+    ///
+    /// As [`load`](Self::load).
+    pub fn load_within(&self, limit: DecompressionLimit) -> Result<LoadedModel, ModelError> {
         let start = Instant::now();
-        let soup = self.read()?;
+        let soup = self.read(limit)?;
         let load_seconds = start.elapsed().as_secs_f64();
         let sha256 = match &self.origin {
             Origin::File(path) => hash_file(path).ok(),
@@ -335,9 +346,22 @@ impl ModelRef {
     }
 }
 
-fn read_file(path: &Path) -> Result<TriangleSoup, ModelError> {
-    mesh_io::read(path).map_err(|error| ModelError::Unreadable {
-        message: error.to_string(),
+fn read_file(path: &Path, limit: DecompressionLimit) -> Result<TriangleSoup, ModelError> {
+    mesh_io::read_with_limit(path, limit.0).map_err(|error| ModelError::Unreadable {
+        message: match error {
+            mesh_io::ReadError::TooLarge {
+                path,
+                compressed,
+                limit,
+            } => format!(
+                "{}: {} decompress to more than {}; if the file can be trusted, raise the limit \
+                 with --max-decompressed SIZE",
+                path.display(),
+                MemoryLimit(Some(compressed)),
+                MemoryLimit(Some(limit))
+            ),
+            error => error.to_string(),
+        },
     })
 }
 

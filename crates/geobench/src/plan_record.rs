@@ -48,6 +48,9 @@ pub struct PlannedGroup {
     pub timeout: Option<f64>,
     /// Bytes that the process of each cell may occupy; null if any number.
     pub memory_limit: Option<u64>,
+    /// Bytes that a compressed model may decompress to; null for the usual limit.
+    #[serde(default)]
+    pub max_decompressed: Option<u64>,
 }
 
 /// A model.
@@ -99,6 +102,7 @@ fn group(plan: &Plan) -> PlannedGroup {
         seed: plan.seed,
         timeout: plan.limits.timeout.0.map(|time| time.as_secs_f64()),
         memory_limit: plan.limits.memory.0,
+        max_decompressed: plan.limits.decompressed.0,
     }
 }
 

@@ -1,8 +1,262 @@
-//! Defects that were fixed, each as a test named after what went wrong.
+//! Fixed bugs, each with tests that are named after what went wrong.
 
 #[path = "cli/support.rs"]
 #[allow(dead_code, reason = "the tests of the command line use the rest")]
 mod support;
+
+use std::io::Write;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use support::Sandbox;
+
+/// An OBJ file of spaces, many gzip members long, that decompresses to `mebibytes`.
+fn bomb(sandbox: &Sandbox, name: &str, mebibytes: usize) {
+    let mut member = GzEncoder::new(Vec::new(), Compression::best());
+    member.write_all(&vec![b' '; 1 << 20]).unwrap();
+    let bytes = member.finish().unwrap().repeat(mebibytes);
+    std::fs::write(sandbox.path(name), bytes).unwrap();
+}
+
+#[test]
+fn a_small_gzip_file_took_gigabytes() {
+    let sandbox = Sandbox::new();
+    bomb(&sandbox, "bomb.obj.gz", 3000);
+    let message = "bomb.obj.gz: 3 MiB decompress to more than 301 MiB; if the file can be trusted, \
+                   raise the limit with --max-decompressed SIZE";
+    let program = assert_cmd::cargo::cargo_bin("geobench");
+    for arguments in [
+        "info bomb.obj.gz",
+        "distance bomb.obj.gz --source 0 -o d.csv",
+        "gen file,path=bomb.obj.gz -o m.obj",
+        "run bomb.obj.gz --algo vtp",
+        "run bomb.obj.gz --algo vtp --isolate none",
+        "verify bomb.obj.gz --algo vtp",
+    ] {
+        // The limits of the system end the command, and its children, where memory is not bounded.
+        let output = Command::new("sh")
+            .current_dir(sandbox.path(""))
+            .args(["-c", "ulimit -v 1500000; exec \"$@\"", "sh"])
+            .arg(&program)
+            .args(arguments.split(' '))
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {stderr}");
+        assert!(stderr.contains(message), "{arguments}: {stderr}");
+    }
+}
+
+#[test]
+fn a_raised_limit_of_decompression_reaches_child_processes() {
+    let sandbox = Sandbox::with_square();
+    bomb(&sandbox, "blank.off.gz", 80);
+    let mut end = GzEncoder::new(Vec::new(), Compression::best());
+    end.write_all(b"\n").unwrap();
+    end.write_all(sandbox.read("square.off").as_bytes())
+        .unwrap();
+    let mut bytes = std::fs::read(sandbox.path("blank.off.gz")).unwrap();
+    bytes.extend(end.finish().unwrap());
+    std::fs::write(sandbox.path("blank.off.gz"), bytes).unwrap();
+
+    let run = "run blank.off.gz --algo vtp --repeat 1 --warmup 0 --resume j.jsonl -o r.json";
+    let refused = sandbox.call(run);
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    std::fs::remove_file(sandbox.path("j.jsonl")).unwrap();
+    sandbox.succeed(&format!("{run} --max-decompressed 100MiB"));
+    let file = sandbox.json("r.json");
+    assert_eq!(file["cells"][0]["status"], "ok");
+    assert_eq!(file["plan"]["groups"][0]["max_decompressed"], 100_u64 << 20);
+    // The limit tells runs apart: a journal is not continued with another one.
+    let other = sandbox.call(&format!("{run} --max-decompressed 200MiB"));
+    assert_eq!(other.code, 2, "{}", other.stderr);
+    assert!(
+        other.stderr.contains("max_decompressed"),
+        "{}",
+        other.stderr
+    );
+}
+
+/// Distances of the square from vertex 0, written by a script.
+const RIGHT: &str = r#"printf '0,0\n1,1\n2,1.4142135623730951\n3,1\n' > "$3""#;
+
+/// Describes outside programs in `peers.toml`, each a name, its protocol and the script that it is.
+fn describe(sandbox: &Sandbox, programs: &[(&str, &str, String)]) {
+    let tables = programs.iter().map(|(name, protocol, script)| {
+        sandbox.write(&format!("{name}.sh"), script);
+        format!(
+            "[ext.{name}]\nprotocol = '{protocol}'\n\
+             command = ['sh', '{name}.sh', '{{model}}', '{{source}}', '{{output}}']\n"
+        )
+    });
+    sandbox.write("peers.toml", &tables.collect::<String>());
+}
+
+#[test]
+fn an_answer_that_is_no_file_hung_the_run_or_gave_other_files_away() {
+    let sandbox = Sandbox::with_square();
+    sandbox.write("secret.txt", "the password\n");
+    let places = [
+        ("pipe", r#"mkfifo "$3""#),
+        ("link", r#"ln -s "$PWD/secret.txt" "$3""#),
+        ("endless", r#"ln -s /dev/zero "$3""#),
+        ("directory", r#"mkdir "$3""#),
+        ("large", r#"head -c 100000 /dev/zero > "$3""#),
+    ];
+    let script = |does: &&str| format!("{does}\necho '{{\"seconds\": 0.1}}'\n");
+    let programs = places.map(|(name, does)| (name, "once", script(&does)));
+    describe(&sandbox, &programs);
+    let names = places.map(|(name, _)| format!("ext:{name}")).join(",");
+    let start = Instant::now();
+    let call = sandbox.call(&format!(
+        "run square.off --ext peers.toml --algo vtp,{names} --repeat 1 --timeout 5s -o r.json"
+    ));
+    assert!(start.elapsed() < Duration::from_secs(60));
+    assert_eq!(call.code, 1, "{}", call.stderr);
+    for cell in &sandbox.json("r.json")["cells"].as_array().unwrap()[1..] {
+        assert_eq!(cell["status"], "crashed", "{cell}");
+        let message = cell["message"].as_str().unwrap();
+        let problem = match cell["algorithm"].as_str() {
+            Some("ext:large") => "it has more than 66048 bytes, too many for 4 vertices",
+            _ => "it is no regular file; write the distances to a file of this name",
+        };
+        assert!(message.contains(problem), "{message}");
+        assert!(!message.contains("password"), "{message}");
+    }
+}
+
+/// Programs that run in the directory of the sandbox, but for this one.
+#[cfg(target_os = "linux")]
+fn running_in(sandbox: &Sandbox) -> Vec<String> {
+    let place = std::fs::canonicalize(sandbox.path("")).unwrap();
+    let processes = std::fs::read_dir("/proc").unwrap().flatten();
+    processes
+        .filter(|process| {
+            std::fs::read_link(process.path().join("cwd")).is_ok_and(|cwd| cwd == place)
+        })
+        .filter_map(|process| std::fs::read_to_string(process.path().join("cmdline")).ok())
+        .filter(|command| !command.is_empty())
+        .collect()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_an_outside_program_had_started_outlived_it() {
+    let sandbox = Sandbox::with_square();
+    let quiet = "< /dev/null > /dev/null 2>&1";
+    let leaves = |name, start: &str| {
+        let script = format!("{start}\n{RIGHT}\necho '{{\"seconds\": 0.1}}'\n");
+        (name, "once", script)
+    };
+    describe(
+        &sandbox,
+        &[
+            leaves("session", &format!("setsid sleep 600 {quiet} &")),
+            leaves("orphan", &format!("setsid --fork sleep 600 {quiet}")),
+            leaves("bare", &format!("env -i setsid --fork sleep 600 {quiet}")),
+            leaves(
+                "hidden",
+                &format!("env -i setsid sh -c 'sleep 600; :' {quiet} &"),
+            ),
+            // Needs a process of its own as long as it lives, whatever else ends meanwhile.
+            (
+                "keeper",
+                "session",
+                format!(
+                    "setsid --fork sh -c 'echo $$ > pid; exec sleep 600' {quiet}\n\
+                     while [ ! -s pid ]; do sleep 0.01; done\necho '{{\"ready\": true}}'\n\
+                     while read -r _; do\n{RIGHT}\nkill -0 \"$(cat pid)\" || exit 7\n\
+                     echo '{{\"seconds\": 0.1}}'\ndone\n"
+                ),
+            ),
+        ],
+    );
+    let run = |algorithms: &str| {
+        sandbox.succeed(&format!(
+            "run square.off --ext peers.toml --algo vtp,{algorithms} --repeat 3 --warmup 1"
+        ));
+        assert_eq!(running_in(&sandbox), [""; 0], "{algorithms}");
+    };
+    for name in ["session", "orphan", "bare", "hidden", "keeper"] {
+        run(&format!("ext:{name}"));
+    }
+    run("ext:keeper,ext:session,ext:orphan,ext:hidden,ext:bare");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_a_child_had_started_outlived_it() {
+    let sandbox = Sandbox::with_square();
+    for algorithms in ["test-spawn", "test-spawn,vtp,test-spawn{after=2}"] {
+        let call = sandbox
+            .command(&format!("run square.off --algo {algorithms} --repeat 2"))
+            .env("GEOBENCH_TEST_ALGORITHMS", "1")
+            .output()
+            .unwrap();
+        assert!(call.status.success(), "{call:?}");
+        assert_eq!(running_in(&sandbox), [""; 0]);
+    }
+}
+
+#[test]
+fn names_of_models_were_formulas_html_and_orders_to_the_terminal() {
+    const NAME: &str = "=1+1<b>&|`x`\x1b[2J";
+    let sandbox = Sandbox::new();
+    sandbox.write(&format!("{NAME}.off"), support::SQUARE);
+    let run = "run . --algo vtp --repeat 1 --warmup 0";
+    let print = |format: &str| sandbox.succeed(&format!("{run} --format {format}"));
+    sandbox.succeed(&format!("{run} -o r.json -o r.csv -o r.md -o r.tex"));
+
+    assert_eq!(sandbox.json("r.json")["models"][0]["name"], NAME);
+    let csv = sandbox.read("r.csv");
+    assert!(csv.contains(&format!("\n'{NAME},vtp,0,")), "{csv}");
+    assert_eq!(print("csv").lines().nth(1).unwrap().find("'=1+1"), Some(0));
+    let escaped = "=1+1&lt;b>&amp;\\|\\`x\\`\\\\x1b[2J";
+    let markdown = sandbox.read("r.md");
+    assert!(
+        markdown.contains(&format!("| {escaped} (V: 4")),
+        "{markdown}"
+    );
+    assert!(
+        markdown.contains(&format!("- {escaped}: source 0")),
+        "{markdown}"
+    );
+    let latex = sandbox.read("r.tex");
+    assert!(
+        latex.contains("=1+1<b>\\&|`x`\\textbackslash{}x1b[2J &"),
+        "{latex}"
+    );
+    let table = print("table");
+    assert!(
+        table.contains("=1+1<b>&|`x`\\x1b[2J  (V: 4, F: 2)"),
+        "{table}"
+    );
+    let info = sandbox.succeed("info .");
+    assert!(info.starts_with("=1+1<b>&|`x`\\x1b[2J  (./=1"), "{info}");
+    let verified = sandbox.succeed("verify . --algo vtp");
+    assert!(
+        verified.contains("\\x1b[2J: source 0: vtp: ok"),
+        "{verified}"
+    );
+    let page = sandbox.call("report r.json -o r.html --picture none");
+    assert_eq!(page.code, 0, "{}", page.stderr);
+    for text in [
+        markdown,
+        latex,
+        table,
+        info,
+        verified,
+        sandbox.read("r.html"),
+    ] {
+        assert!(!text.contains('\x1b'), "{text}");
+    }
+    sandbox.write("wrong\x1b[2J.off", "OFF\n");
+    let call = sandbox.call("info wrong\x1b[2J.off");
+    assert_eq!(call.code, 2);
+    assert!(!call.stderr.contains('\x1b'), "{}", call.stderr);
+}
 
 /// The reference was trusted blindly: where it was wrong, all right answers were called wrong and
 /// nothing pointed at the reference.

@@ -33,7 +33,7 @@ pub(super) fn algos(options: &AlgosOptions, terminal: Terminal) -> anyhow::Resul
         }
         (true, AlgosFormat::Json) => serde_json::to_string_pretty(&counters())? + "\n",
     };
-    terminal::print(&text)?;
+    terminal::print_rendered(&text)?;
     Ok(Verdict::Passed)
 }
 

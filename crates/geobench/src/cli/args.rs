@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::builder::RangedI64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
-use super::isolation::IsolationOptions;
+use super::isolation::{DecompressionOptions, IsolationOptions};
 use crate::compare::{RuleError, Rules};
 use crate::export::{self, ComparisonFormat, Format};
 use crate::instructions;
@@ -279,6 +279,9 @@ pub(super) struct DistanceOptions {
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
     pub(super) threads: u32,
 
+    #[command(flatten)]
+    pub(super) decompression: DecompressionOptions,
+
     /// File to write, by its ending: .csv, .json, .npy, .ply or .vtk
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
@@ -318,6 +321,9 @@ pub(super) struct ReportOptions {
     #[arg(long, value_name = "LIST")]
     pub(super) papers: Option<Tables>,
 
+    #[command(flatten)]
+    pub(super) decompression: DecompressionOptions,
+
     /// No summary, no warnings
     #[arg(long)]
     pub(super) quiet: bool,
@@ -342,6 +348,9 @@ pub(super) struct GenOptions {
     #[arg(value_name = "SPEC")]
     pub(super) spec: String,
 
+    #[command(flatten)]
+    pub(super) decompression: DecompressionOptions,
+
     /// File to write: .obj or .ply, each also .gz
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
@@ -353,6 +362,9 @@ pub(super) struct InfoOptions {
     /// Models
     #[arg(value_name = "MODEL", required = true)]
     pub(super) models: Vec<String>,
+
+    #[command(flatten)]
+    pub(super) decompression: DecompressionOptions,
 }
 
 #[derive(Args, Debug)]

@@ -15,7 +15,7 @@ pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::R
     for (format, file) in &outputs {
         file.write(format.render(&comparison, false)?.as_bytes())?;
     }
-    terminal::print(&options.format.render(&comparison, terminal.styled)?)?;
+    terminal::print_rendered(&options.format.render(&comparison, terminal.styled)?)?;
     Ok(if comparison.is_worse() {
         Verdict::Failed
     } else {

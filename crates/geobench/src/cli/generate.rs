@@ -16,7 +16,7 @@ const ENDINGS: [&str; 4] = [".obj", ".ply", ".obj.gz", ".ply.gz"];
 pub(super) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
     let ending = ending(&options.output)?;
     let output = OutputFile::prepare(&options.output)?;
-    let soup = ModelRef::generated(&options.spec)?.read()?;
+    let soup = ModelRef::generated(&options.spec)?.read(options.decompression.limit())?;
     output.write_with(ending, |path| Ok(mesh_io::write(path, &soup)?))?;
     Ok(Verdict::Passed)
 }

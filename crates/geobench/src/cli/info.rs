@@ -7,6 +7,7 @@ use geobench_mesh::{Report, Severity};
 use super::Verdict;
 use super::args::InfoOptions;
 use super::terminal;
+use crate::export::escape::printable;
 use crate::export::number::grouped;
 use crate::model::{self, LoadedModel, ModelError, ModelRef};
 
@@ -16,7 +17,7 @@ pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
         if i > 0 {
             terminal::print("\n")?;
         }
-        match model.load() {
+        match model.load_within(options.decompression.limit()) {
             Ok(loaded) => terminal::print(&describe(&loaded))?,
             Err(error) => {
                 verdict = Verdict::BadInput;
@@ -30,7 +31,7 @@ pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
 
 fn describe(loaded: &LoadedModel) -> String {
     let m = &loaded.measures;
-    let mut text = format!("{}  ({})\n", loaded.record.name, loaded.record.path);
+    let mut text = heading(&loaded.record.name, &loaded.record.path);
     let counts = [
         ("vertices", m.vertices),
         ("faces", m.faces),
@@ -67,8 +68,12 @@ fn describe(loaded: &LoadedModel) -> String {
     text
 }
 
+fn heading(name: &str, path: &str) -> String {
+    format!("{}  ({})\n", printable(name), printable(path))
+}
+
 fn describe_unusable(model: &ModelRef, error: &ModelError) -> String {
-    let mut text = format!("{}  ({})\n", model.name, model.path);
+    let mut text = heading(&model.name, &model.path);
     match error {
         ModelError::Invalid { error, .. } => text += &defects(&error.report),
         _ => text += "  cannot be read\n",

@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use crate::affinity::{self, CpuList};
 use crate::in_process::InProcess;
 use crate::isolate::{Isolated, Sharing};
-use crate::limits::{Limits, MemoryLimit, Timeout};
+use crate::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
 use crate::outside::{self, Programs, WithPrograms};
 use crate::record::IsolationRecord;
 use crate::registry::Selection;
@@ -32,6 +32,9 @@ pub(super) struct IsolationOptions {
     #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
     pub(super) memory_limit: Option<MemoryLimit>,
 
+    #[command(flatten)]
+    pub(super) decompression: DecompressionOptions,
+
     /// Processors that cells may run on, such as 3 or 0,4-7 [default: all]
     #[arg(long, value_name = "LIST", allow_negative_numbers = true)]
     cpu: Option<CpuList>,
@@ -40,6 +43,22 @@ pub(super) struct IsolationOptions {
     /// ext:NAME; the suite file may hold such tables too
     #[arg(long, value_name = "FILE")]
     ext: Vec<PathBuf>,
+}
+
+/// How far compressed models are trusted.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct DecompressionOptions {
+    /// Bytes that a compressed model may decompress to, such as 16GiB [default: 100 times its size,
+    /// at least 64MiB, at most 8GiB]
+    #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
+    pub(super) max_decompressed: Option<DecompressionLimit>,
+}
+
+impl DecompressionOptions {
+    /// The limit, the usual one if none is given.
+    pub(super) fn limit(self) -> DecompressionLimit {
+        self.max_decompressed.unwrap_or_default()
+    }
 }
 
 /// Where cells run.
@@ -89,6 +108,7 @@ impl IsolationOptions {
         Limits {
             timeout: self.timeout.unwrap_or(Timeout::USUAL),
             memory: self.memory_limit.unwrap_or_default(),
+            decompressed: self.decompression.limit(),
         }
     }
 
@@ -138,7 +158,9 @@ impl IsolationOptions {
                 if let Some(cpus) = &self.cpu {
                     affinity::pin(cpus.numbers()).context("--cpu")?;
                 }
-                Box::new(InProcess)
+                Box::new(InProcess {
+                    decompressed: limits.decompressed,
+                })
             }
         };
         let cpus = self.cpu.clone();

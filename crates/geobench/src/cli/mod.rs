@@ -74,6 +74,7 @@ fn command() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return usage(&error),
     };
+    isolate::adopt_orphans();
     let terminal = Terminal::new(arguments.color);
     let done = match arguments.command {
         Command::Run(options) => run::run(&options, terminal),
@@ -144,7 +145,7 @@ fn usage(error: &clap::Error) -> ExitCode {
 /// A panic is a defect of this program; it too says so in one line.
 fn report_panics_in_one_line() {
     std::panic::set_hook(Box::new(|panic| {
-        let text = panic.to_string().replace('\n', " ");
+        let text = panic.to_string();
         terminal::error(&format!(
             "{text}; this is a defect of geobench, please report it"
         ));

@@ -33,6 +33,7 @@ pub(super) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
     let wanted = Options {
         ratio_to: options.ratio_to.clone(),
         picture: options.picture.clone().unwrap_or(Wanted::Any),
+        decompressed: options.decompression.limit(),
         tables: options.papers.clone().unwrap_or_default(),
     };
     let report = report::build(&inputs, &wanted)?;

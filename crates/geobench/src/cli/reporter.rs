@@ -34,7 +34,9 @@ pub(super) struct Reporter {
 impl Reporter {
     /// A group begins.
     pub(super) fn begin(&mut self, plan: &Plan) -> anyhow::Result<()> {
-        let Limits { timeout, memory } = plan.limits;
+        let Limits {
+            timeout, memory, ..
+        } = plan.limits;
         self.result.groups.push(GroupRecord {
             timeout: timeout.0.map(|time| time.as_secs_f64()),
             memory_limit: memory.0,
@@ -60,7 +62,7 @@ impl Reporter {
     /// Prints a part of the tables, if tables are what is to be printed.
     fn show(&mut self, text: &str) -> anyhow::Result<()> {
         if self.format == Format::Table && !text.is_empty() {
-            self.progress.suspend(|| terminal::print(text))?;
+            self.progress.suspend(|| terminal::print_rendered(text))?;
         }
         Ok(())
     }
@@ -161,7 +163,7 @@ impl Listener for Reporter {
                 let width = look.width.map(|width| width.saturating_sub(1));
                 text += &width
                     .map_or_else(String::new, |width| export::model_bars(group, cells, width));
-                terminal::print(&text)?;
+                terminal::print_rendered(&text)?;
             }
             anyhow::Ok(())
         })?;

@@ -102,9 +102,9 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     } = listener;
     drop(progress);
     if options.format == Format::Table {
-        terminal::print(&export::footnote(&result, terminal.styled))?;
+        terminal::print_rendered(&export::footnote(&result, terminal.styled))?;
     } else {
-        terminal::print(&options.format.render(&result)?)?;
+        terminal::print_rendered(&options.format.render(&result)?)?;
     }
     if !options.quiet {
         for doubt in &doubts {
@@ -191,6 +191,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         threads: options.threads,
         timeout: options.isolation.timeout,
         memory_limit: options.isolation.memory_limit,
+        max_decompressed: options.isolation.decompression.max_decompressed,
         reference: options
             .check
             .as_deref()
@@ -258,7 +259,9 @@ fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
 /// Takes limits away that nobody would keep, and says so where somebody asked for them.
 fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
     for plan in plans {
-        let Limits { timeout, memory } = plan.limits;
+        let Limits {
+            timeout, memory, ..
+        } = plan.limits;
         let wants_time = timeout.0.is_some() && timeout != Timeout::USUAL;
         if wants_time || memory.0.is_some() {
             let group = plan.group.name.as_deref().unwrap_or_default();
@@ -266,7 +269,10 @@ fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
                 "group `{group}`: without --isolate process nothing keeps its limits of time and memory"
             ));
         }
-        plan.limits = Limits::default();
+        plan.limits = Limits {
+            decompressed: plan.limits.decompressed,
+            ..Limits::default()
+        };
     }
 }
 

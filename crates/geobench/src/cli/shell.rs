@@ -13,7 +13,7 @@ const NAME: &str = "geobench";
 pub(super) fn completions(options: &CompletionsOptions) -> anyhow::Result<Verdict> {
     let mut script = Vec::new();
     clap_complete::generate(options.shell, &mut Arguments::command(), NAME, &mut script);
-    terminal::print(&String::from_utf8(script)?)?;
+    terminal::print_rendered(&String::from_utf8(script)?)?;
     Ok(Verdict::Passed)
 }
 
@@ -32,6 +32,6 @@ pub(super) fn man(options: &ManOptions) -> anyhow::Result<Verdict> {
     };
     let mut roff = Vec::new();
     clap_mangen::Man::new(page).render(&mut roff)?;
-    terminal::print(&String::from_utf8(roff)?)?;
+    terminal::print_rendered(&String::from_utf8(roff)?)?;
     Ok(Verdict::Passed)
 }

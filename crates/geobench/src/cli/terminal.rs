@@ -6,6 +6,7 @@ use terminal_size::{Height, Width, terminal_size_of};
 
 use super::args::ColorChoice;
 use crate::export::Look;
+use crate::export::escape::{for_terminal, printable};
 
 /// What may be shown how.
 #[derive(Clone, Copy, Debug)]
@@ -57,12 +58,30 @@ pub(super) fn size_of_standard_error() -> Option<[usize; 2]> {
     Some([width, height].map(usize::from))
 }
 
-/// Writes `text` to standard output at once.
+/// Writes `text` for people to standard output at once, control characters as their codes.
 ///
 /// # Errors
 ///
 /// When standard output takes no more, for one because its reader has gone.
 pub(super) fn print(text: &str) -> anyhow::Result<()> {
+    write(&for_terminal(text, false))
+}
+
+/// Writes `text` that is in its final form to standard output at once: a table, which may have
+/// colours, or text for a program. Other control characters reach files, but no terminal.
+///
+/// # Errors
+///
+/// As [`print()`].
+pub(super) fn print_rendered(text: &str) -> anyhow::Result<()> {
+    if io::stdout().is_terminal() {
+        write(&for_terminal(text, true))
+    } else {
+        write(text)
+    }
+}
+
+fn write(text: &str) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes())?;
     out.flush()?;
@@ -80,7 +99,7 @@ pub(super) fn warning(message: &str) {
 }
 
 fn note(kind: &str, message: &str) {
-    let message = message.replace('\n', " ");
+    let message = printable(message);
     // There is nowhere to report that standard error is gone.
     let _ = writeln!(io::stderr(), "geobench: {kind}: {message}");
 }

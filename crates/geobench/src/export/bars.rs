@@ -1,5 +1,6 @@
 //! Times as bars in a terminal, for eyes that look for ratios.
 
+use super::escape::printable;
 use super::ratios;
 use super::view::{algorithms, overall};
 use crate::export::figures::figure;
@@ -102,7 +103,7 @@ pub fn model_bars(group: &GroupRecord, cells: &[Cell], width: usize) -> String {
                 .collect();
             let failed = own.iter().find(|cell| cell.status != Status::Ok);
             Bar {
-                label: (*name).to_owned(),
+                label: printable(name).into_owned(),
                 seconds: overall(time, &own, None),
                 failure: failed.map(|cell| cell.status.in_words()),
                 ..Bar::default()
@@ -112,8 +113,8 @@ pub fn model_bars(group: &GroupRecord, cells: &[Cell], width: usize) -> String {
     if bars.iter().filter(|bar| bar.seconds.is_some()).count() < 2 {
         return String::new();
     }
-    let head = format!("  time, and as a multiple of that of {base}");
-    let lines = lines(&bars, Some(base), width);
+    let head = format!("  time, and as a multiple of that of {}", printable(base));
+    let lines = lines(&bars, Some(&printable(base)), width);
     let head = std::iter::once(head.chars().take(width).collect());
     head.chain(lines).collect::<Vec<String>>().join("\n") + "\n\n"
 }

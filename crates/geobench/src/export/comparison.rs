@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::escape::{markdown as escape, printable};
 use super::grid::{Entry, Grid, Look};
 use super::number::decimals;
 use super::{UnknownEnding, of_ending};
@@ -58,9 +59,9 @@ const USUAL: [&str; 3] = ["propagated", "instructions", "heap_peak_bytes"];
 fn table(comparison: &Comparison, styled: bool) -> String {
     let mut text = format!(
         "old: {}\nnew: {}\n{}\n\n{}\n",
-        side(&comparison.old),
-        side(&comparison.new),
-        method(comparison),
+        printable(&side(&comparison.old)),
+        printable(&side(&comparison.new)),
+        printable(&method(comparison)),
         changes(comparison).terminal(Look {
             styled,
             width: None,
@@ -73,19 +74,23 @@ fn table(comparison: &Comparison, styled: bool) -> String {
         ("to know", comparison.notes.clone()),
     ] {
         if !lines.is_empty() {
+            let lines: Vec<_> = lines.iter().map(|line| printable(line)).collect();
             text += &[title, ":\n  ", &lines.join("\n  "), "\n"].concat();
         }
     }
-    text + &summary(comparison) + "\n"
+    text + &printable(&summary(comparison)) + "\n"
 }
 
 fn markdown(comparison: &Comparison) -> String {
     let mut lines = vec![
-        format!("### geobench: {}", summary(comparison)),
+        format!("### geobench: {}", escape(&summary(comparison))),
         String::new(),
     ];
     let bullets = |lines: &[String]| -> Vec<String> {
-        lines.iter().map(|line| format!("- {line}")).collect()
+        lines
+            .iter()
+            .map(|line| format!("- {}", escape(line)))
+            .collect()
     };
     let worse = worse(comparison);
     if !worse.is_empty() {
@@ -96,9 +101,9 @@ fn markdown(comparison: &Comparison) -> String {
     lines.push(String::new());
     lines.push(format!(
         "Old: {}. New: {}. {}.",
-        side(&comparison.old),
-        side(&comparison.new),
-        method(comparison)
+        escape(&side(&comparison.old)),
+        escape(&side(&comparison.new)),
+        escape(&method(comparison))
     ));
     lines.push(String::new());
     if !comparison.notes.is_empty() {

@@ -1,11 +1,13 @@
 //! One row per cell. A column is named after its place in the JSON file, joined by `_`; `null` is
-//! an empty field, and a list is joined by `;`.
+//! an empty field, and a list is joined by `;`. A text that a spreadsheet would take for a formula has
+//! an apostrophe before it.
 
 use std::fmt::Display;
 
 use csv::Writer;
 use geobench_window::Counters;
 
+use super::escape::csv_text;
 use crate::record::{Cell, ResultFile};
 
 /// The rows of all cells under their header.
@@ -30,12 +32,12 @@ pub fn header() -> Vec<String> {
 /// Name and value of every column.
 fn columns(cell: &Cell) -> Vec<(String, String)> {
     let mut columns: Vec<(String, String)> = [
-        ("model", cell.model.clone()),
-        ("algorithm", cell.algorithm.clone()),
+        ("model", csv_text(&cell.model).into_owned()),
+        ("algorithm", csv_text(&cell.algorithm).into_owned()),
         ("source", text(cell.source)),
         ("threads", cell.threads.to_string()),
         ("status", cell.status.name().to_owned()),
-        ("message", text(cell.message.as_ref())),
+        ("message", words(cell.message.as_deref())),
         ("time_samples", list(&cell.time.samples)),
         ("time_median", text(cell.time.median)),
         ("time_min", text(cell.time.min)),
@@ -44,7 +46,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             "time_ci95",
             cell.time.ci95.map_or_else(String::new, |ci| list(&ci)),
         ),
-        ("time_note", text(cell.time.note.as_ref())),
+        ("time_note", words(cell.time.note.as_deref())),
         ("time_setup", text(cell.time.setup)),
         ("time_outliers", text(cell.time.outliers)),
         ("time_places", list(&cell.time.places)),
@@ -72,14 +74,14 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             ("phases_propagation", text(cell.phases.propagation)),
             ("phases_pruning", text(cell.phases.pruning)),
             ("phases_management", text(cell.phases.management)),
-            ("check_reference", text(cell.check.reference.as_ref())),
+            ("check_reference", words(cell.check.reference.as_deref())),
             ("check_max_abs", text(cell.check.max_abs)),
             ("check_max_rel", text(cell.check.max_rel)),
             ("check_unreachable", text(cell.check.unreachable)),
             ("check_compared", text(cell.check.compared)),
             ("check_worst_vertex", text(cell.check.worst_vertex)),
             ("check_cluster", text(cell.check.cluster)),
-            ("group", text(cell.group.as_ref())),
+            ("group", words(cell.group.as_deref())),
             ("instructions", text(cell.instructions)),
             ("instructions_simd", text(cell.instructions_simd.as_ref())),
             ("shard", text(cell.shard)),
@@ -89,7 +91,12 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
     columns
 }
 
-/// The value, with as many digits as it takes to read it back unchanged.
+/// A text.
+fn words(text: Option<&str>) -> String {
+    text.map_or_else(String::new, |text| csv_text(text).into_owned())
+}
+
+/// The number, with as many digits as it takes to read it back unchanged.
 fn text(value: Option<impl Display>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::escape::{markdown as escape, printable};
 use comfy_table::{Attribute, Cell as TableCell, CellAlignment, Color, Table, presets};
 
 /// A figure in a table, or what stands in its place.
@@ -51,12 +52,28 @@ impl Grid {
     /// For the terminal: what is set off is coloured if it is to be, else marked with a star. A table that is
     /// too wide is cut into several, each with the texts at its left.
     pub(super) fn terminal(&self, look: Look) -> String {
-        let parts = self.parts(look.width);
+        let grid = self.printable();
+        let parts = grid.parts(look.width);
         let tables: Vec<String> = parts
             .into_iter()
-            .map(|figures| self.table(figures, look.styled))
+            .map(|figures| grid.table(figures, look.styled))
             .collect();
         tables.join("\n")
+    }
+
+    /// The same with texts that a terminal can show.
+    fn printable(&self) -> Self {
+        let entry = |entry: &Entry| Entry {
+            text: printable(&entry.text).into_owned(),
+            ..*entry
+        };
+        let header = self.header.iter();
+        let rows = self.rows.iter();
+        Self {
+            texts: self.texts,
+            header: header.map(|text| printable(text).into_owned()).collect(),
+            rows: rows.map(|row| row.iter().map(entry).collect()).collect(),
+        }
     }
 
     /// Which columns of figures stand in one table, if no table may be wider than `width`.
@@ -163,11 +180,6 @@ impl Grid {
 fn line(fields: impl Iterator<Item = String>) -> String {
     let line = fields.fold("|".to_owned(), |line, field| line + " " + &field + " |");
     line.replace("|  |", "| |")
-}
-
-/// Keeps text from ending a table cell.
-pub(super) fn escape(text: &str) -> String {
-    text.replace('|', "\\|").replace('\n', " ")
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! One table in LaTeX, laid out like those of the papers.
 
+use super::escape::printable;
 use super::grid::Entry;
 use super::view::{Section, sections};
 use crate::record::ResultFile;
@@ -18,7 +19,7 @@ fn tabular(section: &Section<'_>, lines: &mut Vec<String>) {
     if let Some(group) = section.group {
         let texts = [group.name.as_deref(), group.shows.as_deref()];
         let texts = texts.into_iter().flatten().flat_map(|t| t.trim().lines());
-        lines.extend(texts.map(|text| format!("% {text}")));
+        lines.extend(texts.map(|text| format!("% {}", printable(text))));
     }
     let algorithms = &section.algorithms;
     lines.extend([
@@ -31,8 +32,8 @@ fn tabular(section: &Section<'_>, lines: &mut Vec<String>) {
         lines.push("\\midrule".to_owned());
         for note in std::iter::once(&view.sources).chain(&view.notes) {
             if !note.is_empty() {
-                let note = note.replace('\n', " ");
-                lines.push(format!("% {}: {note}", view.name));
+                let (name, note) = (printable(&view.name), printable(note));
+                lines.push(format!("% {name}: {note}"));
             }
         }
         for (i, row) in view.rows.iter().enumerate() {
@@ -66,9 +67,12 @@ fn entry(entry: &Entry) -> String {
 
 /// Text with the characters that mean something to LaTeX made harmless.
 pub(crate) fn escape(text: &str) -> String {
+    let text = printable(text);
     let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
+    for (place, c) in text.char_indices() {
         match c {
+            // Behind the end of a line they would be its options.
+            '[' | '*' if place == 0 => escaped.extend(['{', c, '}']),
             '&' | '%' | '$' | '#' | '_' | '{' | '}' => {
                 escaped.push('\\');
                 escaped.push(c);
@@ -93,5 +97,7 @@ mod tests {
             escape("\\~^"),
             "\\textbackslash{}\\textasciitilde{}\\textasciicircum{}"
         );
+        assert_eq!(escape("[2cm]\ra"), "{[}2cm] a");
+        assert_eq!(escape("*[a]"), "{*}[a]");
     }
 }

@@ -1,6 +1,7 @@
 //! One table in Markdown, laid out like those of the papers.
 
-use super::grid::{Entry, Grid, escape};
+use super::escape::markdown as escape;
+use super::grid::{Entry, Grid};
 use super::view::{Section, sections};
 use crate::record::ResultFile;
 
@@ -17,7 +18,8 @@ fn section(section: &Section<'_>) -> String {
             lines.extend([format!("## {}", escape(name)), String::new()]);
         }
         if let Some(shows) = &group.shows {
-            lines.extend([shows.trim().to_owned(), String::new()]);
+            lines.extend(shows.trim().lines().map(escape));
+            lines.push(String::new());
         }
     }
     let header = ["Model", ""]

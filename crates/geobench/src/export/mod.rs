@@ -3,6 +3,7 @@
 mod bars;
 mod comparison;
 mod csv;
+pub(crate) mod escape;
 pub(crate) mod figures;
 mod grid;
 mod json;

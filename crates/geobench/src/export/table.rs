@@ -1,5 +1,6 @@
 //! Tables for the terminal.
 
+use super::escape::printable;
 use super::grid::{Entry, Grid, Look};
 use super::ratios;
 use super::view::{ModelView, Row, sections};
@@ -9,7 +10,10 @@ use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile};
 /// that has neither.
 pub fn group_heading(group: &GroupRecord) -> String {
     let parts = [group.name.as_deref(), group.shows.as_deref()];
-    let lines: Vec<&str> = parts.into_iter().flatten().map(str::trim).collect();
+    let texts = parts.into_iter().flatten();
+    let lines: Vec<_> = texts
+        .flat_map(|text| text.trim().lines().map(printable))
+        .collect();
     if lines.is_empty() {
         String::new()
     } else {
@@ -39,7 +43,7 @@ pub(super) fn render(result: &ResultFile) -> String {
 }
 
 fn show(view: &ModelView<'_>, look: Look) -> String {
-    let mut lines = vec![format!("{}  ({})", view.name, view.size)];
+    let mut lines = vec![format!("{}  ({})", printable(&view.name), view.size)];
     if !view.refused {
         if !view.sources.is_empty() {
             lines[0] += "  ";
@@ -47,7 +51,11 @@ fn show(view: &ModelView<'_>, look: Look) -> String {
         }
         lines.push(table(view, look));
     }
-    lines.extend(view.notes.iter().map(|note| format!("  {note}")));
+    lines.extend(
+        view.notes
+            .iter()
+            .map(|note| format!("  {}", printable(note))),
+    );
     lines.join("\n") + "\n\n"
 }
 

@@ -11,6 +11,7 @@ use super::message::{Order, Reply};
 use super::system;
 use crate::affinity;
 use crate::in_process::InProcess;
+use crate::limits::DecompressionLimit;
 use crate::memory;
 use crate::model::ModelRef;
 use crate::record::Status;
@@ -39,6 +40,7 @@ pub(crate) fn cell(model: &OsStr) -> io::Result<()> {
         parent,
         cpus,
         memory_limit,
+        max_decompressed,
     }) = next(&mut orders)?
     else {
         return Ok(());
@@ -58,7 +60,10 @@ pub(crate) fn cell(model: &OsStr) -> io::Result<()> {
         Err(error) => return answer(&Reply::Refused(error.to_string())),
     };
     let mut done = Ok(());
-    let loaded = InProcess.with_model(&model, &mut |record, executor| {
+    let mut backend = InProcess {
+        decompressed: DecompressionLimit(max_decompressed),
+    };
+    let loaded = backend.with_model(&model, &mut |record, executor| {
         memory::give_back_clean_pages();
         done = answer(&Reply::Loaded(Box::new(record.clone())))
             .and_then(|()| obey(&mut orders, &record.name, executor));

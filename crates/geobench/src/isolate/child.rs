@@ -10,6 +10,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 
 use super::message::{Order, Reply};
+use super::orphans::Descendants;
 use super::trouble::{Ending, Trouble};
 use super::{system, tail::Tail};
 use crate::interrupt;
@@ -27,6 +28,7 @@ const GRACE: Duration = Duration::from_secs(1);
 #[derive(Debug)]
 pub(crate) struct Child {
     process: process::Child,
+    descendants: Descendants,
     orders: ChildStdin,
     replies: ChildStdout,
     errors: Option<ChildStderr>,
@@ -40,12 +42,12 @@ pub(crate) struct Child {
 impl Child {
     /// Starts `command`.
     pub(crate) fn start(mut command: Command) -> io::Result<Self> {
-        let mut process = command
+        command
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
-            .process_group(0)
-            .spawn()?;
+            .process_group(0);
+        let (mut process, descendants) = Descendants::of(&mut command)?;
         let (orders, replies, errors) = (
             process.stdin.take(),
             process.stdout.take(),
@@ -56,6 +58,7 @@ impl Child {
         };
         let child = Self {
             process,
+            descendants,
             orders,
             replies,
             errors: Some(errors),
@@ -72,7 +75,8 @@ impl Child {
 
     /// Bytes that it occupies, with whatever it has started.
     pub(crate) fn resident(&self) -> Option<u64> {
-        system::resident(self.process.id())
+        let own = system::resident(self.process.id())?;
+        Some(own + self.descendants.resident_orphans())
     }
 
     /// Its number.
@@ -241,11 +245,13 @@ impl Child {
     /// Ends the process and whatever it has started.
     fn kill(&mut self) -> Option<ExitStatus> {
         if self.status.is_none() {
+            let present = self.descendants.present();
             // As long as nobody has waited for the leader, no other group can have its number.
             if let Some(group) = self.group() {
                 let _ = kill_process_group(group, Signal::KILL);
             }
             self.status = self.process.wait().ok();
+            self.descendants.end(present);
         }
         self.status
     }

@@ -77,6 +77,7 @@ impl<'w> Crew<'w> {
                 .as_ref()
                 .map_or_else(Vec::new, |cpus| cpus.numbers().to_vec()),
             memory_limit: self.place.limits.memory.0,
+            max_decompressed: self.place.limits.decompressed.0,
         };
         match child.ask(&order, &self.place.limits, LONGEST) {
             Ok(Reply::Loaded(record)) => Ok((

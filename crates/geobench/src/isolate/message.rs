@@ -19,6 +19,8 @@ pub(super) enum Order {
         cpus: Vec<usize>,
         /// Most bytes that may be occupied, for the bound that the system keeps.
         memory_limit: Option<u64>,
+        /// Bytes that a compressed model may decompress to; the usual number if null.
+        max_decompressed: Option<u64>,
     },
     /// Carry out one run. Answered by `Ran`, `RanAgain` or `Failed`.
     Run {

@@ -23,7 +23,8 @@
 //! the system, because that counts memory that is asked for, not what is used, and a vector that
 //! doubles asks for much that it never uses.
 //!
-//! **The end.** A child leads a process group of its own, which is killed as a whole. It ends with
+//! **The end.** A child leads a process group of its own, which is killed as a whole, and with it what
+//! the child has started in other groups (`orphans`). It ends with
 //! its parent, however that ends: by `PR_SET_PDEATHSIG`, and by the end of its standard input.
 //! Where the kernel itself runs out of memory, the child at work has volunteered to go first
 //! (`oom_score_adj`), so that neither a neighbour nor the parent with all results is taken.
@@ -35,6 +36,7 @@ mod cell;
 mod child;
 mod crew;
 mod message;
+mod orphans;
 mod system;
 mod tail;
 mod trouble;
@@ -46,6 +48,7 @@ use std::process::Command;
 
 pub(crate) use cell::cell;
 pub(crate) use child::Child;
+pub(crate) use orphans::adopt as adopt_orphans;
 pub(crate) use trouble::Trouble;
 
 use crate::affinity::CpuList;

@@ -68,7 +68,8 @@ pub(super) fn resident(pid: u32) -> Option<u64> {
     Some(own + others)
 }
 
-fn children(pid: u32) -> Vec<u32> {
+/// Processes whose parent is process `pid`.
+pub(super) fn children(pid: u32) -> Vec<u32> {
     let Ok(threads) = fs::read_dir(format!("/proc/{pid}/task")) else {
         return Vec::new();
     };

@@ -82,7 +82,7 @@ struct Handover {
 }
 
 impl Handover {
-    fn new(model: &ModelRef) -> Result<Self, Failure> {
+    fn new(model: &ModelRef, limits: &Limits) -> Result<Self, Failure> {
         let failed = |why: String| Failure {
             status: Status::Crashed,
             message: format!("the model cannot be handed over: {why}"),
@@ -92,7 +92,8 @@ impl Handover {
             .tempdir()
             .map_err(|error| failed(error.to_string()))?;
         let path = folder.path().join("model.obj");
-        let soup = model.read().map_err(|error| failed(error.to_string()))?;
+        let soup = model.read(limits.decompressed);
+        let soup = soup.map_err(|error| failed(error.to_string()))?;
         mesh_io::write(&path, &soup).map_err(|error| failed(error.to_string()))?;
         Ok(Self {
             folder,
@@ -143,7 +144,7 @@ impl Bench<'_> {
         threads: usize,
     ) -> Result<Observation, Failure> {
         if self.handover.is_none() {
-            self.handover = Some(Handover::new(self.model)?);
+            self.handover = Some(Handover::new(self.model, self.limits)?);
         }
         let Some(handover) = &self.handover else {
             unreachable!("it has just been made");

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
 use super::answer;
 use super::message::Line;
@@ -85,6 +86,12 @@ impl Worker {
     /// Has it solve once.
     pub(super) fn solve(&mut self, task: &Task<'_>) -> Result<Observation, Failure> {
         const DOING: &str = "solving";
+        let start = Instant::now();
+        let deadline = task
+            .limits
+            .timeout
+            .0
+            .and_then(|time| start.checked_add(time));
         let order = match self.program.keeping {
             Keeping::Session => {
                 forget(&self.output);
@@ -101,7 +108,7 @@ impl Worker {
             let trouble = Trouble::Garbage("no \"seconds\"".into());
             return Err(trouble.failure(task.limits, DOING));
         }
-        let distances = answer::read(&self.output, task.vertices)?;
+        let distances = answer::read(&self.output, task.vertices, task.limits, deadline)?;
         Ok(line.observation(distances))
     }
 

@@ -2,6 +2,7 @@
 //! where the environment variable [`VARIABLE`] is set.
 
 use std::hint::black_box;
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use geobench_mesh::{Mesh, VertexId};
@@ -79,6 +80,13 @@ const FAMILY: &[Algorithm] = &[
     }),
     algorithm("test-garbage", &[AFTER], |mesh, values| {
         misbehave(mesh, values, || println!("half way there"))
+    }),
+    algorithm("test-spawn", &[AFTER], |mesh, values| {
+        misbehave(mesh, values, || {
+            let mut sleep = Command::new("setsid");
+            sleep.args(["--fork", "sleep", "600"]).stderr(Stdio::null());
+            let _ = sleep.stdin(Stdio::null()).stdout(Stdio::null()).status();
+        })
     }),
     algorithm("test-exit", &[AFTER], |mesh, values| {
         misbehave(mesh, values, || {

@@ -8,6 +8,7 @@ use anyhow::Context;
 use super::chart::{Chart, Spoken};
 use super::document::{Document, Plot, Table};
 use super::{Report, html, tex};
+use crate::export::escape::csv_text;
 use crate::output::OutputFile;
 
 /// A form of the files of a report.
@@ -87,11 +88,16 @@ fn table_csv(table: &Table) -> anyhow::Result<Vec<u8>> {
         parts.join(", ")
     });
     let first = parted.then(|| "Of".to_owned());
-    writer.write_record(first.into_iter().chain(heads))?;
+    writer.write_record(
+        first
+            .into_iter()
+            .chain(heads.map(|head| csv_text(&head).into_owned())),
+    )?;
     for part in &table.parts {
         for row in &part.rows {
             let title = parted.then_some(part.title.as_str());
-            writer.write_record(title.into_iter().chain(row.iter().map(|e| e.text.as_str())))?;
+            let texts = title.into_iter().chain(row.iter().map(|e| e.text.as_str()));
+            writer.write_record(texts.map(|text| csv_text(text).into_owned()))?;
         }
     }
     Ok(writer.into_inner()?)
@@ -104,13 +110,13 @@ fn plot_csv(plot: &Plot) -> anyhow::Result<Vec<u8>> {
     for datum in plot.chart.data() {
         let number = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
         writer.write_record([
-            datum.of,
-            datum.series,
+            csv_text(&datum.of).into_owned(),
+            csv_text(&datum.series).into_owned(),
             number(datum.x),
             number(datum.value),
             number(datum.interval.map(|[low, _]| low)),
             number(datum.interval.map(|[_, high]| high)),
-            datum.absent.unwrap_or_default(),
+            csv_text(&datum.absent.unwrap_or_default()).into_owned(),
         ])?;
     }
     Ok(writer.into_inner()?)

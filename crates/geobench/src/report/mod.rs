@@ -37,6 +37,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::export::Format;
 use crate::export::view::{self, algorithms, sections};
+use crate::limits::DecompressionLimit;
 use crate::record::{GroupRecord, ResultFile};
 use document::{Block, Document, Link, Note, Section, slug};
 use group::Group;
@@ -64,6 +65,8 @@ pub struct Options {
     pub ratio_to: Option<String>,
     /// The picture.
     pub picture: Wanted,
+    /// Bytes that the compressed model of the picture may decompress to.
+    pub decompressed: DecompressionLimit,
     /// The papers' tables to compare with.
     pub tables: Tables,
 }
@@ -127,7 +130,12 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, ReportError>
         let picture = if pictured {
             None
         } else {
-            match picture::plot(&result, &options.picture, &format!("{prefix}result")) {
+            match picture::plot(
+                &result,
+                &options.picture,
+                options.decompressed,
+                &format!("{prefix}result"),
+            ) {
                 Ok(picture) => picture,
                 // Another of the results may have that model.
                 Err(error) => {

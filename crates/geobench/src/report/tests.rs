@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::files::files;
 use super::{Form, Input, Options, Report, Tables, Wanted, build, page};
+use crate::limits::DecompressionLimit;
 use crate::model::ModelRef;
 use crate::record::{GroupRecord, ResultFile};
 use crate::rehearsal::{Rehearsal, crash_ich, plan, rehearse, result, spoil_vtp};
@@ -35,6 +36,7 @@ fn options() -> Options {
     Options {
         ratio_to: None,
         picture: Wanted::None,
+        decompressed: DecompressionLimit::default(),
         tables: Tables::OfSuite,
     }
 }

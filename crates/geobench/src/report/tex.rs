@@ -1,11 +1,13 @@
 //! Tables and plots in LaTeX: booktabs and pgfplots, with the numbers in the source, so that a paper can set them
 //! in its own type.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 
 use super::chart::{Axis, Bars, Chart, Dots, Lines, Point, Value, pgf_mark};
 use super::document::{Entry, Mark, Plot, Table};
 use super::html::overs;
+use crate::export::escape::printable;
 use crate::export::latex::escape;
 
 /// A `tabular`.
@@ -66,8 +68,8 @@ fn symbols(text: &str) -> String {
 }
 
 /// Text that can stand behind a `%`.
-fn remark(text: &str) -> String {
-    text.replace('\n', " ")
+fn remark(text: &str) -> Cow<'_, str> {
+    printable(text)
 }
 
 /// A `tikzpicture`, or how to include the picture.

@@ -18,7 +18,7 @@ pub use file::{Suite, SuiteGroup};
 pub use library::Library;
 pub use plans::{PlanError, Plans, Scale, plans};
 
-use crate::limits::{MemoryLimit, Timeout};
+use crate::limits::{DecompressionLimit, MemoryLimit, Timeout};
 use crate::plan::Reference;
 use crate::registry::Selection;
 use crate::source::SourceSpec;
@@ -52,6 +52,8 @@ pub struct Settings {
     pub timeout: Option<Timeout>,
     /// Memory that the process of each cell may occupy.
     pub memory_limit: Option<MemoryLimit>,
+    /// Bytes that a compressed model may decompress to.
+    pub max_decompressed: Option<DecompressionLimit>,
     /// What answers must agree with.
     pub reference: Option<Reference>,
     /// Names of the rows of tables.
@@ -106,6 +108,7 @@ impl Settings {
             threads: a.threads.or(b.threads),
             timeout: a.timeout.or(b.timeout),
             memory_limit: a.memory_limit.or(b.memory_limit),
+            max_decompressed: a.max_decompressed.or(b.max_decompressed),
             reference: a.reference.or(b.reference),
             rows: a.rows.or(b.rows),
             ratios_to: a.ratios_to.or(b.ratios_to),

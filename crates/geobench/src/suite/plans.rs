@@ -193,6 +193,7 @@ fn plan(
         limits: Limits {
             timeout: settings.timeout.unwrap_or(Timeout::USUAL),
             memory: settings.memory_limit.unwrap_or_default(),
+            decompressed: settings.max_decompressed.unwrap_or_default(),
         },
         algorithms,
     };

@@ -15,7 +15,7 @@ use crate::registry::{self, MOST_THREADS, Selection};
 use crate::source::SourceSpec;
 
 /// The keys of [`Settings`].
-pub(super) const SETTINGS: [&str; 14] = [
+pub(super) const SETTINGS: [&str; 15] = [
     "models",
     "algorithms",
     "source",
@@ -26,6 +26,7 @@ pub(super) const SETTINGS: [&str; 14] = [
     "threads",
     "timeout",
     "memory-limit",
+    "max-decompressed",
     "check",
     "rows",
     "ratios_to",
@@ -60,6 +61,11 @@ pub(super) fn setting(
         "memory-limit" => {
             let size = entry.text()?.parse();
             settings.memory_limit =
+                Some(size.map_err(|e: LimitError| entry.error(&e.to_string()))?);
+        }
+        "max-decompressed" => {
+            let size = entry.text()?.parse();
+            settings.max_decompressed =
                 Some(size.map_err(|e: LimitError| entry.error(&e.to_string()))?);
         }
         "check" => {

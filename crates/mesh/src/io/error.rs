@@ -50,6 +50,18 @@ pub enum ReadError {
         /// What the decompressor said.
         source: io::Error,
     },
+    /// The gzip data is larger than a mesh can be expected to be.
+    #[error(
+        "{path}: its {compressed} bytes decompress to more than {limit}, the limit; raise the limit if the file can be trusted"
+    )]
+    TooLarge {
+        /// The path asked for.
+        path: PathBuf,
+        /// Size of the compressed file in bytes.
+        compressed: u64,
+        /// Most bytes that it may decompress to.
+        limit: u64,
+    },
     /// The content breaks the rules of its format.
     #[error("{path}: {place}{problem}")]
     Malformed {

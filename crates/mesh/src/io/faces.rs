@@ -1,7 +1,7 @@
 //! The faces of a file, on their way to triangles.
 
 use super::error::Flaw;
-use super::triangulate::triangulate;
+use super::triangulate::{Budget, TooComplex, triangulate};
 use crate::soup::TriangleSoup;
 
 /// Faces with any number of corners, as the file lists them.
@@ -52,6 +52,7 @@ impl FaceList {
         if self.arities.is_empty() {
             soup.triangles = self.corners.as_chunks().0.to_vec();
         } else {
+            let mut budget = Budget::for_corners(self.corners.len());
             let mut rest = &self.corners[..];
             for (face, &arity) in self.arities.iter().enumerate() {
                 let (corners, next) = rest.split_at(arity as usize);
@@ -59,7 +60,18 @@ impl FaceList {
                 if arity < 3 {
                     soup.short_faces.push(face as u32);
                 }
-                triangulate(&soup.positions, corners, &mut soup.triangles);
+                triangulate(
+                    &soup.positions,
+                    corners,
+                    &mut soup.triangles,
+                    &mut budget,
+                )
+                .map_err(|TooComplex| {
+                    Flaw::file(format!(
+                        "face {face}, counted from 0, has {arity} corners and folds over itself, so that \
+                         cutting it into triangles takes too long; cut it into smaller faces"
+                    ))
+                })?;
                 soup.file_faces.resize(soup.triangles.len(), face as u32);
             }
         }

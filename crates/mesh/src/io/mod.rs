@@ -10,13 +10,15 @@
 //! not exist, and a coordinate may be `nan`. [`Mesh::from_soup`](crate::Mesh::from_soup) finds all
 //! such defects at once. What cannot be stored at all, such as a negative vertex number, is a
 //! [`ReadError`] that names the line or the element. Memory follows the size of the file, never
-//! the counts in its header.
+//! the counts in its header. A compressed file may not decompress to more than a limit: the usual
+//! one ([`usual_decompression_limit`]), or the one given to [`read_with_limit`].
 //!
 //! [`write`](fn@write) keeps every bit: reading a written file gives back the same soup, apart
 //! from which triangles were cut from one polygon.
 
 mod error;
 mod faces;
+mod gzip;
 mod obj;
 mod off;
 mod ply;
@@ -25,15 +27,15 @@ mod text;
 mod triangulate;
 mod write;
 
+use std::borrow::Cow;
 use std::fs;
-use std::io::{self, Read};
+use std::io;
 use std::path::Path;
-
-use flate2::read::MultiGzDecoder;
 
 use crate::soup::TriangleSoup;
 use error::Flaw;
 pub use error::{Place, ReadError, WriteError};
+pub use gzip::usual_decompression_limit;
 pub use write::{PlyEncoding, PlyWriter, write, write_obj};
 
 /// A mesh file format.
@@ -98,6 +100,16 @@ pub fn is_mesh_file(path: &Path) -> bool {
 /// When the file cannot be opened or decompressed, its ending is unknown, or its content breaks
 /// the rules of the format or holds no face.
 pub fn read(path: &Path) -> Result<TriangleSoup, ReadError> {
+    read_with_limit(path, None)
+}
+
+/// As [`read`], but a compressed file may decompress to `limit` bytes, or to the usual number
+/// ([`usual_decompression_limit`]) if that is `None`.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_with_limit(path: &Path, limit: Option<u64>) -> Result<TriangleSoup, ReadError> {
     let owned = || path.to_owned();
     let failed = |source: io::Error| match source.kind() {
         io::ErrorKind::NotFound => ReadError::NotFound { path: owned() },
@@ -113,7 +125,7 @@ pub fn read(path: &Path) -> Result<TriangleSoup, ReadError> {
     let format =
         Format::from_path(path).ok_or_else(|| ReadError::UnknownFormat { path: owned() })?;
     let bytes = fs::read(path).map_err(failed)?;
-    read_bytes(&bytes, format, path)
+    read_bytes_with_limit(&bytes, format, path, limit)
 }
 
 /// Reads a mesh from the `bytes` of a file, compressed or not; `path` is for messages only.
@@ -122,19 +134,27 @@ pub fn read(path: &Path) -> Result<TriangleSoup, ReadError> {
 ///
 /// As [`read`], but for opening the file.
 pub fn read_bytes(bytes: &[u8], format: Format, path: &Path) -> Result<TriangleSoup, ReadError> {
+    read_bytes_with_limit(bytes, format, path, None)
+}
+
+/// As [`read_bytes`], with the limit of [`read_with_limit`].
+///
+/// # Errors
+///
+/// As [`read_bytes`].
+pub fn read_bytes_with_limit(
+    bytes: &[u8],
+    format: Format,
+    path: &Path,
+    limit: Option<u64>,
+) -> Result<TriangleSoup, ReadError> {
     let owned = || path.to_owned();
-    let mut inflated = Vec::new();
-    let bytes = if bytes.starts_with(b"\x1f\x8b") {
-        MultiGzDecoder::new(bytes)
-            .read_to_end(&mut inflated)
-            .map_err(|source| ReadError::Gzip {
-                path: owned(),
-                source,
-            })?;
-        &inflated
+    let bytes = if gzip::is_gzip(bytes) {
+        Cow::Owned(gzip::inflate(bytes, limit, path)?)
     } else {
-        bytes
+        Cow::Borrowed(bytes)
     };
+    let bytes = &*bytes;
     if bytes.is_empty() {
         return Err(ReadError::Empty { path: owned() });
     }

@@ -22,10 +22,39 @@ use crate::vector::{cross, dot, sub};
 /// flat. It decides between cuts only; no triangle is dropped.
 const FLAT: f64 = 1e-12;
 
+/// Steps of ear clipping that the polygons of a file may take together, some nanoseconds each.
+///
+/// Clipping the ears of k corners takes O(k²) steps at worst. A file of 3 MB can hold a polygon that
+/// takes minutes, and one of 30 MB a polygon that takes hours.
+#[derive(Debug)]
+pub(super) struct Budget(u64);
+
+/// The budget is used up.
+#[derive(Debug)]
+pub(super) struct TooComplex;
+
+impl Budget {
+    /// The budget of a file whose faces have so many corners: some seconds for a polygon, and
+    /// more than any number of small polygons takes.
+    pub(super) fn for_corners(corners: usize) -> Self {
+        Self((1 << 29) + 1000 * corners as u64)
+    }
+
+    fn take(&mut self, steps: usize) -> Result<(), TooComplex> {
+        self.0 = self.0.checked_sub(steps as u64).ok_or(TooComplex)?;
+        Ok(())
+    }
+}
+
 /// Appends the triangles of the polygon `corners` to `triangles`; none if it has fewer than three.
 ///
-/// Takes O(k) time for k corners if the fan will do, and O(k²) at worst.
-pub(super) fn triangulate(positions: &[[f64; 3]], corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
+/// Takes O(k) time for k corners if the fan will do, and O(k²) at worst, within the budget.
+pub(super) fn triangulate(
+    positions: &[[f64; 3]],
+    corners: &[u32],
+    triangles: &mut Vec<[u32; 3]>,
+    budget: &mut Budget,
+) -> Result<(), TooComplex> {
     let k = corners.len();
     let fan_from = |first: usize| {
         (1..k.saturating_sub(1)).map(move |i| [0, i, i + 1].map(|j| (first + j) % k))
@@ -40,10 +69,11 @@ pub(super) fn triangulate(positions: &[[f64; 3]], corners: &[u32], triangles: &m
         && let Some(polygon) = Polygon::new(positions, corners)
         && fan.clone().any(|t| polygon.turn(t) <= FLAT)
     {
-        triangles.extend(clip_ears(&polygon).into_iter().map(name));
+        triangles.extend(clip_ears(&polygon, budget)?.into_iter().map(name));
     } else {
         triangles.extend(fan.map(name));
     }
+    Ok(())
 }
 
 /// The place of a corner that stands more than once in the list.
@@ -121,7 +151,7 @@ impl Polygon {
 ///
 /// Clipping an ear changes only whether its two neighbours are ears: what keeps another corner
 /// from being one is a reflex corner inside its triangle, and ears are convex.
-fn clip_ears(polygon: &Polygon) -> Vec<[usize; 3]> {
+fn clip_ears(polygon: &Polygon, budget: &mut Budget) -> Result<Vec<[usize; 3]>, TooComplex> {
     let n = polygon.points.len();
     let mut ring = Ring {
         next: (0..n).map(|i| (i + 1) % n).collect(),
@@ -134,7 +164,8 @@ fn clip_ears(polygon: &Polygon) -> Vec<[usize; 3]> {
     }
     // A corner never turns from convex to reflex, so those that are now are all that can block.
     ring.blockers = (0..n).filter(|&i| ring.turns[i] <= FLAT).collect();
-    let mut is_ear: Vec<bool> = (0..n).map(|i| ring.is_ear(polygon, i)).collect();
+    let is_ear: Result<Vec<bool>, _> = (0..n).map(|i| ring.is_ear(polygon, i, budget)).collect();
+    let mut is_ear = is_ear?;
 
     let mut triangles = Vec::with_capacity(n - 2);
     let mut at = 1;
@@ -144,8 +175,10 @@ fn clip_ears(polygon: &Polygon) -> Vec<[usize; 3]> {
             at = ring.next[at];
             steps += 1;
         }
+        budget.take(steps)?;
         if !is_ear[at] {
             // Not a simple polygon: go on with the corner that turns most.
+            budget.take(left)?;
             at = ring.sharpest(at);
         }
         let ear = ring.ear(at);
@@ -159,13 +192,13 @@ fn clip_ears(polygon: &Polygon) -> Vec<[usize; 3]> {
             ring.turns[i] = polygon.turn(ring.ear(i));
         }
         for i in [before, after] {
-            is_ear[i] = ring.is_ear(polygon, i);
+            is_ear[i] = ring.is_ear(polygon, i, budget)?;
         }
         // Going on behind the neighbour spreads the cuts instead of gathering them in one corner.
         at = ring.next[after];
     }
     triangles.push(ring.ear(at));
-    triangles
+    Ok(triangles)
 }
 
 /// The corners that are left, in a circle.
@@ -185,13 +218,17 @@ impl Ring {
     }
 
     /// Whether the triangle at `i` can be cut off.
-    fn is_ear(&self, polygon: &Polygon, i: usize) -> bool {
+    fn is_ear(&self, polygon: &Polygon, i: usize, budget: &mut Budget) -> Result<bool, TooComplex> {
+        let convex = self.turns[i] > FLAT;
+        if !convex {
+            return Ok(false);
+        }
         let ear = self.ear(i);
-        self.turns[i] > FLAT
-            && !self
-                .blockers
-                .iter()
-                .any(|&q| self.turns[q] <= FLAT && !ear.contains(&q) && polygon.holds(ear, q))
+        let blocks =
+            |&q: &usize| self.turns[q] <= FLAT && !ear.contains(&q) && polygon.holds(ear, q);
+        let first = self.blockers.iter().position(blocks);
+        budget.take(first.unwrap_or(self.blockers.len()))?;
+        Ok(first.is_none())
     }
 
     /// The corner of the circle through `start` with the largest triangle.
@@ -212,6 +249,11 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+
+    /// [`super::triangulate`] without a limit.
+    fn triangulate(positions: &[[f64; 3]], corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
+        super::triangulate(positions, corners, triangles, &mut Budget(u64::MAX)).unwrap();
+    }
 
     /// The triangles of a plane polygon, after checking that they tile it.
     fn cut(polygon: &[[f64; 2]]) -> Vec<[u32; 3]> {

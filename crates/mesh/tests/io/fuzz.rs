@@ -1,108 +1,88 @@
-//! Damaged files: any answer will do, but there must be one.
+//! Damaged files: any answer will do, but there must be one, soon, and in little memory.
 
 use std::path::Path;
+use std::time::{Duration, Instant};
 
-use geobench_mesh::io::{Format, read_bytes};
+use geobench_mesh::Mesh;
+use geobench_mesh::io::{Format, read_bytes_with_limit};
+use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAllocTrait};
 use proptest::prelude::*;
+use proptest::test_runner::{TestCaseError, TestRunner};
 
+use crate::damage::{Damage, damage, damages, fixed, mutations};
 use crate::{gzip, samples};
 
 const FORMATS: [Format; 4] = [Format::Obj, Format::Ply, Format::Off, Format::Stl];
 
-/// One way to damage a file.
-#[derive(Clone, Debug)]
-enum Damage {
-    /// Overwrite a byte.
-    Set(usize, u8),
-    /// Cut something out.
-    Remove(usize, usize),
-    /// Put something in that readers are likely to stumble over.
-    Insert(usize, &'static [u8]),
-    /// Say a part twice.
-    Repeat(usize, usize),
-    /// Drop the end.
-    Cut(usize),
+/// Longest time that a small file may take, on a machine that does other things as well.
+const LONGEST: Duration = Duration::from_secs(5);
+
+/// Most bytes that a compressed file may decompress to here.
+const LIMIT: u64 = 1 << 20;
+
+/// Most memory that reading and checking may take, of all tests that run at the same time.
+const MOST_MEMORY: usize = 256 << 20;
+
+/// A sample, what happens to it, and whether it is compressed before or after that.
+type Case = (usize, Vec<Damage>, Option<bool>);
+
+fn cases() -> impl Strategy<Value = Case> {
+    let packed = prop_oneof![8 => Just(None), 1 => any::<bool>().prop_map(Some)];
+    let damages = prop::collection::vec(damages(), 1..6);
+    (0..samples::to_damage().len(), damages, packed)
 }
 
-fn damages() -> impl Strategy<Value = Damage> {
-    const STONES: [&[u8]; 16] = [
-        b"\n",
-        b" ",
-        b"-",
-        b"/",
-        b"\\\n",
-        b"#",
-        b"\0",
-        b"\xff",
-        b"0",
-        b"4294967296",
-        b"1e999",
-        b" -9223372036854775808 ",
-        b" 170141183460469231731687303715884105728 ",
-        b"\nf 1 2 3 4 5 6\n",
-        b"\nend_header\n",
-        b"\nsolid\n",
-    ];
-    prop_oneof![
-        (any::<usize>(), any::<u8>()).prop_map(|(i, b)| Damage::Set(i, b)),
-        (any::<usize>(), 1..30usize).prop_map(|(i, n)| Damage::Remove(i, n)),
-        (any::<usize>(), prop::sample::select(&STONES[..])).prop_map(|(i, s)| Damage::Insert(i, s)),
-        (any::<usize>(), 1..60usize).prop_map(|(i, n)| Damage::Repeat(i, n)),
-        any::<usize>().prop_map(Damage::Cut),
-    ]
+fn damaged_file(samples: &[(Format, Vec<u8>)], case: &Case) -> Result<(), TestCaseError> {
+    let (sample, list, packed) = case;
+    let (format, mut bytes) = samples[*sample].clone();
+    if *packed == Some(true) {
+        bytes = gzip(&bytes);
+    }
+    for d in list {
+        damage(&mut bytes, d);
+    }
+    let size = bytes.len();
+    if *packed == Some(false) {
+        bytes = gzip(&bytes);
+    }
+    let start = Instant::now();
+    INSTRUMENTED_SYSTEM.reset_peak_memory();
+    if let Ok(soup) = read_bytes_with_limit(&bytes, format, Path::new("test"), Some(LIMIT)) {
+        // A soup never grows beyond what the file could have spelt out.
+        prop_assert!(soup.positions.len() + soup.triangles.len() <= 2 * size + 1000);
+        prop_assert!(soup.file_faces.is_empty() || soup.file_faces.len() == soup.triangles.len());
+        let _ = Mesh::from_soup(soup);
+    }
+    let memory = INSTRUMENTED_SYSTEM.get_peak_memory();
+    prop_assert!(memory < MOST_MEMORY, "{memory} bytes");
+    prop_assert!(start.elapsed() < LONGEST);
+    Ok(())
 }
 
-fn damage(bytes: &mut Vec<u8>, damage: &Damage) {
-    let len = bytes.len();
-    if len == 0 {
-        return;
-    }
-    match *damage {
-        Damage::Set(i, b) => bytes[i % len] = b,
-        Damage::Remove(i, n) => {
-            let i = i % len;
-            bytes.drain(i..len.min(i + n));
-        }
-        Damage::Insert(i, stone) => {
-            let i = i % len;
-            bytes.splice(i..i, stone.iter().copied());
-        }
-        Damage::Repeat(i, n) => {
-            let i = i % len;
-            let part = bytes[i..len.min(i + n)].to_vec();
-            bytes.splice(i..i, part);
-        }
-        Damage::Cut(i) => bytes.truncate(i % len),
-    }
+fn damaged_files(config: ProptestConfig) {
+    let samples = samples::to_damage();
+    let done = TestRunner::new(config).run(&cases(), |case| damaged_file(&samples, &case));
+    done.unwrap_or_else(|error| panic!("{error}"));
+}
+
+#[test]
+fn damaged_files_do_not_panic() {
+    damaged_files(ProptestConfig::with_cases(2_000));
+}
+
+#[test]
+#[ignore = "takes half a minute"]
+fn many_damaged_files_do_not_panic() {
+    damaged_files(fixed(mutations()));
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
     #[test]
-    fn damaged_files_do_not_panic(
-        sample in 0..7usize,
-        list in prop::collection::vec(damages(), 1..6),
-        packed in prop::bool::weighted(0.1),
-    ) {
-        let (_, format, mut bytes) = samples::all().swap_remove(sample);
-        if packed {
-            bytes = gzip(&bytes);
-        }
-        for d in &list {
-            damage(&mut bytes, d);
-        }
-        if let Ok(soup) = read_bytes(&bytes, format, Path::new("test")) {
-            // A soup never grows beyond what the file could have spelt out.
-            prop_assert!(soup.positions.len() + soup.triangles.len() <= 2 * bytes.len() + 1000);
-            prop_assert!(soup.file_faces.is_empty() || soup.file_faces.len() == soup.triangles.len());
-        }
-    }
-
-    #[test]
     fn noise_does_not_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
         for format in FORMATS {
-            let _ = read_bytes(&bytes, format, Path::new("test"));
+            let _ = read_bytes_with_limit(&bytes, format, Path::new("test"), Some(LIMIT));
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Mesh files: what is read from them, what is refused and how, and that nothing is lost.
 
+mod damage;
 mod errors;
 mod fuzz;
 mod good;
@@ -7,6 +8,7 @@ mod models;
 mod round_trip;
 mod samples;
 
+use std::alloc::System;
 use std::io::Write;
 use std::path::Path;
 
@@ -14,6 +16,11 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use geobench_mesh::TriangleSoup;
 use geobench_mesh::io::{Format, ReadError, read_bytes};
+use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAlloc};
+
+/// Counts the memory that readers take.
+#[global_allocator]
+static ALLOCATOR: &PeakMemAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 /// Reads a file that exists only in memory, under the name `test`.
 fn parse(format: Format, bytes: impl AsRef<[u8]>) -> Result<TriangleSoup, ReadError> {

@@ -18,6 +18,26 @@ pub(crate) fn all() -> Vec<(&'static str, Format, Vec<u8>)> {
     ]
 }
 
+/// All samples, and some with polygons, to be damaged.
+pub(crate) fn to_damage() -> Vec<(Format, Vec<u8>)> {
+    let comb = "OFF\n13 3 0\n0 0 0\n7 0 0\n7 5 0\n6 5 0\n6 1 0\n4 1 0\n4 5 0\n3 5 0\n3 1 0\n1 1 0\n\
+                1 5 0\n0 5 0\n3 2 9\n12 0 1 2 3 4 5 6 7 8 9 10 11\n5 0 1 12 2 3\n4 12 11 0 1\n";
+    let fan = "v 0 0 0\nv 1 0 0\nv 1 1 .1\nv 0 1 0\nv -1 1 1e-3\nv -1 0 0\nv -1 -1 -2.5E1\n\
+               f 1 2 3 4 5 6\nf 1/1 -1/2 -2/3\nf 1//1 2//1 \\\n7//2\nv 3 3 3 2\nf 8 7 6 5 4 3 2 1\n";
+    let quads = "ply\nformat ascii 1.0\nelement vertex 5\nproperty double x\nproperty double y\n\
+                 property double z\nelement face 2\nproperty list uint8 int32 vertex_index\nend_header\n\
+                 0 0 0\n1 0 0\n1 1 0\n0 1 0\n.5 .5 3\n4 0 1 2 3\n3 0 1 4\n";
+    let polygons = [
+        (Format::Off, comb),
+        (Format::Obj, fan),
+        (Format::Ply, quads),
+    ];
+    let plain = all().into_iter().map(|(_, format, bytes)| (format, bytes));
+    plain
+        .chain(polygons.map(|(format, text)| (format, text.as_bytes().to_vec())))
+        .collect()
+}
+
 /// The vertices of all samples, in order.
 pub(crate) const POSITIONS: [[f64; 3]; 4] = [
     [0.0, 0.0, 0.5],

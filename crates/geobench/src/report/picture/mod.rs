@@ -15,6 +15,7 @@ use super::document::{Plot, slug};
 use super::svg::{Svg, px};
 use crate::export::number::grouped;
 use crate::field::ramp;
+use crate::limits::DecompressionLimit;
 use crate::model::{self, LoadedModel, ModelRef};
 use crate::record::ResultFile;
 use crate::registry;
@@ -133,6 +134,7 @@ pub enum PictureError {
 pub(crate) fn plot(
     result: &ResultFile,
     wanted: &Wanted,
+    limit: DecompressionLimit,
     prefix: &str,
 ) -> Result<Option<Plot>, PictureError> {
     match wanted {
@@ -144,13 +146,13 @@ pub(crate) fn plot(
                     models: result.models.iter().map(|m| m.name.clone()).collect(),
                 });
             }
-            of_model(result, model, *source, prefix).map(Some)
+            of_model(result, model, *source, limit, prefix).map(Some)
         }
         Wanted::Any => Ok(result
             .models
             .iter()
             .filter(|m| m.faces.is_some_and(|faces| faces <= MOST_FACES))
-            .find_map(|m| of_model(result, &m.name, None, prefix).ok())),
+            .find_map(|m| of_model(result, &m.name, None, limit, prefix).ok())),
     }
 }
 
@@ -158,6 +160,7 @@ fn of_model(
     result: &ResultFile,
     name: &str,
     source: Option<u32>,
+    limit: DecompressionLimit,
     prefix: &str,
 ) -> Result<Plot, PictureError> {
     let unloadable = |problem: String| PictureError::Unloadable {
@@ -172,7 +175,7 @@ fn of_model(
         .try_into()
         .map_err(|_| unloadable(format!("{} is a directory", record.path)))?;
     let loaded = model
-        .load()
+        .load_within(limit)
         .map_err(|error| unloadable(error.to_string()))?;
     if record.sha256.is_none() || loaded.record.sha256 != record.sha256 {
         return Err(PictureError::Changed {

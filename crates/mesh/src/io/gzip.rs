@@ -1,0 +1,65 @@
+//! Decompression within a limit.
+//!
+//! Deflate compresses up to 1032 times, so a small file can decompress to more than the memory of
+//! the machine. Mesh files compress 3 to 20 times.
+
+use std::io::Read;
+use std::path::Path;
+
+use flate2::read::MultiGzDecoder;
+
+use super::error::ReadError;
+
+/// Largest ratio of decompressed to compressed size that is usual.
+const RATIO: u64 = 100;
+
+/// Any file may decompress to this many bytes: small files of constant content compress well.
+const FLOOR: u64 = 64 << 20;
+
+/// No file may decompress to more than this many bytes unless a larger limit is given.
+const CEILING: u64 = 8 << 30;
+
+/// Most bytes to which `compressed` bytes may decompress where no other limit is given: 100 times
+/// as many, at least 64 MiB, at most 8 GiB.
+pub fn usual_decompression_limit(compressed: u64) -> u64 {
+    compressed.saturating_mul(RATIO).clamp(FLOOR, CEILING)
+}
+
+/// Whether `bytes` start like gzip data.
+pub(super) fn is_gzip(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x1f\x8b")
+}
+
+/// Decompresses `bytes`, all members of a file, to at most `limit` bytes.
+pub(super) fn inflate(bytes: &[u8], limit: Option<u64>, path: &Path) -> Result<Vec<u8>, ReadError> {
+    let compressed = bytes.len() as u64;
+    let limit = limit.unwrap_or_else(|| usual_decompression_limit(compressed));
+    let mut inflated = Vec::new();
+    MultiGzDecoder::new(bytes)
+        .take(limit.saturating_add(1))
+        .read_to_end(&mut inflated)
+        .map_err(|source| ReadError::Gzip {
+            path: path.to_owned(),
+            source,
+        })?;
+    if inflated.len() as u64 > limit {
+        return Err(ReadError::TooLarge {
+            path: path.to_owned(),
+            compressed,
+            limit,
+        });
+    }
+    Ok(inflated)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_usual_limit_is_a_ratio_between_two_sizes() {
+        assert_eq!(usual_decompression_limit(0), 64 << 20);
+        assert_eq!(usual_decompression_limit(1 << 20), 100 << 20);
+        assert_eq!(usual_decompression_limit(u64::MAX), 8 << 30);
+    }
+}

@@ -1,0 +1,78 @@
+//! Defects that were mended, each with a test that is named after what went wrong.
+
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use geobench_mesh::io::{self, Format, ReadError};
+
+/// Gzip data of many members that each hold a mebibyte of spaces, `mebibytes` in total.
+fn bomb(mebibytes: usize) -> Vec<u8> {
+    let mut member = GzEncoder::new(Vec::new(), Compression::best());
+    member.write_all(&vec![b' '; 1 << 20]).unwrap();
+    member.finish().unwrap().repeat(mebibytes)
+}
+
+#[test]
+fn a_small_gzip_file_took_gigabytes() {
+    let bytes = bomb(3000);
+    let limit = io::usual_decompression_limit(bytes.len() as u64);
+    for format in [Format::Obj, Format::Ply, Format::Off, Format::Stl] {
+        let error = io::read_bytes(&bytes, format, Path::new("bomb.gz")).unwrap_err();
+        let ReadError::TooLarge { limit: at, .. } = error else {
+            panic!("{error}");
+        };
+        assert_eq!(at, limit);
+        assert_eq!(
+            error.to_string(),
+            format!(
+                "bomb.gz: its {} bytes decompress to more than {limit}, the limit; raise the limit \
+                 if the file can be trusted",
+                bytes.len()
+            )
+        );
+    }
+}
+
+#[test]
+fn a_gzip_file_within_the_limit_is_read() {
+    let mut bytes = bomb(1);
+    let mut mesh = GzEncoder::new(Vec::new(), Compression::best());
+    mesh.write_all(b"\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        .unwrap();
+    bytes.extend(mesh.finish().unwrap());
+    let size = (1 << 20) + 33;
+    let read = |limit| io::read_bytes_with_limit(&bytes, Format::Obj, Path::new("m.gz"), limit);
+    assert_eq!(read(None).unwrap().triangles, [[0, 1, 2]]);
+    assert_eq!(read(Some(size)).unwrap().triangles, [[0, 1, 2]]);
+    assert!(matches!(
+        read(Some(size - 1)),
+        Err(ReadError::TooLarge { .. })
+    ));
+}
+
+#[test]
+fn a_polygon_of_many_corners_took_hours() {
+    // A star that winds seven times around its centre: no corner is an ear.
+    let corners: u32 = 200_000;
+    let mut file = String::new();
+    for i in 0..corners {
+        let angle = f64::from(i) / f64::from(corners) * 7.0 * std::f64::consts::TAU;
+        let radius = if i % 2 == 0 { 1.0 } else { 0.5 };
+        let (x, y) = (radius * angle.cos(), radius * angle.sin());
+        writeln!(file, "v {x} {y} 0").unwrap();
+    }
+    file.push('f');
+    (1..=corners).for_each(|i| write!(file, " {i}").unwrap());
+    let start = Instant::now();
+    let error = io::read_bytes(file.as_bytes(), Format::Obj, Path::new("star.obj")).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "star.obj: face 0, counted from 0, has 200000 corners and folds over itself, so that cutting \
+         it into triangles takes too long; cut it into smaller faces"
+    );
+    assert!(start.elapsed() < Duration::from_secs(60));
+}

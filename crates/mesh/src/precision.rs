@@ -8,6 +8,12 @@
 /// leaves room for ten thousand faces in the worst case.
 pub const MARGIN: f64 = 1e-12;
 
+/// How far rounding may have moved a place on an edge, as a fraction of the length of the edge: some 50 units in the last place.
+///
+/// It is no more than that since all that a comparison takes for equal may be lost: what is too long by it is so by the rounding of the
+/// longest edges, however short the distance is.
+pub const GRAIN: f64 = 1e-14;
+
 /// The angle, in radians, below which two directions cannot be told apart by the lengths of paths: √[`MARGIN`], since a bend by the angle δ
 /// lengthens a path by at most δ²/2 of itself.
 pub const RESOLUTION: f64 = 1e-6;

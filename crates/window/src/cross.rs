@@ -33,7 +33,7 @@ pub fn left_child(frame: &Frame, w: &Window, sp: f64, hi: f64) -> Option<Window>
             at(hi).min(frame.la)
         },
         px: ux * w.px + uy * w.py,
-        py: (ux * w.py - uy * w.px).min(0.0),
+        py: -(ux * w.py - uy * w.px).abs(),
         sigma: w.sigma,
     };
     (w.b0 < hi && child.b0 < child.b1).then_some(child)
@@ -56,7 +56,7 @@ pub fn right_child(frame: &Frame, w: &Window, sp: f64, lo: f64) -> Option<Window
         b0: if lo <= sp { 0.0 } else { at(lo).max(0.0) },
         b1: at(w.b1).min(frame.lb),
         px: vx * x + vy * y,
-        py: (vx * y - vy * x).min(0.0),
+        py: -(vx * y - vy * x).abs(),
         sigma: w.sigma,
     };
     (lo < w.b1 && child.b0 < child.b1).then_some(child)

@@ -1,5 +1,6 @@
 //! The vertex filter: a window is useless if a path through a known vertex is shorter everywhere.
 
+use crate::precision::MARGIN;
 use crate::window::{Window, norm};
 
 /// Whether a window is dropped when a path through a known vertex beats all of it.
@@ -15,7 +16,7 @@ pub enum VertexFilter {
 
 /// How much shorter a path through a vertex must be, as a fraction of itself and of the edge, before it deletes a window:
 /// rounding must never delete one of two equal paths, and it may be that of the edge, where the vertex is much nearer than that.
-const SLACK: f64 = 1e-14;
+const SLACK: f64 = MARGIN;
 
 /// Whether paths along the edge from one of its ends beat every ray of `w` (Xin and Wang 2009,
 /// theorem 3.2, first two tests).

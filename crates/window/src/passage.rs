@@ -181,7 +181,7 @@ impl<'a> Turn<'a> {
             b0,
             b1,
             px,
-            py: less(py, 0.0),
+            py: -py.abs(),
             sigma: self.passage.window.sigma,
         };
         (b0 < b1).then_some(window)

@@ -1,3 +1,3 @@
 //! Placeholder.
 
-pub use geobench_mesh::precision::MARGIN;
+pub use geobench_mesh::precision::{GRAIN, MARGIN};

@@ -124,16 +124,24 @@ impl Merger {
         while k < windows.len() {
             let mut sweep = Sweep::start(store, i, windows[k].b0, &mut self.pieces);
             let mut is_open = sweep.insert(&windows[k], run.level(k), l, merged, weigh, probe);
+            // What this sweep has inserted, it does not meet again: the next window must begin behind the one that ends last.
+            let mut last = &windows[k];
             k += 1;
             while !is_open && k < windows.len() {
-                let (last, mut new) = (&windows[k - 1], windows[k]);
+                let mut new = windows[k];
                 if new.b0 < last.b1 {
                     if matters(last, &new, new.b0, last.b1.min(new.b1), l) {
                         break;
                     }
                     // They touch, and overlap by rounding.
-                    new.b0 = last.b1.min(new.b1);
+                    new.b0 = last.b1;
+                    if new.b0 >= new.b1 {
+                        probe.add(Counter::Filtered, 1);
+                        k += 1;
+                        continue;
+                    }
                 }
+                last = &windows[k];
                 sweep.pass(new.b0);
                 is_open = sweep.insert(&new, run.level(k), l, merged, weigh, probe);
                 k += 1;

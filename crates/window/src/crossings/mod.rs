@@ -188,7 +188,7 @@ impl Crossings {
             b0: 0.0,
             b1: less(end, length),
             px,
-            py: less(across, 0.0),
+            py: -across.abs(),
             sigma: w.sigma[lane],
         };
         let edge = Edge {
@@ -289,7 +289,7 @@ impl Crossings {
                 b0: greater(start, 0.0),
                 b1: end,
                 px,
-                py: less(across, 0.0),
+                py: -across.abs(),
                 sigma,
             };
             let edge = Edge {

@@ -1,11 +1,12 @@
 //! What windows leave on the other side of their triangles.
 
 use crate::frame::Outlet;
+use crate::precision;
 use crate::window::{Window, norm};
 
 /// How much shorter than a window's a path through a vertex must be, relatively, to beat it: as in [the
 /// filter](crate::is_beaten_from_ends).
-const MARGIN: f64 = 1.0 - 1e-14;
+const MARGIN: f64 = 1.0 - precision::MARGIN;
 
 /// What a window leaves at one exit, in the frame of the neighbour's half-edge.
 #[derive(Clone, Copy, Debug)]

@@ -50,7 +50,7 @@ impl Division {
             // Ranges that matter to neither are not worth a trim.
             let matters = |start, end| matters(w, new, start, end, l);
             let winner = |start, end| {
-                if is_new_shorter(w, new, start, end) {
+                if is_new_shorter(w, new, start, end, l) {
                     Owner::New
                 } else {
                     old

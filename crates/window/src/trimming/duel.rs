@@ -8,11 +8,19 @@ use std::cmp::Ordering;
 use crate::tie::tie_points;
 use crate::window::Window;
 
+use crate::precision::GRAIN;
 use super::foot::{does_new_win, may_be_foot};
 
-/// How much shorter a new window must be, relatively, to take ground from a stored one. The old
-/// one wins ties, so that a window that comes twice is not stored twice.
-const MARGIN: f64 = 1.0 - 1e-12;
+/// Whether the first distance is the shorter one beyond doubt, at a point of an edge of length `l`.
+///
+/// A new window must be so much shorter to take ground from a stored one: the old one wins ties, so that a window that comes twice is not
+/// stored twice, and none is that has wound around a needle. Where a source is much nearer than the edge is long, its place is known to
+/// the rounding of the edge only.
+#[inline(always)]
+#[allow(clippy::inline_always)] // Four times in each duel.
+fn is_clearly_less(first: f64, second: f64, l: f64) -> bool {
+    first < second - GRAIN * (second + l)
+}
 
 /// Width below which what trimming leaves of a window is dropped, as a fraction of the edge or of
 /// the distance of the source, whichever is less.
@@ -76,8 +84,8 @@ impl Duel {
         {
             return if wins { Self::Won(lo, hi) } else { Self::Lost };
         }
-        let wins = [0, 1].map(|end| offered[end] < held[end] * MARGIN);
-        let loses = [0, 1].map(|end| held[end] < offered[end] * MARGIN);
+        let wins = [0, 1].map(|end| is_clearly_less(offered[end], held[end], l));
+        let loses = [0, 1].map(|end| is_clearly_less(held[end], offered[end], l));
         if (wins[0] | wins[1]) & (loses[0] | loses[1]) {
             let tie = tie_between(old, new, lo, hi);
             // Not if there is none, or two.
@@ -211,12 +219,18 @@ fn may_tie_twice(old: &Window, new: &Window, lo: f64, hi: f64) -> bool {
 /// The middle tells, unless they are equal there. Two sources on the line of the edge are equal all
 /// along the side on which one stands behind the other, and part where the nearer one stands: the
 /// ends tell then.
-pub(super) fn is_new_shorter(old: &Window, new: &Window, start: f64, end: f64) -> bool {
+pub(super) fn is_new_shorter(
+    old: &Window,
+    new: &Window,
+    start: f64,
+    end: f64,
+    l: f64,
+) -> bool {
     let compare = |x: f64| {
         let (held, offered) = (old.distance(x), new.distance(x));
-        if offered < held * MARGIN {
+        if is_clearly_less(offered, held, l) {
             Ordering::Less
-        } else if held < offered * MARGIN {
+        } else if is_clearly_less(held, offered, l) {
             Ordering::Greater
         } else {
             Ordering::Equal

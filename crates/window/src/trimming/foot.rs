@@ -10,23 +10,32 @@
 //! Among equals it stays, since it holds every direction that they have.
 
 use crate::window::Window;
-use crate::precision::MARGIN;
+use crate::precision::GRAIN;
 
-/// Half the width of a foot, as a fraction of the edge: some units in the last place of an abscissa.
-const HALF_WIDTH: f64 = 4e-15;
+/// Half the width of a foot, as a fraction of the edge: over it the distance of the source hardly grows beyond rounding.
+const HALF_WIDTH: f64 = 3.0 * GRAIN;
+
+/// How far an interval must reach to both sides of the foot to hold all directions, as a fraction of the edge: some units in the last place
+/// of an abscissa.
+const CLEARANCE: f64 = 0.1 * GRAIN;
+
+/// How far a ray that counts as one of the foot may go along the edge, in heights of the source over the edge: the others graze it.
+const STEEP: f64 = 20.0;
 
 /// The foot of `w` on an edge of length `l`, if its source stands on the edge, or closer to it than [`MARGIN`] tells, and all directions of the
 /// source are its own: an interval that ends beside the foot has only some of them, and rounding does not tell which.
 #[inline]
 pub fn foot(w: &Window, l: f64) -> Option<[f64; 2]> {
-    (w.py.abs() <= MARGIN * l).then(|| whole_foot(w, l))?
+    (w.py.abs() <= GRAIN * l).then(|| whole_foot(w, l))?
 }
 
 #[cold]
 fn whole_foot(w: &Window, l: f64) -> Option<[f64; 2]> {
-    let half = HALF_WIDTH * l;
-    let (start, end) = ((w.px - half).max(0.0), (w.px + half).min(l));
-    (w.b0 <= start && start < end && end <= w.b1).then_some([start, end])
+    let clear = CLEARANCE * l + STEEP * w.py.abs();
+    let is_whole = w.b0 <= (w.px - clear).max(0.0) && (w.px + clear).min(l) <= w.b1;
+    let half = HALF_WIDTH * l + STEEP * w.py.abs();
+    let (start, end) = ((w.px - half).max(w.b0), (w.px + half).min(w.b1));
+    (is_whole && start < end).then_some([start, end])
 }
 
 /// Whether `w` is nothing but a foot.
@@ -57,7 +66,7 @@ pub(super) fn does_new_win(old: &Window, new: &Window, l: f64) -> Option<bool> {
 fn is_shorter_at_foot(w: &Window, foot: &Window, l: f64) -> bool {
     let x = foot.px;
     let d = foot.distance(x);
-    w.b0 <= x && x <= w.b1 && w.distance(x) < d - MARGIN * (d + l)
+    w.b0 <= x && x <= w.b1 && w.distance(x) < d - GRAIN * (d + l)
 }
 
 /// The pieces of a window with a foot: first the foot, then what lies left and right of it.

@@ -11,7 +11,7 @@ use crate::window::Window;
 /// A path that winds N times around a needle of length L and girth c is longer than a straight one by some (Nc)²/2L. Lengths do not
 /// tell the two apart, to the [margin](crate::precision::MARGIN) m, up to N = √(2m)·L/c: without end for thin needles, a hundredth of a turn
 /// where the faces are as thin as this.
-const THIN: f64 = 1e-4;
+const THIN: f64 = 1e-3;
 
 /// The windows that have come to the half-edges of thin faces, for algorithms that keep none.
 ///

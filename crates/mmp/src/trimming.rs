@@ -2,6 +2,7 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Policy, Surface, Turn};
+use geobench_window::trimming::ThinFaces;
 use geobench_window::{Counter, Passage, Probe};
 
 use crate::forgetting::{Forgetting, Keep, Past, reach};
@@ -30,6 +31,7 @@ pub struct Trimming {
     lists: Lists,
     inserter: Inserter,
     forgetting: Forgetting,
+    thin: ThinFaces,
     /// Windows that are stored or would be if all were kept.
     stored: usize,
     /// The level in the sequence tree of each window, by slot: trimming needs none, they are counted because
@@ -40,12 +42,16 @@ pub struct Trimming {
 impl Trimming {
     /// Empty lists for the half-edges of `mesh`.
     pub fn new(mesh: &Mesh, carrier: Carrier) -> Self {
+        let order = Surface::order(mesh);
         Self {
             carrier,
             keep: Keep::default(),
             lists: Lists::new(mesh.half_edge_count()),
             inserter: Inserter::default(),
             forgetting: Forgetting::default(),
+            thin: ThinFaces::of(mesh, mesh.half_edge_count(), |h| {
+                order.new_half_edge(h).index()
+            }),
             stored: 0,
             levels: Vec::new(),
         }
@@ -106,6 +112,12 @@ impl Policy for Trimming {
         probe: &mut P,
     ) -> bool {
         let l = arrival.edge.length;
+        // The papers have no filter. Without it, windows that come in any order but nearest first
+        // wind around needles.
+        if self.thin.is_beside(arrival.h.index()) && arrival.edge.beats(&arrival.window) {
+            probe.add(Counter::Filtered, 1);
+            return false;
+        }
         let (place, direction) = self.place(arrival.h, surface);
         let window = match direction {
             Direction::Forward => arrival.window,

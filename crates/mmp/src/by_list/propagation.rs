@@ -3,6 +3,7 @@
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::Surface;
 use geobench_window::queue::{Discipline, Event, EventKind};
+use geobench_window::trimming::ThinFaces;
 use geobench_window::{
     Counter, Entrance, Exit, Frame, Passage, Phase, Probe, Propagate, Side, Solution, VertexFilter,
     Window, spawn_window,
@@ -56,6 +57,7 @@ struct Front<'m, Q> {
     store: Store,
     merger: Merger,
     sieve: Sieve,
+    thin: ThinFaces,
     forgetting: Forgetting,
     keep: Keep,
     /// Windows that wait. Counted runs only.
@@ -65,6 +67,7 @@ struct Front<'m, Q> {
 impl<'m, Q: Discipline> ByList<'m, Q> {
     /// Sets up for `mesh`; O(faces).
     pub fn new(mesh: &'m Mesh, queue: Q) -> Self {
+        let order = Surface::order(mesh);
         Self {
             front: Front {
                 mesh,
@@ -73,6 +76,9 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
                 store: Store::new(mesh.half_edge_count()),
                 merger: Merger::default(),
                 sieve: Sieve::default(),
+                thin: ThinFaces::of(mesh, mesh.half_edge_count(), |h| {
+                    order.new_half_edge(h).index()
+                }),
                 forgetting: Forgetting::default(),
                 keep: Keep::default(),
                 waiting: 0,
@@ -156,7 +162,7 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
             frame,
             &exits,
             known,
-            &front.sieve,
+            &exits.map(|exit| front.sieve_at(exit.half_edge)),
             &mut self.children,
             probe,
         );
@@ -182,6 +188,15 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
 }
 
 impl<Q: Discipline> Front<'_, Q> {
+    /// What is asked of windows that come to `h`.
+    #[inline]
+    fn sieve_at(&self, h: Option<HalfEdgeId>) -> Sieve {
+        if !self.thin.is_empty() && h.is_some_and(|h| self.thin.is_beside(h.index())) {
+            return self.sieve.beside_thin_face();
+        }
+        self.sieve
+    }
+
     /// Asks for the memory that turns to come will need.
     #[inline]
     fn read_ahead(&self) {
@@ -326,14 +341,14 @@ impl<Q: Discipline> Front<'_, Q> {
 }
 
 /// Takes `taken` across the triangle of `frame`, the distances of whose tail, head and apex are `known`: puts what they leave on its exits
-/// into `children`, except what `sieve` drops, and returns the least of the apex's distance and those that they offer to it.
+/// into `children`, except what the sieve of each drops, and returns the least of the apex's distance and those that they offer to it.
 #[inline]
 fn cross_all<P: Probe>(
     taken: &Run,
     frame: &Frame,
     exits: &[Exit; 2],
     known: [f64; 3],
-    sieve: &Sieve,
+    sieves: &[Sieve; 2],
     children: &mut [Run; 2],
     probe: &mut P,
 ) -> f64 {
@@ -348,7 +363,7 @@ fn cross_all<P: Probe>(
         };
         probe.add(Counter::Children, 1);
         let ends = [[tail, apex], [apex, head]][side];
-        if sieve.drops_child(&child, exits[side].length, ends) {
+        if sieves[side].drops_child(&child, exits[side].length, ends) {
             probe.add(Counter::Filtered, 1);
             return;
         }

@@ -15,6 +15,15 @@ pub(super) struct Sieve {
 }
 
 impl Sieve {
+    /// The same beside a thin face, where windows are always filtered: those that come in any order but nearest first would wind around
+    /// needles otherwise.
+    pub(super) fn beside_thin_face(self) -> Self {
+        Self {
+            filter: VertexFilter::On,
+            ..self
+        }
+    }
+
     /// Whether a child that has come to an edge of length `l` is dropped; `ends` are the distances known of the edge's tail and head.
     #[inline]
     pub(super) fn drops_child(&self, child: &Window, l: f64, ends: [f64; 2]) -> bool {

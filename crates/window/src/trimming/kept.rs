@@ -4,14 +4,8 @@ use geobench_mesh::{HalfEdgeId, Mesh};
 
 use super::division::{Division, Owner};
 use super::foot::{foot, pieces};
+use super::thin::ThinFaces;
 use crate::window::Window;
-
-/// Height of a face, relative to its longest edge, below which the windows that come to it are kept.
-///
-/// A path that winds N times around a needle of length L and girth c is longer than a straight one by some (Nc)²/2L. Lengths do not
-/// tell the two apart, to the [margin](crate::precision::MARGIN) m, up to N = √(2m)·L/c: without end for thin needles, a hundredth of a turn
-/// where the faces are as thin as this.
-const THIN: f64 = 1e-3;
 
 /// The windows that have come to the half-edges of thin faces, for algorithms that keep none.
 ///
@@ -52,21 +46,14 @@ impl KeptWindows {
     /// For `mesh`, whose half-edges have the numbers that `number` gives, all less than `numbers`; O(faces).
     pub fn new(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
         let mut kept = Self::default();
-        for face in mesh.faces().filter(|&face| is_thin(mesh, face.half_edge(0))) {
+        let thin = ThinFaces::of(mesh, numbers, &number);
+        for h in mesh.half_edges().filter(|&h| thin.is_beside(number(h))) {
             kept.lists.resize(numbers, NO_LIST);
-            for corner in 0..3 {
-                let h = face.half_edge(corner);
-                for h in [Some(h), mesh.twin(h)].into_iter().flatten() {
-                    let list = &mut kept.lists[number(h)];
-                    if *list == NO_LIST {
-                        *list = kept.kept.len() as u32;
-                        kept.kept.push(List {
-                            length: mesh.length(h),
-                            windows: Vec::new(),
-                        });
-                    }
-                }
-            }
+            kept.lists[number(h)] = kept.kept.len() as u32;
+            kept.kept.push(List {
+                length: mesh.length(h),
+                windows: Vec::new(),
+            });
         }
         kept
     }
@@ -130,13 +117,6 @@ impl KeptWindows {
     }
 }
 
-/// Whether the face of `h` is so thin that windows are kept on its half-edges.
-fn is_thin(mesh: &Mesh, h: HalfEdgeId) -> bool {
-    let lengths = [h, h.next(), h.prev()].map(|h| mesh.length(h));
-    let longest = lengths.into_iter().fold(0.0, f64::max);
-    lengths[0] * mesh.apex(h)[1] < THIN * longest * longest
-}
-
 #[cfg(test)]
 mod tests {
     use geobench_mesh::TriangleSoup;
@@ -163,7 +143,7 @@ mod tests {
 
     #[test]
     fn windows_are_kept_beside_thin_faces_only() {
-        assert!(kept(&mesh(1.0)).is_empty() && kept(&mesh(1e-3)).is_empty());
+        assert!(kept(&mesh(1.0)).is_empty() && kept(&mesh(1e-2)).is_empty());
         assert!(!kept(&mesh(1e-5)).is_empty());
     }
 

@@ -7,8 +7,10 @@ mod division;
 mod duel;
 mod foot;
 mod kept;
+mod thin;
 
 pub use division::{Division, Owner, Segment};
 pub use duel::{Duel, is_sliver, matters};
 pub use foot::{foot, pieces};
 pub use kept::KeptWindows;
+pub use thin::ThinFaces;

@@ -54,7 +54,8 @@ impl Angles {
         self.angles.fill(Angle::FREE);
     }
 
-    /// A window reaches the apex at distance `d`, its ray meeting `h` at the fraction `entry` of its length.
+    /// A window reaches the apex at distance `d`, its ray meeting `h` at the fraction `entry` of its
+    /// length; NaN if rounding blurs that.
     ///
     /// The shortest of two straight paths to one apex kills every ray of the other window that
     /// crosses it, which are those on its far side. Where both paths enter at one point there is
@@ -63,7 +64,10 @@ impl Angles {
     /// by a shorter path since), and then crosses none of its rays.
     pub(crate) fn split(&mut self, h: HalfEdgeId, d: f64, entry: f64) -> Split {
         let angle = &mut self.angles[h.index()];
-        if d < angle.best {
+        if entry.is_nan() {
+            // Nothing tells on which side of another ray it is.
+            Split::Ties
+        } else if d < angle.best {
             angle.best = d;
             angle.entry = entry;
             Split::Occupies

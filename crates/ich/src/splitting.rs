@@ -183,10 +183,9 @@ impl Policy for Splitting {
         angle: HalfEdgeId,
         passage: &Passage<'_>,
         heir: Lineage,
-        surface: &Surface,
+        _: &Surface,
     ) -> [Option<Lineage>; 2] {
-        let entry = passage.separation() / surface.faces().length(angle);
-        self.split_at(angle, entry, passage.straight_distance(), heir)
+        self.split_at(angle, passage.entry(), passage.straight_distance(), heir)
     }
 
     #[inline]

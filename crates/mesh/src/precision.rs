@@ -1,28 +1,30 @@
 //! The bounds on rounding from which all tolerances of the solvers follow.
 //!
-//! The reasoning stands in the documentation of `geobench_window::precision`, which has what follows for windows.
+//! Why they are what they are stands in the documentation of `geobench_window::precision`.
 
 /// How much shorter one path must be than another, relatively, to be shorter beyond doubt.
 ///
-/// An `f64` holds 1.1e-16 of a number. A path that crosses n faces gathers some √n times that in its length, and n times that at worst: 1e-12
-/// leaves room for ten thousand faces in the worst case.
+/// An `f64` holds 1.1e-16 of a number. A path across n faces gathers n times a few of these at
+/// worst, and √n times in practice: 1e-12 leaves room for a million faces in a row.
 pub const MARGIN: f64 = 1e-12;
 
-/// How far rounding may have moved a place on an edge, as a fraction of the length of the edge: some 50 units in the last place.
+/// How far rounding may have moved a place on an edge, as a fraction of the edge, and a length, as
+/// a fraction of itself: some 50 units in the last place.
 ///
-/// It is no more than that since all that a comparison takes for equal may be lost: what is too long by it is so by the rounding of the
-/// longest edges, however short the distance is.
+/// What two paths differ by less than this is called equal. One of equal windows may be lost, so
+/// the number is as small as rounding allows.
 pub const GRAIN: f64 = 1e-14;
 
-/// The angle, in radians, below which two directions cannot be told apart by the lengths of paths: √[`MARGIN`], since a bend by the angle δ
-/// lengthens a path by at most δ²/2 of itself.
+/// The angle, in radians, below which two directions cannot be told apart by the lengths of paths:
+/// √[`MARGIN`], since a bend by the angle δ lengthens a path by at most δ²/2 of itself.
 pub const RESOLUTION: f64 = 1e-6;
 
-/// Height of a face, relative to its longest edge, below which its corners send windows of their own.
+/// Height of a face, relative to its longest edge, below which its corners send windows of their
+/// own.
 ///
-/// Where two paths through such a face meet, they do so at an angle of at most twice its height over its sides, which [`RESOLUTION`] does
-/// not tell from 0: a comparison takes them for one, and the one that is dropped may be the only one to reach what lies
-/// behind a corner of the face.
+/// Two paths that meet behind such a face do so at an angle of at most twice its height over its
+/// sides, which [`RESOLUTION`] does not tell from 0: a comparison takes them for one, and the path
+/// that it drops may be the only one to what lies behind a corner of the face.
 pub const SLIVER_HEIGHT: f64 = 2.0 * RESOLUTION;
 
 #[cfg(test)]

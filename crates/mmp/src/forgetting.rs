@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use geobench_mesh::HalfEdgeId;
 use geobench_window::Window;
 use geobench_window::continuous::Edge;
+use geobench_window::precision::MARGIN;
 
 /// Lists that can be given up.
 pub(crate) trait Past {
@@ -46,10 +47,6 @@ pub enum Keep {
     #[default]
     Wavefront,
 }
-
-/// How much more, relatively, a window must offer than the vertices of its edge to be of no use: rounding
-/// must never make it so.
-const MARGIN: f64 = 1.0 + 1e-12;
 
 /// How often to look for lists that can be given up: every so many windows.
 const PERIOD: u32 = 64;
@@ -111,5 +108,5 @@ impl Forgetting {
 /// The distance within which all points of an edge are known to be reached, given those of its ends and its length.
 #[inline]
 pub(crate) fn reach([tail, head]: [f64; 2], length: f64) -> f64 {
-    0.5 * (tail + head + length) * MARGIN
+    0.5 * (tail + head + length) * (1.0 + MARGIN)
 }

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use geobench_window::Window;
 
-use geobench_window::trimming::{Division, Owner, Segment, foot, is_sliver, pieces};
 use crate::lists::{Direction, Lists, Place, Slot};
 use crate::wedge::Fate;
+use geobench_window::trimming::{Division, Owner, Segment, foot, is_sliver, pieces};
 
 /// A window to be queued.
 #[derive(Clone, Copy, Debug)]

@@ -18,15 +18,6 @@
 //! takes those of its half-edge that are little further, which no paper does, as [`ByList`] does under any queue; [`mmp_by_window`]
 //! takes one at a time, strictly nearest first, as the papers have it: without the filter 0.3 to 1 % fewer windows, in two to four times the time on scans. In that order
 //! time is O(n² log n) for n faces in the worst case; for a slack no bound has been shown.
-//!
-//! # A limit
-//!
-//! Where vertices lie in one place, joined by faces of no area that are cut into several, distances
-//! behind them can come out too long. Such a vertex stands on an edge of a further face, and its
-//! window holds rays of all directions at that one point, while a window that comes along the edge
-//! ties with it there and beyond without having these rays: trimming compares the distances on the
-//! edge, and cannot tell which of the two must go on. The CH and VTP families, which do not compare
-//! along the edge, are not affected; nor are single faces of no area.
 
 mod blocks;
 mod by_list;

@@ -187,12 +187,11 @@ impl<S: Scalar> Lines<'_, S> {
                 // Seen from the neighbour across the opposite side, that side's frame is turned by
                 // half a turn about its middle.
                 let opposite = surface.sides[next(leaving)];
-                let [x, y] = opposite.apex;
                 let beam = Beam {
                     side: opposite.twin?,
                     from: S::zero(),
                     to: opposite.length,
-                    origin: [opposite.length - x, -y],
+                    origin: [from_head(surface, next(leaving)), -opposite.apex[1]],
                 };
                 Some((0, beam))
             })
@@ -272,7 +271,11 @@ fn left_part<S: Scalar>(surface: &Surface<S>, beam: &Beam<S>, split: S) -> Optio
     }
     let ([cx, cy], [px, py]) = (entered.apex, beam.origin);
     let length = left.length;
-    let at = |s: S| clamp(-(length * py * s) / (cy * (px - s) - cx * py), length);
+    // The side is divided into the parts n : m, neither of them negative: no digits are lost.
+    let at = |s: S| {
+        let (n, m) = (-(py * s), (split - s).max(S::zero()) * (cy - py));
+        clamp(length * n / (n + m), length)
+    };
     let (ux, uy) = (cx / length, cy / length);
     kept(Beam {
         side,
@@ -297,10 +300,10 @@ fn right_part<S: Scalar>(surface: &Surface<S>, beam: &Beam<S>, split: S) -> Opti
     let ([cx, cy], [px, py]) = (entered.apex, beam.origin);
     let (length, base) = (right.length, entered.length);
     let at = |s: S| {
-        let along = length * ((s - split) * (cy - py));
-        clamp(along / (cy * (s - px) - (base - cx) * py), length)
+        let (n, m) = (-(py * (base - s)), (s - split).max(S::zero()) * (cy - py));
+        clamp(length * m / (n + m), length)
     };
-    let (ux, uy) = ((base - cx) / length, -cy / length);
+    let (ux, uy) = (from_head(surface, beam.side) / length, -cy / length);
     kept(Beam {
         side,
         from: if beam.from <= split {
@@ -314,6 +317,14 @@ fn right_part<S: Scalar>(surface: &Surface<S>, beam: &Beam<S>, split: S) -> Opti
             ux * (py - cy) - uy * (px - cx),
         ],
     })
+}
+
+/// How far the foot of the apex of a side lies before the head: the length less the abscissa, which
+/// would lose the digits of a short side there. The side from the head on and this one project on
+/// each other alike.
+fn from_head<S: Scalar>(surface: &Surface<S>, side: usize) -> S {
+    let ahead = &surface.sides[next(side)];
+    ahead.apex[0] * ahead.length / surface.sides[side].length
 }
 
 fn clamp<S: Scalar>(x: S, length: S) -> S {

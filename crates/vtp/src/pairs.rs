@@ -11,8 +11,8 @@ use crate::orient::{is_clearly_left, is_clearly_right};
 use crate::precision::{CLEARANCE, MARGIN, WINS, extent};
 
 /// Least distance of a crossing from the border of the triangle, as a fraction of its size, for rays
-/// that cross at a right angle. It grows as the sine of the angle falls, for so does the error of the crossing:
-/// two rays through one corner of the triangle seem to cross beside it.
+/// that cross at a right angle in a triangle as high as it is long. It grows as the sine of the angle falls, for so does the error of the
+/// crossing: two rays through one corner of the triangle seem to cross beside it. And it grows with the triangle's slenderness.
 pub(crate) const INSIDE: f64 = MARGIN;
 
 /// Greatest such distance that is asked for: rays that are closer to parallel do not cross at all.
@@ -39,6 +39,11 @@ impl Edge {
     /// How far rounding may have moved the sources of windows on the edge, beside what it may have by their distances.
     fn blur(&self) -> f64 {
         CLEARANCE * extent(self.l, self.behind)
+    }
+
+    /// How many times as long as high the triangle behind the edge is: its height is the scale on which a point lies inside.
+    fn slenderness(&self) -> f64 {
+        extent(self.l, self.behind) / -self.behind[1]
     }
 
     /// Whether `point` lies inside the triangle behind the edge, and further from its border than
@@ -92,11 +97,12 @@ pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &Edge) -> Verdict
 fn cut(loser: &mut Window, winner: &Window, x: f64, edge: &Edge) -> bool {
     let (from, to) = (loser.source(), winner.source());
     let blur = edge.blur();
-    if is_clearly_left(from, [x, 0.0], to, blur)
-        && is_clearly_left(from, [loser.b0, 0.0], to, blur) {
+    if is_clearly_left(from, [x, 0.0], to, blur) && is_clearly_left(from, [loser.b0, 0.0], to, blur)
+    {
         loser.b0 = x;
     } else if is_clearly_right(from, [x, 0.0], to, blur)
-        && is_clearly_right(from, [loser.b1, 0.0], to, blur) {
+        && is_clearly_right(from, [loser.b1, 0.0], to, blur)
+    {
         loser.b1 = x;
     }
     loser.b0 < loser.b1
@@ -125,7 +131,7 @@ fn check_disjoint(a: &Window, b: &Window, edge: &Edge) -> Verdict {
 /// are those that lie beyond that point; the way from there to the source crosses them, as in [`cut`].
 fn check_in_order(left: &Window, right: &Window, edge: &Edge) -> Verdict {
     let (v, u) = (left.source(), right.source());
-    let Some(Meeting { s, t, blur }) = meet((v, left.b1), (u, right.b0)) else {
+    let Some(Meeting { s, t, blur }) = meet((v, left.b1), (u, right.b0), edge.slenderness()) else {
         return Verdict::BothStay;
     };
     if !edge.is_behind([v[0] + s * (left.b1 - v[0]), v[1] - s * v[1]], blur) {
@@ -160,7 +166,7 @@ struct Meeting {
 
 /// Where two rays, each given by its source and its abscissa on the edge, cross before the edge.
 /// `None` if they do not, or not beyond doubt.
-fn meet((v, x): ([f64; 2], f64), (u, y): ([f64; 2], f64)) -> Option<Meeting> {
+fn meet((v, x): ([f64; 2], f64), (u, y): ([f64; 2], f64), slenderness: f64) -> Option<Meeting> {
     let r = [x - v[0], -v[1]];
     let q = [y - u[0], -u[1]];
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
@@ -175,7 +181,7 @@ fn meet((v, x): ([f64; 2], f64), (u, y): ([f64; 2], f64)) -> Option<Meeting> {
         return None;
     }
     let sine = denominator.abs() / (square(r) * square(q)).sqrt();
-    let blur = INSIDE / sine;
+    let blur = INSIDE / sine * slenderness;
     (blur < BLURRED).then_some(Meeting { s, t, blur })
 }
 

@@ -1,6 +1,6 @@
 //! What the bounds of [`geobench_window::precision`] come to in the comparisons of rules 1, 2 and 3.
 
-pub(crate) use geobench_window::precision::MARGIN;
+pub(crate) use geobench_window::precision::{MARGIN, RESOLUTION};
 
 /// Fraction of the coordinates' size by which a point must lie off a ray to count as beside it.
 pub(crate) const CLEARANCE: f64 = MARGIN;

@@ -6,6 +6,7 @@
 //! number itself is the numerator of the right exit.
 
 use crate::frame::{Exit, Frame, Side};
+use crate::precision::GRAIN;
 use crate::window::{Window, greater, less, norm};
 
 /// A window about to leave the triangle that it has entered.
@@ -74,6 +75,13 @@ impl<'a> Passage<'a> {
         self.offset / self.height
     }
 
+    /// Where the ray to the apex meets the half-edge, as a fraction of its length; NaN if rounding
+    /// blurs that, since the apex and the source are both too close to the half-edge.
+    #[inline]
+    pub fn entry(&self) -> f64 {
+        entry(self.offset, self.height, self.window.px, self.frame.l)
+    }
+
     /// Length of the straight path to the apex, which the window has if it
     /// [covers](Self::covers_apex) it.
     #[inline]
@@ -134,6 +142,22 @@ impl<'a> Passage<'a> {
         let turn = Turn::new(self, exit);
         let b1 = turn.leaving(self.window.b1, self.sides[1]);
         turn.window(0.0, less(b1, exit.length))
+    }
+}
+
+/// Height of the apex above the source, relative to the half-edge and the abscissa of the source,
+/// below which rounding moves the place where the ray to the apex meets the half-edge by more than
+/// a billionth of that: the place errs as the ordinate of the source does over this height.
+const BLURRED: f64 = GRAIN * 1e9;
+
+/// The fraction at which the ray to the apex meets a half-edge of length `l`, of a source with
+/// abscissa `px`: `offset` over `height`, or NaN.
+#[inline]
+pub(crate) fn entry(offset: f64, height: f64, px: f64, l: f64) -> f64 {
+    if height < BLURRED * (l + px.abs()) {
+        f64::NAN
+    } else {
+        offset / height / l
     }
 }
 

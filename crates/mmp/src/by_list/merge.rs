@@ -6,8 +6,8 @@
 use geobench_window::{Counter, Probe, Window};
 
 use super::store::{Store, Stored};
-use geobench_window::trimming::{Division, Owner, Segment, foot, is_sliver, matters, pieces};
 use crate::wedge::Fate;
+use geobench_window::trimming::{Division, Owner, Segment, foot, is_sliver, matters, pieces};
 
 /// Windows that arrive at one half-edge together.
 #[derive(Clone, Debug, Default)]
@@ -156,16 +156,7 @@ impl Merger {
             }
             if is_open {
                 let new = &windows[k - 1];
-                self.divide(
-                    store,
-                    i,
-                    new,
-                    run.level(k - 1),
-                    l,
-                    merged,
-                    weigh,
-                    probe,
-                );
+                self.divide(store, i, new, run.level(k - 1), l, merged, weigh, probe);
             }
         }
     }

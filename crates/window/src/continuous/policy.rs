@@ -118,7 +118,7 @@ pub trait Policy: Send {
     }
 
     /// As [`split`](Self::split), if the policy [foresees](Self::FORESEES): the straight path to the apex, of length `d`,
-    /// meets the half-edge `angle` at the fraction `entry` of its length.
+    /// meets the half-edge `angle` at the fraction `entry` of its length, which is NaN if rounding blurs it.
     #[inline]
     fn split_at(
         &mut self,

@@ -16,6 +16,7 @@ use geobench_mesh::{HalfEdgeId, VertexId};
 
 use self::offspring::{Edge, measure};
 use crate::frame::{Faces, HalfEdge, Outlet};
+use crate::passage::entry;
 use crate::window::{Window, greater, less, norm};
 
 pub use self::offspring::Offspring;
@@ -159,12 +160,13 @@ impl Crossings {
         }
     }
 
-    /// Where the ray to the apex, which window `lane` covers, meets the half-edge, as a fraction of its length.
+    /// Where the ray to the apex, which window `lane` covers, meets the half-edge: see
+    /// [`Passage::entry`](crate::Passage::entry).
     #[inline]
     pub fn entry(&self, lane: usize, faces: &Faces) -> f64 {
         let entrance = faces.half_edge(self.entrances[lane]);
         let [offset, height] = self.ray(lane, entrance);
-        offset / height / entrance.length
+        entry(offset, height, self.entering.px[lane], entrance.length)
     }
 
     /// What window `lane`, which covers the apex, leaves on the right.
@@ -260,14 +262,8 @@ impl Crossings {
             let (x, y) = (w.px[i] - right * cx[i], w.py[i] - right * cy[i]);
             let (px, across) = (ux * x + uy * y, ux * y - uy * x);
             // Both parts into which each end's ray divides the exit: see `Passage`.
-            let (n0, m0) = (
-                -w.py[i] * (left * b0 + right * (l[i] - b0)),
-                side0[i].abs(),
-            );
-            let (n1, m1) = (
-                -w.py[i] * (left * b1 + right * (l[i] - b1)),
-                side1[i].abs(),
-            );
+            let (n0, m0) = (-w.py[i] * (left * b0 + right * (l[i] - b0)), side0[i].abs());
+            let (n1, m1) = (-w.py[i] * (left * b1 + right * (l[i] - b1)), side1[i].abs());
             let start = length[i] * (left * n0 + right * m0) / (n0 + m0);
             let end = length[i] * (left * n1 + right * m1) / (n1 + m1);
             // A window that covers the apex fills the left exit up to its end.

@@ -1,10 +1,9 @@
 //! How a range is divided between a new window and those that it meets, in the general case.
 
-use crate::tie::tie_points;
-use crate::window::Window;
-
 use super::duel::{is_new_shorter, is_sliver, matters};
 use super::foot::{does_new_win, may_be_foot};
+use crate::tie::tie_points;
+use crate::window::Window;
 
 /// Who is shorter on a range.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,17 +5,18 @@
 
 use std::cmp::Ordering;
 
+use super::foot::{does_new_win, may_be_foot};
+use crate::precision::GRAIN;
 use crate::tie::tie_points;
 use crate::window::Window;
 
-use crate::precision::GRAIN;
-use super::foot::{does_new_win, may_be_foot};
-
-/// Whether the first distance is the shorter one beyond doubt, at a point of an edge of length `l`.
+/// Whether the first distance is less than the second by more than rounding, at a point of an edge of
+/// length `l`.
 ///
-/// A new window must be so much shorter to take ground from a stored one: the old one wins ties, so that a window that comes twice is not
-/// stored twice, and none is that has wound around a needle. Where a source is much nearer than the edge is long, its place is known to
-/// the rounding of the edge only.
+/// A new window must be so much shorter to take ground from a stored one. The old one wins ties, so
+/// that a window that comes twice is not stored twice, and one that has wound around a needle not at
+/// all. Where a source is much nearer than the edge is long, its place is known to the rounding of
+/// the edge only.
 #[inline(always)]
 #[allow(clippy::inline_always)] // Four times in each duel.
 fn is_clearly_less(first: f64, second: f64, l: f64) -> bool {
@@ -134,7 +135,7 @@ impl Duel {
     }
 }
 
-/// Whether the distances of both windows are straight lines over `width`, to a fourth of the [margin](MARGIN), so
+/// Whether the distances of both windows are straight lines over `width`, to a fourth of the [margin](GRAIN), so
 /// that what are equal at the ends are equal between them.
 ///
 /// The second derivative of √(x² + y²) is at most 1/|y|, which bends the curve by width²/(8|y|), and the
@@ -219,13 +220,7 @@ fn may_tie_twice(old: &Window, new: &Window, lo: f64, hi: f64) -> bool {
 /// The middle tells, unless they are equal there. Two sources on the line of the edge are equal all
 /// along the side on which one stands behind the other, and part where the nearer one stands: the
 /// ends tell then.
-pub(super) fn is_new_shorter(
-    old: &Window,
-    new: &Window,
-    start: f64,
-    end: f64,
-    l: f64,
-) -> bool {
+pub(super) fn is_new_shorter(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool {
     let compare = |x: f64| {
         let (held, offered) = (old.distance(x), new.distance(x));
         if is_clearly_less(offered, held, l) {

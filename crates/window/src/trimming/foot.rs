@@ -1,29 +1,34 @@
 //! Sources on the line of an edge: all their directions pass through one point, their foot.
 //!
-//! Trimming compares distances along the edge. A source V on the edge itself, behind a face of no area, sends rays of all directions through its
-//! foot, where its distance is σ, and only grazing ones through all other points. A window of another source that comes along the edge, V
-//! on its way, ties with it at the foot and beyond, and has one direction only. If it took the foot from V, or half of it by rounding, the other
-//! directions would be lost.
+//! Trimming compares distances along the edge. A source V on the edge itself, behind a face of no
+//! area, sends rays of all directions through its foot, where its distance is σ, and only grazing
+//! ones through all other points. A window of another source that comes along the edge, V on its
+//! way, ties with it at the foot and beyond, and has one direction only. If it took the foot from V,
+//! or half of it by rounding, the other directions would be lost.
 //!
-//! So the foot of a window is a piece of its own, as wide as rounding moves it. It is compared with other windows as a whole, at the foot, and
-//! yields only to one that is shorter there beyond doubt: then V is no shortest path to its own foot, and none of its directions is of use.
-//! Among equals it stays, since it holds every direction that they have.
+//! So the foot of a window is a piece of its own, as wide as rounding moves it. It is compared with
+//! other windows as a whole, at the foot, and yields only to one that is shorter there: then V
+//! is no shortest path to its own foot, and none of its directions is of use. Among equals it stays,
+//! since it holds every direction that they have.
 
-use crate::window::Window;
 use crate::precision::GRAIN;
+use crate::window::Window;
 
-/// Half the width of a foot, as a fraction of the edge: over it the distance of the source hardly grows beyond rounding.
+/// How far a foot reaches to both sides, as a fraction of the edge: over it the distance of the
+/// source hardly grows beyond rounding.
 const HALF_WIDTH: f64 = 3.0 * GRAIN;
 
-/// How far an interval must reach to both sides of the foot to hold all directions, as a fraction of the edge: some units in the last place
-/// of an abscissa.
+/// How far an interval must reach to both sides of the foot to hold all directions, as a fraction of
+/// the edge: some units in the last place of an abscissa.
 const CLEARANCE: f64 = 0.1 * GRAIN;
 
-/// How far a ray that counts as one of the foot may go along the edge, in heights of the source over the edge: the others graze it.
+/// How far both reach beyond that, in heights of the source over the edge. Rays that go further
+/// along the edge graze it.
 const STEEP: f64 = 20.0;
 
-/// The foot of `w` on an edge of length `l`, if its source stands on the edge, or closer to it than [`MARGIN`] tells, and all directions of the
-/// source are its own: an interval that ends beside the foot has only some of them, and rounding does not tell which.
+/// The foot of `w` on an edge of length `l`, if its source stands on the edge, or closer to it than
+/// [`GRAIN`] tells, and all directions of the source are its own: an interval that ends beside the
+/// foot has only some of them, and rounding does not tell which.
 #[inline]
 pub fn foot(w: &Window, l: f64) -> Option<[f64; 2]> {
     (w.py.abs() <= GRAIN * l).then(|| whole_foot(w, l))?
@@ -47,10 +52,11 @@ fn is_foot(w: &Window, l: f64) -> bool {
 /// Whether any common range of two windows, of this width, may be part of a foot.
 #[inline]
 pub(super) fn may_be_foot(width: f64, l: f64) -> bool {
-    width <= 2.5 * HALF_WIDTH * l
+    width <= 2.5 * (HALF_WIDTH + STEEP * GRAIN) * l
 }
 
-/// Whether the whole range that `old` and `new` share goes to `new`, if one of them is a foot; `None` if neither is.
+/// Whether the whole range that `old` and `new` share goes to `new`, if one of them is a foot; `None`
+/// if neither is.
 #[cold]
 pub(super) fn does_new_win(old: &Window, new: &Window, l: f64) -> Option<bool> {
     if is_foot(old, l) {

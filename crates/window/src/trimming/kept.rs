@@ -79,7 +79,11 @@ impl KeptWindows {
     #[cold]
     pub fn admit(&mut self, h: usize, new: &Window, root: u32) -> Option<Window> {
         let list = self.lists.get(h).copied().unwrap_or(NO_LIST);
-        let Some(List { length, windows: list }) = self.kept.get_mut(list as usize) else {
+        let Some(List {
+            length,
+            windows: list,
+        }) = self.kept.get_mut(list as usize)
+        else {
             return Some(*new);
         };
         let l = *length;
@@ -87,9 +91,15 @@ impl KeptWindows {
             list.retain(|kept| kept.root != root || kept.window.sigma <= new.sigma);
         }
         let mut parts: Option<[f64; 2]> = None;
-        for piece in if foot(new, l).is_some() { pieces(new, l).collect() } else { vec![*new] } {
+        for piece in if foot(new, l).is_some() {
+            pieces(new, l).collect()
+        } else {
+            vec![*new]
+        } {
             let first = list.partition_point(|kept| kept.window.b1 <= piece.b0);
-            let met = list[first..].iter().take_while(|kept| kept.window.b0 < piece.b1);
+            let met = list[first..]
+                .iter()
+                .take_while(|kept| kept.window.b0 < piece.b1);
             self.met.clear();
             self.met.extend(met.map(|kept| kept.window));
             self.division.share_out(&self.met, &piece, l);
@@ -99,7 +109,10 @@ impl KeptWindows {
                     Owner::New => {
                         let [start, end] = parts.unwrap_or([segment.start, segment.end]);
                         parts = Some([start.min(segment.start), end.max(segment.end)]);
-                        Kept { window: piece, root }
+                        Kept {
+                            window: piece,
+                            root,
+                        }
                     }
                     Owner::Old(k) => list[first + k],
                 };
@@ -124,7 +137,12 @@ mod tests {
     use super::*;
 
     fn mesh(height: f64) -> Mesh {
-        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.5, height, 0.0], [0.5, -1.0, 0.0]];
+        let positions = vec![
+            [0.0; 3],
+            [1.0, 0.0, 0.0],
+            [0.5, height, 0.0],
+            [0.5, -1.0, 0.0],
+        ];
         let soup = TriangleSoup::new(positions, vec![[0, 1, 2], [1, 0, 3]]);
         Mesh::from_soup(soup).unwrap().0
     }
@@ -151,12 +169,24 @@ mod tests {
     fn a_window_that_comes_again_goes_on_once() {
         let mut kept = kept(&mesh(1e-5));
         assert_eq!(kept.admit(0, &WINDOW, KeptWindows::ANY_ROOT), Some(WINDOW));
-        let again = Window { sigma: 1.0 + 1e-14, ..WINDOW };
+        let again = Window {
+            sigma: 1.0 + 1e-14,
+            ..WINDOW
+        };
         assert_eq!(kept.admit(0, &again, KeptWindows::ANY_ROOT), None);
-        let again = Window { sigma: 1.0 - 1e-14, ..WINDOW };
+        let again = Window {
+            sigma: 1.0 - 1e-14,
+            ..WINDOW
+        };
         assert_eq!(kept.admit(0, &again, KeptWindows::ANY_ROOT), None);
-        let shorter = Window { sigma: 0.5, ..WINDOW };
-        assert_eq!(kept.admit(0, &shorter, KeptWindows::ANY_ROOT), Some(shorter));
+        let shorter = Window {
+            sigma: 0.5,
+            ..WINDOW
+        };
+        assert_eq!(
+            kept.admit(0, &shorter, KeptWindows::ANY_ROOT),
+            Some(shorter)
+        );
         kept.clear();
         assert_eq!(kept.admit(0, &again, KeptWindows::ANY_ROOT), Some(again));
     }
@@ -164,7 +194,10 @@ mod tests {
     #[test]
     fn a_window_of_a_root_that_has_come_nearer_goes_on() {
         let mut kept = kept(&mesh(1e-5));
-        let nearer = Window { sigma: 1.0 - 1e-14, ..WINDOW };
+        let nearer = Window {
+            sigma: 1.0 - 1e-14,
+            ..WINDOW
+        };
         assert_eq!(kept.admit(0, &WINDOW, 7), Some(WINDOW));
         assert_eq!(kept.admit(0, &nearer, 8), None);
         assert_eq!(kept.admit(0, &nearer, 7), Some(nearer));

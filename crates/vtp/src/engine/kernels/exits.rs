@@ -3,12 +3,16 @@
 use super::columns::Windows;
 use crate::engine::lanes::{LaneMask, Lanes};
 use crate::engine::store::Line;
-use crate::precision::{CLEARANCE, WINS};
+use crate::precision::{CLEARANCE, MARGIN, RESOLUTION, WINS};
 
-/// By how far, as a fraction of the half-edge, rays of a source on the edge must lie beyond the best path before rule
-/// 1 cuts them: such a source, behind a face of no area, sends rays of all directions through less width
+/// By how far, as a fraction of the half-edge, rays of a source close to the edge must lie beyond the
+/// best path before rule 1 cuts them: such a source sends rays of all directions through less width
 /// than rounding moves the path by.
-const SLACK: f64 = 1e-12;
+const SLACK: f64 = MARGIN;
+
+/// How close, as a fraction of the half-edge: nearer sources see the slack under more than the least
+/// angle that lengths tell from 0.
+const CLOSE: f64 = RESOLUTION;
 
 /// Windows about to cross, and where their rays go.
 #[derive(Clone, Copy, Debug)]
@@ -103,6 +107,10 @@ pub struct BestPath {
     pub(crate) source: [f64; 2],
     /// By how much rounding may move it.
     slack: f64,
+    /// What of that counts for windows whose sources are below this ordinate: nothing, unless the source of the
+    /// path is close to the half-edge itself.
+    least_slack: f64,
+    close: f64,
 }
 
 impl BestPath {
@@ -113,6 +121,12 @@ impl BestPath {
             entry,
             source,
             slack: SLACK * l,
+            least_slack: if source[1] < -CLOSE * l {
+                0.0
+            } else {
+                SLACK * l
+            },
+            close: -CLOSE * l,
         }
     }
 
@@ -139,9 +153,10 @@ impl Rule for BestPath {
     unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L> {
         let Windows { b0, b1, py, .. } = rays.windows;
         // SAFETY: promised by the caller.
-        let (zero, entry, slack) =
-            unsafe { (L::splat(0.0), L::splat(self.entry), L::splat(self.slack)) };
-        let slack = L::select(py.lt(zero - slack), zero, slack);
+        let (entry, slack) = unsafe { (L::splat(self.entry), L::splat(self.slack)) };
+        // SAFETY: promised by the caller.
+        let (least, close) = unsafe { (L::splat(self.least_slack), L::splat(self.close)) };
+        let slack = L::select(py.lt(close), least, slack);
         let (before, behind) = (entry - slack, entry + slack);
         let mut left = rays.kept & b0.lt(behind);
         let mut right = rays.kept & before.lt(b1);

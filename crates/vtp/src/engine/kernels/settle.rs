@@ -183,14 +183,14 @@ unsafe fn dearer<L: Lanes>(
     v: &Windows<L>,
     u: &Windows<L>,
     pairs: L::Mask,
-    l: f64,
+    length_of_edge: f64,
     behind: [f64; 2],
 ) -> [L::Mask; 2] {
     // SAFETY: promised by the caller.
     unsafe {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        let rounding = L::splat(CLEARANCE * extent(l, behind));
-        let (l, wins) = (L::splat(l), L::splat(WINS));
+        let rounding = L::splat(CLEARANCE * extent(length_of_edge, behind));
+        let (l, wins) = (L::splat(length_of_edge), L::splat(WINS));
         let (tx, ty) = (L::splat(behind[0]), L::splat(behind[1]));
         let (rx, ry) = (v.b1 - v.px, zero - v.py);
         let (qx, qy) = (u.b0 - u.px, zero - u.py);
@@ -199,7 +199,8 @@ unsafe fn dearer<L: Lanes>(
         let s = (dx * qy - dy * qx) / denominator;
         let t = (dx * ry - dy * rx) / denominator;
         let (r2, q2) = (rx * rx + ry * ry, qx * qx + qy * qy);
-        let blur = L::splat(INSIDE) * (r2 * q2).sqrt() / denominator.abs();
+        let slenderness = extent(length_of_edge, behind) / -behind[1];
+        let blur = L::splat(INSIDE * slenderness) * (r2 * q2).sqrt() / denominator.abs();
         // The crossing, and whether it is clearly inside the triangle.
         let (x, y) = (v.px + s * rx, v.py + s * ry);
         let depth = y / ty;

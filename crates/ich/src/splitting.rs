@@ -112,7 +112,7 @@ impl Policy for Splitting {
             return None;
         }
         let mut window = child.window;
-        if !self.kept.is_empty() {
+        if self.kept.holds(child.h.index()) {
             let root = child.lineage.root.raw();
             let Some(part) = self.kept.admit(child.h.index(), &window, root) else {
                 probe.add(Counter::Filtered, 1);

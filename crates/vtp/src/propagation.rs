@@ -158,7 +158,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
                     self.levels.start(target, [px, py], sigma);
                 }
                 let mut window = [0.0, l, px, py, sigma];
-                if !self.kept.is_empty() {
+                if self.kept.holds(target as usize) {
                     let Some(part) = admit(&mut self.kept, target, window) else {
                         probe.add(Counter::Filtered, 1);
                         continue;
@@ -299,7 +299,10 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
         };
         probe.enter(Phase::Management);
         if !self.kept.is_empty() {
-            for side in (0..2).filter(|&side| lists[side] != NO_LIST) {
+            for side in 0..2 {
+                if lists[side] == NO_LIST || !self.kept.holds(exits[side] as usize) {
+                    continue;
+                }
                 let places = before[side]..after[side];
                 after[side] = (self.front).admit(&mut self.kept, exits[side], lists[side], places);
             }

@@ -203,7 +203,10 @@ impl Wave {
                 .reunite_behind(face, corner, lists, before, after);
         }
         if !self.kept.is_empty() {
-            for side in (0..2).filter(|&side| lists[side] != NO_LIST) {
+            for side in 0..2 {
+                if lists[side] == NO_LIST || !self.kept.holds(exits[side] as usize) {
+                    continue;
+                }
                 let places = before[side].min(after[side])..after[side];
                 after[side] = (self.store).admit(&mut self.kept, exits[side], lists[side], places);
             }

@@ -114,7 +114,7 @@ impl Wave {
         }
         let (target, k) = parts(twin);
         let mut window = [0.0, l, source[0], source[1], d];
-        if !self.kept.is_empty() {
+        if self.kept.holds(twin as usize) {
             let Some(part) = admit(&mut self.kept, twin, window) else {
                 probe.add(Counter::Filtered, 1);
                 return;

@@ -64,6 +64,12 @@ impl KeptWindows {
         self.lists.is_empty()
     }
 
+    /// Whether the windows that come to half-edge number `h` are kept.
+    #[inline]
+    pub fn holds(&self, h: usize) -> bool {
+        self.lists.get(h).is_some_and(|&list| list != NO_LIST)
+    }
+
     /// Forgets all windows.
     pub fn clear(&mut self) {
         for list in &mut self.kept {

@@ -9,7 +9,7 @@ use geobench_mesh::{HalfEdgeId, Mesh};
 /// vertex, which is up to c: at N = √(2L/c), three turns where faces are as thin as this, and 2,000
 /// where they are 100,000 times thinner. Lengths do not tell both paths apart at all, to the
 /// [margin](crate::precision::MARGIN) m, up to N = √(2m)·L/c.
-const THIN: f64 = 5e-3;
+const THIN: f64 = 6.5e-3;
 
 /// The half-edges of thin faces.
 #[derive(Clone, Debug, Default)]

@@ -66,6 +66,13 @@
 //!   window along the edge ties with it there and has one direction. So the foot of a window is a
 //!   piece of its own, which stays among equals and yields only to what is shorter at the foot.
 //!
+//! # What `f64` cannot tell
+//!
+//! A place on a side of length L is a multiple of ε·L. Where all distances are far less than L, an
+//! error of ε·L is not small beside them, and no order of operations helps: the abscissa itself is
+//! rounded. [`doubt`] names the faces and bounds the error, so that no such distance is
+//! given in silence.
+//!
 //! # Work
 //!
 //! Lengths do not tell a path from one that winds around a thin needle, so no filter of lengths
@@ -76,4 +83,96 @@
 //!
 //! [`Passage::bent_distance`]: crate::Passage::bent_distance
 
+use std::fmt;
+
+use geobench_mesh::{FaceId, Mesh};
+
 pub use geobench_mesh::precision::{GRAIN, MARGIN, RESOLUTION, SLIVER_HEIGHT};
+
+/// How many times as long as the greatest distance a side must be to be too long for it.
+const TOO_LONG: f64 = 10.0;
+
+/// Faces so long, for the distances around them, that `f64` cannot place a path on their sides.
+///
+/// A place on a side of length L is known to [`GRAIN`]·L at best. Where all distances are far less
+/// than L, since the faces are thin or there are sources all around, that is more than the last
+/// digits of a distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Doubt {
+    /// How many there are.
+    pub faces: usize,
+    /// The first of them.
+    pub first: FaceId,
+    /// How far a distance may be off, in the units of the mesh: [`MARGIN`] of their longest side.
+    pub bound: f64,
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} {} too long and thin for these distances (the first is face {}): each may be off by up \
+             to {:.1e}; split the long edges to be sure",
+            self.faces,
+            if self.faces == 1 { "face is" } else { "faces are" },
+            self.first.raw(),
+            self.bound
+        )
+    }
+}
+
+/// The faces of `mesh` that put `distances`, those of its vertices, in [`Doubt`]; `None` on nearly
+/// all meshes. O(faces).
+pub fn doubt(mesh: &Mesh, distances: &[f64]) -> Option<Doubt> {
+    let reached = |d: &&f64| d.is_finite();
+    let greatest = distances.iter().filter(reached).fold(0.0, |a, &b| f64::max(a, b));
+    let mut doubt: Option<Doubt> = None;
+    for face in mesh.faces() {
+        let is_reached = |v: geobench_mesh::VertexId| distances[v.index()].is_finite();
+        let longest = [0, 1, 2].map(|k| mesh.length(face.half_edge(k))).into_iter().fold(0.0, f64::max);
+        if longest > TOO_LONG * greatest
+            && greatest > 0.0
+            && mesh.face_vertices(face).into_iter().any(is_reached)
+        {
+            let bound = MARGIN * longest;
+            let so_far = doubt.get_or_insert(Doubt {
+                faces: 0,
+                first: face,
+                bound,
+            });
+            so_far.faces += 1;
+            so_far.bound = so_far.bound.max(bound);
+        }
+    }
+    doubt
+}
+
+#[cfg(test)]
+mod tests {
+    use geobench_mesh::TriangleSoup;
+
+    use super::*;
+
+    /// A triangle with sides of 1, 1 and `width`.
+    fn triangle(width: f64) -> Mesh {
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, width, 0.0]];
+        let soup = TriangleSoup::new(positions, vec![[0, 1, 2]]);
+        Mesh::from_soup(soup).unwrap().0
+    }
+
+    #[test]
+    fn distances_far_below_the_sides_around_them_are_in_doubt() {
+        let mesh = triangle(1e-8);
+        let found = doubt(&mesh, &[0.0, 0.0, 1e-8]).unwrap();
+        assert_eq!((found.faces, found.first.raw()), (1, 0));
+        assert!((found.bound / 1e-12 - 1.0).abs() < 1e-9);
+        assert!(found.to_string().starts_with("1 face is too long and thin"));
+    }
+
+    #[test]
+    fn distances_of_the_size_of_the_mesh_are_not_in_doubt() {
+        let mesh = triangle(1e-8);
+        assert_eq!(doubt(&mesh, &[0.0, 1.0, 1e-8]), None);
+        assert_eq!(doubt(&mesh, &[0.0, f64::INFINITY, 0.0]), None);
+    }
+}

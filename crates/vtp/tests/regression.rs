@@ -1,0 +1,105 @@
+//! Defects of the VTP kinds that were mended, each with a test that is named after what went wrong.
+
+use geobench_mesh::Mesh;
+use geobench_vtp::{
+    EdgeBased, FastOptions, Ftp, Instructions, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast,
+    VtpNoRule1, VtpNoRules23, VtpTrimming,
+};
+
+#[path = "../../window/tests/meshes/mod.rs"]
+mod meshes;
+
+use meshes::Solvers;
+
+fn solvers(mesh: &Mesh) -> Solvers<'_> {
+    let fast = |options| VtpFast::with_options(mesh, options);
+    let with = |instructions| FastOptions {
+        instructions,
+        ..FastOptions::default()
+    };
+    vec![
+        ("vtp", Box::new(Vtp::new(mesh))),
+        ("opvtp", Box::new(Opvtp::new(mesh))),
+        ("ftp", Box::new(Ftp::new(mesh))),
+        ("opftp", Box::new(Opftp::new(mesh))),
+        ("vtp-exhaustive", Box::new(VtpExhaustive::new(mesh))),
+        ("vtp-trimming", Box::new(VtpTrimming::new(mesh))),
+        ("vtp-no-rule1", Box::new(VtpNoRule1::new(mesh))),
+        ("vtp-no-rules23", Box::new(VtpNoRules23::new(mesh))),
+        ("edge-based", Box::new(EdgeBased::new(mesh))),
+        (
+            "vtp-fast, scalar",
+            Box::new(fast(with(Instructions::Scalar))),
+        ),
+        ("vtp-fast, avx2", Box::new(fast(with(Instructions::Avx2)))),
+        (
+            "vtp-fast, avx512",
+            Box::new(fast(with(Instructions::Avx512))),
+        ),
+        ("pvtp", Box::new(Pvtp::new(mesh, 2))),
+    ]
+}
+
+/// `l - cx` cancels where the right exit is short: √5 came out as 2.236066470725.
+#[test]
+fn a_short_right_exit_had_the_wrong_direction() {
+    meshes::SHORT_RIGHT_EXIT.check(solvers);
+}
+
+/// The denominators of the places on an exit cancel where the source is close to the edge.
+#[test]
+fn a_source_close_to_a_ray_moved_the_ends_of_windows() {
+    meshes::SOURCE_CLOSE_TO_A_RAY.check_relative(solvers);
+}
+
+#[test]
+fn vertices_on_a_strip_of_thin_faces_were_lost() {
+    meshes::STRIP_OF_THIN_FACES.check(solvers);
+}
+
+#[test]
+fn vertices_on_narrow_faces_among_others_were_lost() {
+    meshes::NARROW_FACES_AMONG_OTHERS.check(solvers);
+}
+
+/// Rules 2 and 3 knew the error of positions relative to these, and not to the face.
+#[test]
+fn windows_of_a_thin_strip_were_taken_for_crossing() {
+    meshes::FOUR_THIN_FACES.check(solvers);
+}
+
+/// The same on a larger mesh.
+#[test]
+fn windows_beside_slivers_were_deleted() {
+    meshes::SLIVERS.check(solvers);
+}
+
+/// The same on a larger mesh.
+#[test]
+fn windows_beside_slivers_and_a_flat_face_were_deleted() {
+    meshes::SLIVERS_AND_A_FLAT_FACE.check(solvers);
+}
+
+/// The same on a larger mesh.
+#[test]
+fn windows_beside_slivers_below_rounding_were_deleted() {
+    meshes::SLIVERS_BELOW_ROUNDING.check(solvers);
+}
+
+/// It stands there by rounding. Moving it made its distance from all other points too short.
+#[test]
+fn a_source_above_an_exit_was_moved_onto_it() {
+    meshes::SOURCE_ABOVE_THE_EXIT.check(solvers);
+}
+
+/// Ties did not know the length of the edge, so that a window was shorter than itself.
+#[test]
+fn windows_wound_around_a_sharp_fan_without_end() {
+    meshes::SHARP_FAN.check(solvers);
+}
+
+/// A straight line around a tip of the angle θ winds around it π/θ times.
+#[test]
+fn windows_wound_around_a_needle_pi_over_its_angle_times() {
+    meshes::check_needles(solvers);
+}

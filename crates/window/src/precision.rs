@@ -2,8 +2,8 @@
 //!
 //! A solver deletes windows because a real path is shorter than all of their rays. It computes in
 //! `f64`, so each of these comparisons must be safe against the rounding that both sides have
-//! gathered. This page says how much that is. All tolerances of the solvers follow from the three
-//! numbers here, [`MARGIN`], [`GRAIN`] and [`RESOLUTION`].
+//! gathered. This page says how much that is. All tolerances of the solvers follow from the four
+//! numbers here, [`MARGIN`], [`GRAIN`], [`PLACE`] and [`RESOLUTION`].
 //!
 //! # What is exact to begin with
 //!
@@ -58,7 +58,7 @@
 //!
 //! Trimming ([`trimming`](crate::trimming)) gives each point of an edge to one window. Of equal
 //! windows one must go, so what counts as equal may be lost, and must be as little as rounding
-//! allows: [`GRAIN`] of the distance and of the edge, 50 ulps. The first one stays. Its path to the
+//! allows: [`GRAIN`] of the distance and [`PLACE`] of the edge, 50 and 5 ulps. The first one stays. Its path to the
 //! point is as short; and beyond, the other one would have to leave the point at an angle
 //! that is too small to see, but in one case:
 //!
@@ -87,14 +87,14 @@ use std::fmt;
 
 use geobench_mesh::{FaceId, Mesh};
 
-pub use geobench_mesh::precision::{GRAIN, MARGIN, RESOLUTION, SLIVER_HEIGHT};
+pub use geobench_mesh::precision::{GRAIN, MARGIN, PLACE, RESOLUTION, SLIVER_HEIGHT};
 
 /// How many times as long as the greatest distance a side must be to be too long for it.
 const TOO_LONG: f64 = 10.0;
 
 /// Faces so long, for the distances around them, that `f64` cannot place a path on their sides.
 ///
-/// A place on a side of length L is known to [`GRAIN`]·L at best. Where all distances are far less
+/// A place on a side of length L is known to [`PLACE`]·L at best. Where all distances are far less
 /// than L, since the faces are thin or there are sources all around, that is more than the last
 /// digits of a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,7 +114,11 @@ impl fmt::Display for Doubt {
             "{} {} too long and thin for these distances (the first is face {}): each may be off by up \
              to {:.1e}; split the long edges to be sure",
             self.faces,
-            if self.faces == 1 { "face is" } else { "faces are" },
+            if self.faces == 1 {
+                "face is"
+            } else {
+                "faces are"
+            },
             self.first.raw(),
             self.bound
         )
@@ -125,11 +129,17 @@ impl fmt::Display for Doubt {
 /// all meshes. O(faces).
 pub fn doubt(mesh: &Mesh, distances: &[f64]) -> Option<Doubt> {
     let reached = |d: &&f64| d.is_finite();
-    let greatest = distances.iter().filter(reached).fold(0.0, |a, &b| f64::max(a, b));
+    let greatest = distances
+        .iter()
+        .filter(reached)
+        .fold(0.0, |a, &b| f64::max(a, b));
     let mut doubt: Option<Doubt> = None;
     for face in mesh.faces() {
         let is_reached = |v: geobench_mesh::VertexId| distances[v.index()].is_finite();
-        let longest = [0, 1, 2].map(|k| mesh.length(face.half_edge(k))).into_iter().fold(0.0, f64::max);
+        let longest = [0, 1, 2]
+            .map(|k| mesh.length(face.half_edge(k)))
+            .into_iter()
+            .fold(0.0, f64::max);
         if longest > TOO_LONG * greatest
             && greatest > 0.0
             && mesh.face_vertices(face).into_iter().any(is_reached)

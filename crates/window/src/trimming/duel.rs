@@ -6,7 +6,7 @@
 use std::cmp::Ordering;
 
 use super::foot::{does_new_win, may_be_foot};
-use crate::precision::GRAIN;
+use crate::precision::{GRAIN, PLACE};
 use crate::tie::tie_points;
 use crate::window::Window;
 
@@ -20,7 +20,7 @@ use crate::window::Window;
 #[inline(always)]
 #[allow(clippy::inline_always)] // Four times in each duel.
 fn is_clearly_less(first: f64, second: f64, l: f64) -> bool {
-    first < second - GRAIN * (second + l)
+    first < second - (GRAIN * second + PLACE * l)
 }
 
 /// Width below which what trimming leaves of a window is dropped, as a fraction of the edge or of
@@ -33,9 +33,9 @@ fn is_clearly_less(first: f64, second: f64, l: f64) -> bool {
 /// through as little as that; hence the distance of the source.
 const SLIVER: f64 = 1e-10;
 
-/// Width, in terms of the height of a source over the edge, on which its distances are taken to be a straight
-/// line; see [`is_straight`].
-const STRAIGHT: f64 = 1e-6;
+/// Width, in terms of the height of a source over the edge, on which its distances are taken to be a
+/// straight line: √(2·[`GRAIN`]); see [`is_straight`].
+const STRAIGHT: f64 = 1.4e-7;
 
 /// What a new window takes from an old one of a range that they share.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -281,7 +281,7 @@ mod tests {
         /// each took the way of those that may tie twice.
         #[test]
         fn windows_that_meet_along_a_ray_are_told_apart_at_once(
-            old in windows(), lo in 0.0..1.0f64, slope in -1.0..1.0f64, width in 1e-9..1e-6f64, at in 0.0..1.0f64,
+            old in windows(), lo in 0.0..1.0f64, slope in -1.0..1.0f64, width in 1e-10..1e-7f64, at in 0.0..1.0f64,
         ) {
             let width = width * old.py.abs();
             let (x, y) = (lo - old.px, old.py);

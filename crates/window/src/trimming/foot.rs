@@ -11,7 +11,7 @@
 //! is no shortest path to its own foot, and none of its directions is of use. Among equals it stays,
 //! since it holds every direction that they have.
 
-use crate::precision::GRAIN;
+use crate::precision::{GRAIN, PLACE};
 use crate::window::Window;
 
 /// How far a foot reaches to both sides, as a fraction of the edge: over it the distance of the
@@ -20,7 +20,7 @@ const HALF_WIDTH: f64 = 3.0 * GRAIN;
 
 /// How far an interval must reach to both sides of the foot to hold all directions, as a fraction of
 /// the edge: some units in the last place of an abscissa.
-const CLEARANCE: f64 = 0.1 * GRAIN;
+const CLEARANCE: f64 = PLACE;
 
 /// How far both reach beyond that, in heights of the source over the edge. Rays that go further
 /// along the edge graze it.
@@ -72,7 +72,7 @@ pub(super) fn does_new_win(old: &Window, new: &Window, l: f64) -> Option<bool> {
 fn is_shorter_at_foot(w: &Window, foot: &Window, l: f64) -> bool {
     let x = foot.px;
     let d = foot.distance(x);
-    w.b0 <= x && x <= w.b1 && w.distance(x) < d - GRAIN * (d + l)
+    w.b0 <= x && x <= w.b1 && w.distance(x) < d - (GRAIN * d + PLACE * l)
 }
 
 /// The pieces of a window with a foot: first the foot, then what lies left and right of it.

@@ -4,12 +4,12 @@
 
 use std::hint::black_box;
 
-use geobench::isolate::Isolated;
-use geobench::limits::Limits;
-use geobench::memory::Peaks;
-use geobench::model::ModelRef;
+use geobench::exec::isolate::Isolated;
+use geobench::exec::limits::Limits;
+use geobench::exec::model::ModelRef;
+use geobench::exec::{Purpose, Step, Workplace};
+use geobench::measure::memory::Peaks;
 use geobench::registry;
-use geobench::runner::{Purpose, Step, Workplace};
 use geobench_mesh::VertexId;
 
 const MEGABYTE: u64 = 1 << 20;

@@ -6,14 +6,14 @@ use clap::builder::RangedI64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
 use super::isolation::{DecompressionOptions, IsolationOptions};
-use crate::compare::{RuleError, Rules};
-use crate::export::{self, ComparisonFormat, Format};
-use crate::instructions;
+use crate::history::compare::{RuleError, Rules};
+use crate::measure::instructions;
+use crate::plan::shard::Shard;
+use crate::plan::source::SourceSpec;
+use crate::plan::suite::{self, MOST_RUNS};
 use crate::registry::{self, MOST_THREADS, Selection};
 use crate::report::{Form, Tables, Wanted};
-use crate::shard::Shard;
-use crate::source::SourceSpec;
-use crate::suite::{self, MOST_RUNS};
+use crate::table::{self, ComparisonFormat, Format};
 
 /// How models are named, for the help of every command that takes some.
 const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .gz), a directory (searched \
@@ -492,8 +492,8 @@ fn tolerance(text: &str) -> Result<f64, String> {
     suite::tolerance(text.parse().ok())
 }
 
-fn row(name: &str) -> Result<String, export::UnknownFigure> {
-    export::figure(name).map(|figure| figure.key.to_owned())
+fn row(name: &str) -> Result<String, table::UnknownFigure> {
+    table::figure(name).map(|figure| figure.key.to_owned())
 }
 
 /// A number of threads.

@@ -1,11 +1,11 @@
 //! What is known of the algorithms on the model that is being worked on.
 
-use crate::export::{Bar, bar_lines};
+use crate::exec::{Purpose, Step};
+use crate::measure::statistics::median;
 use crate::plan::{Plan, Reference};
-use crate::record::Status;
 use crate::registry::Selection;
-use crate::runner::{Purpose, Step};
-use crate::statistics::median;
+use crate::schema::Status;
+use crate::table::{Bar, bar_lines};
 
 /// The algorithms of a plan, with what their runs on one model from one source have shown so far.
 #[derive(Debug, Default)]
@@ -121,7 +121,7 @@ mod tests {
     use geobench_mesh::VertexId;
 
     use super::*;
-    use crate::rehearsal::plan;
+    use crate::exec::mock::plan;
 
     #[test]
     fn a_board_follows_the_runs_of_one_model_and_source() {

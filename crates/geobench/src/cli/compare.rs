@@ -3,8 +3,9 @@
 use super::args::CompareOptions;
 use super::terminal::{self, Terminal};
 use super::{Verdict, outputs};
-use crate::export::ComparisonFormat;
-use crate::{compare as comparing, result_file};
+use crate::history::compare as comparing;
+use crate::schema::result_file;
+use crate::table::ComparisonFormat;
 
 pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     let outputs = outputs::prepare(&options.output, ComparisonFormat::of_path)?;

@@ -12,10 +12,10 @@ use geobench_window::Solver;
 use super::Verdict;
 use super::args::DistanceOptions;
 use super::terminal;
-use crate::field::{DistanceField, FieldFormat};
-use crate::model;
-use crate::output::OutputFile;
+use crate::exec::model;
 use crate::registry::Selection;
+use crate::table::distance_formats::{DistanceField, FieldFormat};
+use crate::table::output::OutputFile;
 
 pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     if options.algo.outside_name().is_some() {

@@ -7,9 +7,9 @@ use geobench_mesh::{Report, Severity};
 use super::Verdict;
 use super::args::InfoOptions;
 use super::terminal;
-use crate::export::escape::printable;
-use crate::export::number::grouped;
-use crate::model::{self, LoadedModel, ModelError, ModelRef};
+use crate::exec::model::{self, LoadedModel, ModelError, ModelRef};
+use crate::table::escape::printable;
+use crate::table::number::grouped;
 
 pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
     let mut verdict = Verdict::Passed;

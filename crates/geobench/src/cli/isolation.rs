@@ -6,14 +6,14 @@ use std::thread;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 
-use crate::affinity::{self, CpuList};
-use crate::in_process::InProcess;
-use crate::isolate::{Isolated, Sharing};
-use crate::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
-use crate::outside::{self, Programs, WithPrograms};
-use crate::record::IsolationRecord;
+use crate::exec::Workplace;
+use crate::exec::affinity::{self, CpuList};
+use crate::exec::in_process::InProcess;
+use crate::exec::isolate::{Isolated, Sharing};
+use crate::exec::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
+use crate::exec::outside::{self, Programs, WithPrograms};
 use crate::registry::Selection;
-use crate::runner::Workplace;
+use crate::schema::IsolationRecord;
 
 #[derive(Args, Debug)]
 pub(super) struct IsolationOptions {

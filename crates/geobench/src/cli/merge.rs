@@ -3,7 +3,8 @@
 use super::args::MergeOptions;
 use super::run::{Tally, verdict};
 use super::{Verdict, outputs, terminal};
-use crate::{merge as parts, result_file};
+use crate::history::merge as parts;
+use crate::schema::result_file;
 
 pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<Verdict> {
     let outputs = outputs::results(&options.output)?;

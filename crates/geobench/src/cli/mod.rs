@@ -30,10 +30,10 @@ use clap::error::ErrorKind;
 use args::{Arguments, Command};
 use terminal::Terminal;
 
-use crate::isolate;
+use crate::exec::isolate;
 
-use crate::instructions;
-use crate::interrupt;
+use crate::exec::interrupt;
+use crate::measure::instructions;
 
 /// How a command that did its work ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 
-use crate::export::{Format, UnknownEnding};
-use crate::output::OutputFile;
+use crate::table::output::OutputFile;
+use crate::table::{Format, UnknownEnding};
 
 /// The result files at `paths`, found to be writable.
 pub(super) fn results(paths: &[PathBuf]) -> anyhow::Result<Vec<(Format, OutputFile)>> {

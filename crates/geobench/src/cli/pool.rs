@@ -2,7 +2,8 @@
 
 use super::args::PoolOptions;
 use super::{Verdict, outputs};
-use crate::{pool as rounds, result_file};
+use crate::history::pool as rounds;
+use crate::schema::result_file;
 
 pub(super) fn pool(options: &PoolOptions) -> anyhow::Result<Verdict> {
     let outputs = outputs::results(&options.output)?;

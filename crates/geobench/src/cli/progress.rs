@@ -5,9 +5,9 @@ use std::io::{self, Stderr};
 use super::board::Board;
 use super::live::{LiveLines, cut};
 use super::terminal;
+use crate::exec::{Purpose, Step};
 use crate::plan::Plan;
-use crate::record::Status;
-use crate::runner::{Purpose, Step};
+use crate::schema::Status;
 
 /// Lines of the terminal that are left to what was printed before.
 const LINES_LEFT: usize = 4;
@@ -173,7 +173,7 @@ mod tests {
     use geobench_mesh::VertexId;
 
     use super::*;
-    use crate::rehearsal::plan;
+    use crate::exec::mock::plan;
 
     fn view() -> View {
         let plan = plan(&["horse"], "mmp,vtp", "0");

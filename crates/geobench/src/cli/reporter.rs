@@ -6,15 +6,15 @@ use anyhow::bail;
 
 use super::progress::Progress;
 use super::terminal::{self, Terminal};
-use crate::agreement;
-use crate::export::{self, Format};
-use crate::instructions;
-use crate::interrupt;
-use crate::limits::Limits;
-use crate::output::OutputFile;
+use crate::exec::interrupt;
+use crate::exec::limits::Limits;
+use crate::exec::{Listener, Step};
+use crate::measure::instructions;
 use crate::plan::Plan;
-use crate::record::{Cell, GroupRecord, InstructionCount, ModelRecord, ResultFile, Status};
-use crate::runner::{Listener, Step};
+use crate::run::agreement;
+use crate::schema::{Cell, GroupRecord, InstructionCount, ModelRecord, ResultFile, Status};
+use crate::table::output::OutputFile;
+use crate::table::{self, Format};
 
 use super::run::now;
 
@@ -47,12 +47,12 @@ impl Reporter {
         if plan.runs() == 0 {
             return Ok(());
         }
-        self.show(&export::group_heading(&plan.group))
+        self.show(&table::group_heading(&plan.group))
     }
 
     /// All cells of a group are known.
     pub(super) fn end(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
-        self.show(&export::ratio_table(
+        self.show(&table::ratio_table(
             group,
             &self.result.cells,
             self.terminal.look(),
@@ -158,11 +158,11 @@ impl Listener for Reporter {
             }
             if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
                 let look = self.terminal.look();
-                let mut text = export::model_table(group, model, cells, look);
+                let mut text = table::model_table(group, model, cells, look);
                 // The last column stays free, as in the live table.
                 let width = look.width.map(|width| width.saturating_sub(1));
-                text += &width
-                    .map_or_else(String::new, |width| export::model_bars(group, cells, width));
+                text +=
+                    &width.map_or_else(String::new, |width| table::model_bars(group, cells, width));
                 terminal::print_rendered(&text)?;
             }
             anyhow::Ok(())

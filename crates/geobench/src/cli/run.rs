@@ -10,23 +10,23 @@ use super::progress::Progress;
 use super::reporter::Reporter;
 use super::terminal::{self, Terminal};
 use super::{Verdict, outputs};
-use crate::benchmark;
-use crate::conditions::{Conditions, Snapshot};
-use crate::export::{self, Format};
-use crate::host;
-use crate::instructions;
-use crate::interrupt;
-use crate::isolate::Sharing;
-use crate::journal::{Header, Journal};
-use crate::ledger::{Ledger, NoLedger};
-use crate::limits::{Limits, Timeout};
-use crate::output::{self, OutputFile};
+use crate::exec::Listener;
+use crate::exec::interrupt;
+use crate::exec::isolate::Sharing;
+use crate::exec::limits::{Limits, Timeout};
+use crate::measure::conditions::{Conditions, Snapshot};
+use crate::measure::host;
+use crate::measure::instructions;
+use crate::plan::shard;
+use crate::plan::suite::{self, Library, Plans, Scale, Settings, Suite, WantedModel};
 use crate::plan::{Plan, Reference};
-use crate::plan_record::PlanRecord;
-use crate::record::{Cell, Host, ResultFile, SCHEMA, Session, Status};
-use crate::runner::Listener;
-use crate::shard;
-use crate::suite::{self, Library, Plans, Scale, Settings, Suite, WantedModel};
+use crate::run;
+use crate::run::journal::{Header, Journal};
+use crate::run::ledger::{Ledger, NoLedger};
+use crate::schema::plan_record::PlanRecord;
+use crate::schema::{Cell, Host, ResultFile, SCHEMA, Session, Status};
+use crate::table::output::{self, OutputFile};
+use crate::table::{self, Format};
 
 pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     options.isolation.check()?;
@@ -88,7 +88,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         }
         listener.begin(plan)?;
         let mut workplace = options.isolation.workplace(plan.limits, Sharing::None)?;
-        let outcome = benchmark::run(plan, &mut *workplace, &mut *ledger, &mut listener)?;
+        let outcome = run::run(plan, &mut *workplace, &mut *ledger, &mut listener)?;
         listener.end(&plan.group)?;
         let checked = !matches!(plan.reference, Reference::None);
         verdicts.push(Tally::of(checked, &outcome.cells));
@@ -102,7 +102,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     } = listener;
     drop(progress);
     if options.format == Format::Table {
-        terminal::print_rendered(&export::footnote(&result, terminal.styled))?;
+        terminal::print_rendered(&table::footnote(&result, terminal.styled))?;
     } else {
         terminal::print_rendered(&options.format.render(&result)?)?;
     }

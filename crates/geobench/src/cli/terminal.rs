@@ -5,8 +5,8 @@ use std::io::{self, IsTerminal, Write};
 use terminal_size::{Height, Width, terminal_size_of};
 
 use super::args::ColorChoice;
-use crate::export::Look;
-use crate::export::escape::{for_terminal, printable};
+use crate::table::Look;
+use crate::table::escape::{for_terminal, printable};
 
 /// What may be shown how.
 #[derive(Clone, Copy, Debug)]

@@ -6,17 +6,17 @@ use geobench_mesh::VertexId;
 use super::Verdict;
 use super::args::VerifyOptions;
 use super::terminal;
-use crate::agreement::{self, Clusters, Vote};
-use crate::check::{self, Comparison};
-use crate::expected::{Expected, Field, stored_sources};
-use crate::export::number::scientific;
-use crate::interrupt;
-use crate::isolate::Sharing;
-use crate::model::{self, ModelRef};
-use crate::record::ModelRecord;
+use crate::exec::interrupt;
+use crate::exec::isolate::Sharing;
+use crate::exec::model::{self, ModelRef};
+use crate::exec::{Executor, Purpose, Step};
+use crate::plan::expected::{Expected, Field, stored_sources};
+use crate::plan::suite;
 use crate::registry::{self, Selection};
-use crate::runner::{Executor, Purpose, Step};
-use crate::suite;
+use crate::run::agreement::{self, Clusters, Vote};
+use crate::run::check::{self, Comparison};
+use crate::schema::ModelRecord;
+use crate::table::number::scientific;
 
 /// The algorithm that all others must agree with, whether it is among those asked for or not.
 const REFERENCE: &str = "mmp";

@@ -1,5 +1,5 @@
 //! What the table says of outside programs: nothing, until a file describes them
-//! ([`crate::outside`]).
+//! ([`crate::exec::outside`]).
 
 use geobench_window::Counter;
 

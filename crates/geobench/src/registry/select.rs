@@ -9,7 +9,7 @@ use geobench_window::Solver;
 use super::outside::{OUTSIDE, PREFIX};
 use super::parameter::THREADS;
 use super::{Algorithm, Parameter, Value, Values, algorithms, hidden};
-use crate::outside::{Program, Programs, UnknownProgram};
+use crate::exec::outside::{Program, Programs, UnknownProgram};
 
 /// An algorithm that a user asked for, with the values of its parameters.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use super::chart::{Axis, Chart, Lines, Series, Value};
 use super::document::{Plot, slug};
 use super::group::Group;
 use super::plots::Setting;
-use crate::record::{Cell, ModelRecord, Status, WavefrontSample};
+use crate::schema::{Cell, ModelRecord, Status, WavefrontSample};
 
 /// What is plotted over what.
 struct View {

@@ -1,10 +1,10 @@
 //! The cells of one group, as plots and comparisons look at them.
 
-use crate::export::base;
-use crate::export::figures::{Figure, figure};
-use crate::export::view::{algorithms, overall};
-use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
-use crate::statistics::{median, paired_ratio};
+use crate::measure::statistics::{median, paired_ratio};
+use crate::schema::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
+use crate::table::base;
+use crate::table::figures::{Figure, figure};
+use crate::table::view::{algorithms, overall};
 
 use super::chart::Value;
 

@@ -35,10 +35,10 @@ use std::path::PathBuf;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::export::Format;
-use crate::export::view::{self, algorithms, sections};
-use crate::limits::DecompressionLimit;
-use crate::record::{GroupRecord, ResultFile};
+use crate::exec::limits::DecompressionLimit;
+use crate::schema::{GroupRecord, ResultFile};
+use crate::table::Format;
+use crate::table::view::{self, algorithms, sections};
 use document::{Block, Document, Link, Note, Section, slug};
 use group::Group;
 use plots::Setting;
@@ -286,7 +286,7 @@ fn of_group(group: &Group<'_>, section: &view::Section<'_>, setting: Setting<'_>
 
 /// What the figures mean.
 fn reading(result: &ResultFile) -> String {
-    let mut text = crate::export::footnote(result, true).trim_end().to_owned();
+    let mut text = crate::table::footnote(result, true).trim_end().to_owned();
     if !text.is_empty() {
         text += ". ";
     }

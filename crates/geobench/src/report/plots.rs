@@ -5,8 +5,8 @@ use super::course;
 use super::document::{Plot, slug};
 use super::group::{Group, known};
 use super::scaling;
-use crate::export::figures::{Figure, figures};
-use crate::record::{ModelRecord, Phases};
+use crate::schema::{ModelRecord, Phases};
+use crate::table::figures::{Figure, figures};
 
 /// What every plot needs to know beside its group.
 #[derive(Clone, Copy, Debug)]

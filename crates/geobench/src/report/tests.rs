@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use super::files::files;
 use super::{Form, Input, Options, Report, Tables, Wanted, build, page};
-use crate::limits::DecompressionLimit;
-use crate::model::ModelRef;
-use crate::record::{GroupRecord, ResultFile};
-use crate::rehearsal::{Rehearsal, crash_ich, plan, rehearse, result, spoil_vtp};
+use crate::exec::limits::DecompressionLimit;
+use crate::exec::mock::{Rehearsal, crash_ich, plan, rehearse, result, spoil_vtp};
+use crate::exec::model::ModelRef;
+use crate::schema::{GroupRecord, ResultFile};
 
 /// A model of that name, whatever it holds.
 const NASTY: &str = "<b>&\"'";

@@ -7,8 +7,8 @@ use std::fmt::Write;
 use super::chart::{Axis, Bars, Chart, Dots, Lines, Point, Value, pgf_mark};
 use super::document::{Entry, Mark, Plot, Table};
 use super::html::overs;
-use crate::export::escape::printable;
-use crate::export::latex::escape;
+use crate::table::escape::printable;
+use crate::table::latex::escape;
 
 /// A `tabular`.
 pub(super) fn table(table: &Table) -> String {

@@ -1,7 +1,7 @@
 //! Reading the papers' tables.
 
-use crate::export::figures::{Figure, figure};
-use crate::record::Status;
+use crate::schema::Status;
+use crate::table::figures::{Figure, figure};
 
 /// A table of a paper.
 #[derive(Clone, Debug)]

@@ -13,12 +13,12 @@ use geobench_mesh::{Mesh, VertexId};
 use super::chart::width_of;
 use super::document::{Plot, slug};
 use super::svg::{Svg, px};
-use crate::export::number::grouped;
-use crate::field::ramp;
-use crate::limits::DecompressionLimit;
-use crate::model::{self, LoadedModel, ModelRef};
-use crate::record::ResultFile;
+use crate::exec::limits::DecompressionLimit;
+use crate::exec::model::{self, LoadedModel, ModelRef};
 use crate::registry;
+use crate::schema::ResultFile;
+use crate::table::distance_formats::ramp;
+use crate::table::number::grouped;
 use camera::Camera;
 
 /// Width and height of the picture in the units of the drawing.

@@ -3,7 +3,7 @@
 use geobench_mesh::{Mesh, VertexId};
 
 use super::camera::{Camera, dot, face_normal, unit};
-use crate::field::ramp;
+use crate::table::distance_formats::ramp;
 
 /// Samples for each pixel of the picture, each way.
 const SAMPLES: usize = 2;

@@ -1,0 +1,235 @@
+//! Runs cells in this very process.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::{Duration, Instant};
+
+use geobench_mesh::Mesh;
+use geobench_window::{SolveError, Solver};
+
+use crate::exec::limits::DecompressionLimit;
+use crate::exec::model::ModelRef;
+use crate::exec::{Executor, Failure, Observation, Purpose, Refusal, Step, Workplace};
+use crate::measure::memory::PeakMemory;
+use crate::schema::{ModelRecord, Phases, Status};
+
+/// This process as a place to work in. A cell that panics is lost alone; one that never ends or
+/// takes all memory takes the program with it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct InProcess {
+    /// Bytes that a compressed model may decompress to.
+    pub decompressed: DecompressionLimit,
+}
+
+impl Workplace for InProcess {
+    fn with_model(
+        &mut self,
+        model: &ModelRef,
+        work: &mut dyn FnMut(&ModelRecord, &mut dyn Executor),
+    ) -> Result<(), Refusal> {
+        let loaded = model
+            .load_within(self.decompressed)
+            .map_err(|error| Refusal {
+                message: error.to_string(),
+            })?;
+        let mut bench = Bench {
+            mesh: &loaded.mesh,
+            solvers: Vec::new(),
+        };
+        work(&loaded.record, &mut bench);
+        Ok(())
+    }
+}
+
+/// The algorithms that are set up for a mesh, by label. They stay set up for the next run, as they
+/// would in a program that asks for one source after another.
+struct Bench<'m> {
+    mesh: &'m Mesh,
+    solvers: Vec<(String, Box<dyn Solver + 'm>)>,
+}
+
+impl Executor for Bench<'_> {
+    fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
+        // What a panic leaves behind is dropped: see below.
+        let result = catch_unwind(AssertUnwindSafe(|| match step.purpose {
+            Purpose::WarmUp | Purpose::Time => self.solve(step),
+            Purpose::Clock => self.clock(step),
+            Purpose::Count => self.count(step),
+        }));
+        match result {
+            Ok(Ok(observation)) => Ok(observation),
+            Ok(Err(error)) => Err(Failure {
+                status: Status::Refused,
+                message: error.to_string(),
+            }),
+            Err(panic) => {
+                self.dismiss(step.algorithm.label());
+                Err(Failure {
+                    status: Status::Crashed,
+                    message: format!("the algorithm panicked: {}", panic_message(&*panic)),
+                })
+            }
+        }
+    }
+}
+
+impl Bench<'_> {
+    /// A run with the solver that is set up, or is set up now.
+    fn solve(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
+        let label = step.algorithm.label();
+        let mut setup = None;
+        let known = self.solvers.iter().position(|(l, _)| l == label);
+        let place = known.unwrap_or(self.solvers.len());
+        if place == self.solvers.len() {
+            let start = Instant::now();
+            let solver = step.algorithm.build(self.mesh);
+            setup = Some(start.elapsed());
+            self.solvers.push((label.to_owned(), solver));
+        }
+        let solver = &mut self.solvers[place].1;
+        let start = Instant::now();
+        let solution = solver.solve(&[step.source]);
+        let elapsed = start.elapsed();
+        Ok(Observation {
+            distances: solution?.distances,
+            seconds: Some(elapsed.as_secs_f64()),
+            setup_seconds: setup.as_ref().map(Duration::as_secs_f64),
+            ..Observation::default()
+        })
+    }
+
+    /// Ends the solver that is set up for an algorithm.
+    fn dismiss(&mut self, algorithm: &str) {
+        self.solvers.retain(|(label, _)| label != algorithm);
+    }
+
+    /// A run with a solver of its own, so that its memory is measured from nothing. That of the counted run would include
+    /// what is kept for the counts alone.
+    fn clock(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
+        // What is set up for the timed runs is no part of it.
+        self.dismiss(step.algorithm.label());
+        let measure = PeakMemory::start();
+        let result = step.algorithm.build(self.mesh).clock(&[step.source]);
+        let peaks = measure.stop();
+        let (solution, phases) = result?;
+        Ok(Observation {
+            distances: solution.distances,
+            phases: Some(Phases {
+                propagation: Some(phases.propagation.as_secs_f64()),
+                pruning: Some(phases.pruning.as_secs_f64()),
+                management: Some(phases.management.as_secs_f64()),
+            }),
+            peaks,
+            ..Observation::default()
+        })
+    }
+
+    /// A run with a solver of its own too, which is not kept.
+    fn count(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
+        self.dismiss(step.algorithm.label());
+        let (solution, mut counters) = step.algorithm.build(self.mesh).count(&[step.source])?;
+        let wavefront = std::mem::take(&mut counters.wavefront);
+        Ok(Observation {
+            distances: solution.distances,
+            counters: Some(counters),
+            wavefront: wavefront.into_iter().map(Into::into).collect(),
+            ..Observation::default()
+        })
+    }
+}
+
+fn panic_message(panic: &(dyn Any + Send)) -> &str {
+    panic
+        .downcast_ref::<String>()
+        .map(String::as_str)
+        .or_else(|| panic.downcast_ref::<&str>().copied())
+        .unwrap_or("no message")
+}
+
+#[cfg(test)]
+mod tests {
+    use geobench_mesh::{TriangleSoup, VertexId};
+    use geobench_window::Counter;
+
+    use super::*;
+    use crate::measure::memory::Peaks;
+    use crate::registry::{self, Algorithm, Selection, Values};
+
+    static PANICS: Algorithm = Algorithm {
+        name: "panics",
+        family: "test",
+        paper: "",
+        exact: true,
+        summary: "",
+        complexity: "",
+        keeps: "",
+        choose: "",
+        memory_counter: Counter::PeakWindows,
+        comfortable_faces: None,
+        parameters: &[],
+        build: |_, _| panic!("no such luck"),
+    };
+
+    fn on_a_triangle<T>(test: impl FnOnce(&mut Bench<'_>) -> T) -> T {
+        let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+        let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, vec![[0, 1, 2]])).unwrap();
+        test(&mut Bench {
+            mesh: &mesh,
+            solvers: Vec::new(),
+        })
+    }
+
+    fn step(algorithm: &Selection, source: u32, purpose: Purpose) -> Step<'_> {
+        Step {
+            model: "triangle",
+            algorithm,
+            source: VertexId::new(source),
+            purpose,
+        }
+    }
+
+    #[test]
+    fn each_purpose_delivers_its_figures_and_the_same_answer() {
+        let algorithm = registry::select_one("mmp").unwrap();
+        on_a_triangle(|bench| {
+            let mut run = |purpose| bench.execute(&step(&algorithm, 1, purpose)).unwrap();
+            let warm = run(Purpose::WarmUp);
+            let timed = run(Purpose::Time);
+            let counted = run(Purpose::Count);
+            let clocked = run(Purpose::Clock);
+            for observation in [&warm, &timed, &counted, &clocked] {
+                assert_eq!(observation.distances, [3.0, 0.0, 5.0]);
+            }
+            assert!(warm.setup_seconds.is_some() && timed.setup_seconds.is_none());
+            assert!(timed.seconds.is_some() && counted.seconds.is_none());
+            assert!(counted.counters.is_some() && timed.counters.is_none());
+            assert!(clocked.phases.is_some() && timed.phases.is_none());
+            // What is kept for the counts alone is no memory of the algorithm.
+            assert_eq!(counted.peaks, Peaks::default());
+            assert_eq!(clocked.peaks.rss.is_some(), cfg!(target_os = "linux"));
+        });
+    }
+
+    #[test]
+    fn a_panic_is_a_crash_of_that_cell_alone() {
+        let panics = Selection::new(&PANICS, Values::default());
+        let mmp = registry::select_one("mmp").unwrap();
+        on_a_triangle(|bench| {
+            for purpose in [Purpose::Time, Purpose::Count] {
+                let failure = bench.execute(&step(&panics, 0, purpose)).unwrap_err();
+                assert_eq!(failure.status, Status::Crashed);
+                assert_eq!(failure.message, "the algorithm panicked: no such luck");
+            }
+            assert!(bench.execute(&step(&mmp, 0, Purpose::Time)).is_ok());
+        });
+    }
+
+    #[test]
+    fn a_source_that_does_not_exist_is_refused() {
+        let mmp = registry::select_one("mmp").unwrap();
+        on_a_triangle(|bench| {
+            let failure = bench.execute(&step(&mmp, 3, Purpose::Time)).unwrap_err();
+            assert_eq!(failure.status, Status::Refused);
+        });
+    }
+}

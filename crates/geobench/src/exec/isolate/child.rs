@@ -1,0 +1,277 @@
+//! The parent's end of a child.
+
+use std::io::{self, Read, Write};
+use std::os::fd::AsFd;
+use std::os::unix::process::CommandExt;
+use std::process::{self, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
+
+use super::message::{Order, Reply};
+use super::orphans::Descendants;
+use super::trouble::{Ending, Trouble};
+use super::{system, tail::Tail};
+use crate::exec::interrupt;
+use crate::exec::limits::Limits;
+
+/// Time between two looks at the memory of a child that has a limit of it. What it can take
+/// meanwhile is bounded by the system: see [`system::bound_data`].
+const LOOK: Duration = Duration::from_millis(10);
+
+/// Time that a child has to end after it has closed its standard output.
+const GRACE: Duration = Duration::from_secs(1);
+
+/// A process that waits for orders. It is the leader of a process group of its own, which ends
+/// with this value whatever it is at.
+#[derive(Debug)]
+pub(crate) struct Child {
+    process: process::Child,
+    descendants: Descendants,
+    orders: ChildStdin,
+    replies: ChildStdout,
+    errors: Option<ChildStderr>,
+    /// What of the next answer has arrived.
+    received: Vec<u8>,
+    last_words: Tail,
+    /// How it ended, once that is known.
+    status: Option<ExitStatus>,
+}
+
+impl Child {
+    /// Starts `command`.
+    pub(crate) fn start(mut command: Command) -> io::Result<Self> {
+        command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .process_group(0);
+        let (mut process, descendants) = Descendants::of(&mut command)?;
+        let (orders, replies, errors) = (
+            process.stdin.take(),
+            process.stdout.take(),
+            process.stderr.take(),
+        );
+        let (Some(orders), Some(replies), Some(errors)) = (orders, replies, errors) else {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        };
+        let child = Self {
+            process,
+            descendants,
+            orders,
+            replies,
+            errors: Some(errors),
+            received: Vec::new(),
+            last_words: Tail::default(),
+            status: None,
+        };
+        rustix::io::ioctl_fionbio(&child.replies, true)?;
+        if let Some(errors) = &child.errors {
+            rustix::io::ioctl_fionbio(errors, true)?;
+        }
+        Ok(child)
+    }
+
+    /// Bytes that it occupies, with whatever it has started.
+    pub(crate) fn resident(&self) -> Option<u64> {
+        let own = system::resident(self.process.id())?;
+        Some(own + self.descendants.resident_orphans())
+    }
+
+    /// Its number.
+    pub(crate) fn id(&self) -> u32 {
+        self.process.id()
+    }
+
+    /// Sends an order and waits for the answer, of at most `longest` bytes. Nothing runs here
+    /// meanwhile, except that a child with a limit of memory is looked at now and then.
+    pub(super) fn ask(
+        &mut self,
+        order: &Order,
+        limits: &Limits,
+        longest: usize,
+    ) -> Result<Reply, Trouble> {
+        let mut line = serde_json::to_vec(order).map_err(|error| Trouble::Pipe(error.into()))?;
+        line.push(b'\n');
+        let answer = self.ask_line(&line, limits, longest)?;
+        serde_json::from_slice(&answer).map_err(|_| {
+            self.kill();
+            Trouble::garbage(&answer)
+        })
+    }
+
+    /// Sends `order`, if it is not empty, and waits for a line of at most `longest` bytes.
+    pub(crate) fn ask_line(
+        &mut self,
+        order: &[u8],
+        limits: &Limits,
+        longest: usize,
+    ) -> Result<Vec<u8>, Trouble> {
+        let kills = system::kernel_out_of_memory_kills();
+        let answer = self.converse(order, limits, longest);
+        match answer {
+            Ok(Some(line)) => Ok(line),
+            // The pipe has come to its end.
+            Ok(None) => {
+                let Some(status) = self.wait_for_end() else {
+                    self.kill();
+                    return Err(Trouble::Closed);
+                };
+                if !self.received.is_empty() {
+                    return Err(Trouble::garbage(&self.received));
+                }
+                Err(Trouble::Ended(Ending {
+                    status,
+                    last_words: self.last_words.to_string(),
+                    kernel_out_of_memory: kills < system::kernel_out_of_memory_kills(),
+                }))
+            }
+            Err(trouble) => {
+                self.kill();
+                Err(trouble)
+            }
+        }
+    }
+
+    /// The line that answers an order, or nothing if the pipe ends before it does.
+    fn converse(
+        &mut self,
+        order: &[u8],
+        limits: &Limits,
+        longest: usize,
+    ) -> Result<Option<Vec<u8>>, Trouble> {
+        let start = Instant::now();
+        let deadline = limits.timeout.0.and_then(|time| start.checked_add(time));
+        match self.orders.write_all(order) {
+            // It is gone; why, is found below.
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {}
+            done => done.map_err(Trouble::Pipe)?,
+        }
+        let mut searched = 0;
+        loop {
+            if let Some(end) = self.received[searched..].iter().position(|b| *b == b'\n') {
+                let rest = self.received.split_off(searched + end + 1);
+                return Ok(Some(std::mem::replace(&mut self.received, rest)));
+            }
+            searched = self.received.len();
+            if searched > longest {
+                return Err(Trouble::garbage(&self.received));
+            }
+            if interrupt::requested() {
+                return Err(Trouble::Interrupted);
+            }
+            let left = deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
+            if left.is_some_and(|left| left.is_zero()) {
+                return Err(Trouble::Timeout);
+            }
+            if let Some(most) = limits.memory.0
+                && let Some(bytes) = self.resident().filter(|bytes| *bytes > most)
+            {
+                return Err(Trouble::Memory(bytes));
+            }
+            let look = limits.memory.0.map(|_| LOOK);
+            self.sleep([left, look].into_iter().flatten().min())
+                .map_err(Trouble::Pipe)?;
+            self.listen_to_errors();
+            if !self.receive().map_err(Trouble::Pipe)? {
+                return Ok(None);
+            }
+        }
+    }
+
+    /// Sleeps until the child says something, somebody asks to stop, or the time is over.
+    fn sleep(&self, time: Option<Duration>) -> io::Result<()> {
+        let time = time.and_then(|time| Timespec::try_from(time).ok());
+        let wake = interrupt::wake();
+        let errors = self.errors.as_ref().map(AsFd::as_fd);
+        let mut events: Vec<PollFd<'_>> = [Some(self.replies.as_fd()), errors, wake]
+            .into_iter()
+            .flatten()
+            .map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN))
+            .collect();
+        match poll(&mut events, time.as_ref()) {
+            Ok(_) | Err(rustix::io::Errno::INTR) => Ok(()),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Takes in what there is of the answer; false if there will be no more.
+    fn receive(&mut self) -> io::Result<bool> {
+        let mut block = [0; 1 << 14];
+        match self.replies.read(&mut block) {
+            Ok(0) => Ok(false),
+            Ok(count) => {
+                self.received.extend_from_slice(&block[..count]);
+                Ok(true)
+            }
+            Err(error) if is_temporary(&error) => Ok(true),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Takes in what the child has written to standard error.
+    fn listen_to_errors(&mut self) {
+        let mut block = [0; 1 << 12];
+        while let Some(errors) = &mut self.errors {
+            match errors.read(&mut block) {
+                Ok(count @ 1..) => self.last_words.push(&block[..count]),
+                Err(error) if is_temporary(&error) => return,
+                Ok(0) | Err(_) => self.errors = None,
+            }
+        }
+    }
+
+    /// Waits until the process has ended, and hears its last words; nothing if it does not end.
+    fn wait_for_end(&mut self) -> Option<ExitStatus> {
+        let deadline = Instant::now() + GRACE;
+        while !self.has_ended() {
+            if Instant::now() >= deadline {
+                return None;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        self.listen_to_errors();
+        self.kill()
+    }
+
+    /// Whether the process has ended. It keeps its number until [`kill`](Self::kill).
+    fn has_ended(&self) -> bool {
+        let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+        self.group()
+            .is_some_and(|pid| matches!(waitid(WaitId::Pid(pid), options), Ok(Some(_))))
+    }
+
+    /// Ends the process and whatever it has started.
+    fn kill(&mut self) -> Option<ExitStatus> {
+        if self.status.is_none() {
+            let present = self.descendants.present();
+            // As long as nobody has waited for the leader, no other group can have its number.
+            if let Some(group) = self.group() {
+                let _ = kill_process_group(group, Signal::KILL);
+            }
+            self.status = self.process.wait().ok();
+            self.descendants.end(present);
+        }
+        self.status
+    }
+
+    fn group(&self) -> Option<Pid> {
+        i32::try_from(self.process.id())
+            .ok()
+            .and_then(Pid::from_raw)
+    }
+}
+
+impl Drop for Child {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}
+
+fn is_temporary(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted
+    )
+}

@@ -1,0 +1,195 @@
+//! A workplace in which nothing is computed: every run delivers what a test has made up.
+
+use geobench_window::{Counter, Counters};
+
+use crate::exec::limits::Limits;
+use crate::exec::model::ModelRef;
+use crate::exec::{Executor, Failure, Listener, Observation, Purpose, Refusal, Step, Workplace};
+use crate::measure::memory::Peaks;
+use crate::plan::{Plan, Reference};
+use crate::registry;
+use crate::run::ledger::NoLedger;
+use crate::run::{Outcome, run};
+use crate::schema::{GroupRecord, Host, ModelRecord, Phases, ResultFile, SCHEMA, Status, Tool};
+
+/// Changes what a run delivers, or lets it fail.
+pub(crate) type Alter = fn(&Step<'_>, &mut Observation) -> Option<Failure>;
+
+/// Delivers made-up observations and remembers what was asked for.
+#[derive(Default)]
+pub(crate) struct Rehearsal {
+    /// Every run in order, such as `time mmp 0`.
+    pub(crate) log: Vec<String>,
+    /// Models that are refused.
+    pub(crate) refuse: Vec<&'static str>,
+    /// Changes what a run delivers.
+    pub(crate) alter: Option<Alter>,
+}
+
+/// Vertices of every made-up model.
+pub(crate) const VERTICES: usize = 4;
+
+impl Workplace for Rehearsal {
+    fn with_model(
+        &mut self,
+        model: &ModelRef,
+        work: &mut dyn FnMut(&ModelRecord, &mut dyn Executor),
+    ) -> Result<(), Refusal> {
+        if self.refuse.contains(&model.name.as_str()) {
+            return Err(Refusal {
+                message: format!("{}: edge 3-7 has 3 faces", model.path),
+            });
+        }
+        let record = ModelRecord {
+            sha256: Some("00ff".into()),
+            vertices: Some(VERTICES as u64),
+            faces: Some(96_966),
+            edges: Some(5),
+            boundary_edges: Some(4),
+            components: Some(1),
+            genus: Some(0),
+            saddles: Some(0),
+            anisotropy: Some(1.25),
+            load_seconds: Some(0.5),
+            build_seconds: Some(0.25),
+            ..model.record()
+        };
+        work(&record, self);
+        Ok(())
+    }
+}
+
+impl Executor for Rehearsal {
+    fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
+        let name = step.algorithm.label();
+        let purpose = match step.purpose {
+            Purpose::WarmUp => "warm",
+            Purpose::Time => "time",
+            Purpose::Count => "count",
+            Purpose::Clock => "clock",
+        };
+        self.log.push(format!("{purpose} {name} {}", step.source));
+        let size = name.len() as u64 + u64::from(name == "mmp") * 1_000_000;
+        let mut observation = Observation {
+            distances: vec![0.0, 1.0, 1.5, f64::INFINITY],
+            ..Observation::default()
+        };
+        match step.purpose {
+            Purpose::WarmUp => observation.setup_seconds = Some(0.125),
+            Purpose::Time => {
+                // Different for every run, so that a sample that is lost or taken twice shows.
+                let base = if name == "vtp" { 0.329 } else { 1.204 };
+                observation.seconds = Some(base + self.log.len() as f64 / 1024.0);
+            }
+            Purpose::Count => {
+                let mut counters = Counters::default();
+                counters.set(Counter::Propagated, 3 * size);
+                counters.set(Counter::PeakWindows, 10);
+                counters.set(Counter::StoredWindows, size);
+                counters.set(Counter::WindowBytes, 64);
+                observation.counters = Some(counters);
+            }
+            Purpose::Clock => {
+                observation.phases = Some(Phases {
+                    propagation: Some(0.5),
+                    pruning: Some(0.25),
+                    management: Some(0.125),
+                });
+                observation.peaks = Peaks {
+                    heap: Some(100_000 * size),
+                    rss: Some(1 << 30),
+                };
+            }
+        }
+        let failure = self.alter.and_then(|alter| alter(step, &mut observation));
+        failure.map_or(Ok(observation), Err)
+    }
+}
+
+/// A plan over made-up models.
+pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
+    let algorithms = registry::select(algorithms).unwrap();
+    Plan {
+        group: GroupRecord::unnamed(),
+        models: models.iter().map(|name| ModelRef::named(name)).collect(),
+        reference: Reference::Algorithm(
+            algorithms
+                .iter()
+                .find(|a| a.label() == "mmp")
+                .unwrap_or(&algorithms[0])
+                .clone(),
+        ),
+        algorithms,
+        sources: sources.parse().unwrap(),
+        repeat: 5,
+        warmup: 1,
+        tolerance: 1e-9,
+        seed: 1,
+        share: None,
+        limits: Limits::USUAL,
+    }
+}
+
+/// Listens to nothing.
+pub(crate) struct Deaf;
+
+impl Listener for Deaf {}
+
+/// Carries out `plan` with `rehearsal`.
+pub(crate) fn rehearse(plan: &Plan, rehearsal: &mut Rehearsal) -> Outcome {
+    run(plan, rehearsal, &mut NoLedger, &mut Deaf).unwrap()
+}
+
+/// The result file of a made-up run.
+pub(crate) fn result(outcome: Outcome) -> ResultFile {
+    ResultFile {
+        schema: SCHEMA.into(),
+        tool: Tool {
+            version: "1.2.3".into(),
+            commit: None,
+            rustc: Some("rustc 1.89.0".into()),
+            rustflags: Some("-C opt-level=3".into()),
+            profile: "release".into(),
+            features: Vec::new(),
+        },
+        host: Host {
+            cpu: None,
+            cores: 2,
+            memory_bytes: Some(1 << 34),
+            os: "some system".into(),
+            kernel: None,
+            load_start: Some(0.5),
+            simd: Some("avx2".into()),
+        },
+        command: vec!["geobench".into(), "run".into()],
+        started: "2025-01-01T00:00:00Z".into(),
+        finished: "2025-01-01T00:00:01Z".into(),
+        isolation: None,
+        groups: Vec::new(),
+        models: outcome.models,
+        cells: outcome.cells,
+        pairing: None,
+        conditions: None,
+        plan: None,
+        sessions: Vec::new(),
+    }
+}
+
+/// Makes an answer of `vtp` wrong at vertex 2, from the timed runs on.
+pub(crate) fn spoil_vtp(step: &Step<'_>, observation: &mut Observation) -> Option<Failure> {
+    if step.algorithm.label() == "vtp" && step.purpose == Purpose::Time {
+        observation.distances[2] = 1.75;
+    }
+    None
+}
+
+/// Lets `ich` crash when it is timed.
+pub(crate) fn crash_ich(step: &Step<'_>, _: &mut Observation) -> Option<Failure> {
+    if step.algorithm.label() == "ich" && step.purpose == Purpose::Time {
+        return Some(Failure {
+            status: Status::Crashed,
+            message: "the algorithm panicked: index out of bounds".into(),
+        });
+    }
+    None
+}

@@ -1,0 +1,441 @@
+//! Two result files side by side, and whether the newer one is worse.
+//!
+//! Cells are the same if model (by its hash), algorithm with parameters, source, threads and group are. What
+//! is compared how depends on what it is:
+//!
+//! * Times vary, so a difference is only one if it is larger than they vary. Samples of runs that took
+//!   turns ([`ResultFile::pairing`]) are compared pair by pair; others by a bootstrap interval of the ratio of
+//!   their medians, with the test of Mann and Whitney beside it. A rule on time is broken if the
+//!   interval lies wholly beyond its limit.
+//! * Counts do not vary: any other count means that the algorithm does something else, be it more or
+//!   less. Instructions and memory are costs, of which less is never wrong.
+//! * A figure that a rule is on and that one of the files lacks breaks the rule: a gate must not fall silent
+//!   because there is nothing left to watch.
+//! * A cell that was well and is not any more is a regression under any rules.
+//! * A cell that the new file lacks is one only under a rule on missing cells: to compare a part of a benchmark with
+//!   the whole is nothing unusual.
+
+mod matching;
+mod measure;
+mod rules;
+#[cfg(test)]
+mod tests;
+mod time;
+
+use serde::{Serialize, Serializer};
+
+pub use matching::Key;
+pub use measure::Measure;
+pub use rules::{Rule, RuleError, Rules, Subject};
+pub use time::{TimeChange, TimeMethod};
+
+use crate::schema::{Cell, ResultFile, Status};
+use crate::table::number::group;
+
+/// The schema of a comparison in JSON.
+pub const SCHEMA: &str = "geobench-comparison/1";
+
+/// What comparing two files found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Always [`SCHEMA`].
+    pub schema: &'static str,
+    /// The older file.
+    pub old: Side,
+    /// The newer file.
+    pub new: Side,
+    /// The rules, as they are written.
+    pub rules: Vec<String>,
+    /// Whether the runs of both files took turns.
+    pub paired: bool,
+    /// How many cells are worse.
+    pub regressions: usize,
+    /// Cells of both files, in the order of the new one.
+    pub cells: Vec<CellChange>,
+    /// Cells of the old file that the new one lacks.
+    pub missing: Vec<Key>,
+    /// Cells of the new file that the old one lacks.
+    pub added: Vec<Key>,
+    /// In what the new file as a whole is worse.
+    pub overall: Vec<Regression>,
+    /// What else a reader must know.
+    pub notes: Vec<String>,
+}
+
+impl Comparison {
+    /// Whether anything is worse.
+    pub fn is_worse(&self) -> bool {
+        self.regressions > 0 || !self.overall.is_empty()
+    }
+}
+
+/// One of the two files.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Side {
+    /// Its name.
+    pub file: String,
+    /// Version of the program.
+    pub version: String,
+    /// Commit of the program.
+    pub commit: Option<String>,
+    /// When it started.
+    pub started: String,
+}
+
+/// A cell of both files.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CellChange {
+    /// Which.
+    pub cell: Key,
+    /// How it ended in each file.
+    pub status: [Status; 2],
+    /// Time; null unless both have samples.
+    pub time: Option<TimeChange>,
+    /// All other figures that at least one of them has, or must have for a rule.
+    pub figures: Vec<FigureChange>,
+    /// In what it is worse; empty if it is not.
+    pub regressions: Vec<Regression>,
+}
+
+/// A figure that is compared as it is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FigureChange {
+    /// Its name in result files.
+    pub name: &'static str,
+    /// Its old value, if there is one.
+    #[serde(serialize_with = "whole_if_it_is")]
+    pub old: Option<f64>,
+    /// Its new value, if there is one.
+    #[serde(serialize_with = "whole_if_it_is")]
+    pub new: Option<f64>,
+}
+
+/// Writes counts and bytes without a point, as result files do.
+#[allow(clippy::ref_option, clippy::cast_sign_loss)] // Serde wants the one; no count is negative.
+fn whole_if_it_is<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    match value {
+        Some(value) if value.fract() == 0.0 => serializer.serialize_u64(*value as u64),
+        Some(value) => serializer.serialize_f64(*value),
+        None => serializer.serialize_none(),
+    }
+}
+
+impl FigureChange {
+    /// New divided by old, if there are both; of two zeros, 1.
+    pub fn ratio(&self) -> Option<f64> {
+        let (old, new) = (self.old?, self.new?);
+        Some(if old == new { 1.0 } else { new / old })
+    }
+}
+
+/// Something that is worse.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Regression {
+    /// The rule that is broken; none where the cell does not end well any more.
+    pub rule: Option<String>,
+    /// What happened, in words.
+    pub what: String,
+}
+
+/// Two files that cannot be compared.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{old} and {new} have no cell in common: models (by their hash), algorithms, sources, threads \
+     and groups must be the same"
+)]
+pub struct NothingInCommon {
+    old: String,
+    new: String,
+}
+
+/// Compares `new` with `old`, each with the name of its file.
+///
+/// # Errors
+///
+/// When they have no cell in common.
+pub fn compare(
+    (old_name, old): (&str, &ResultFile),
+    (new_name, new): (&str, &ResultFile),
+    rules: &Rules,
+) -> Result<Comparison, NothingInCommon> {
+    let matched = matching::matched(old, new);
+    if matched.common.is_empty() {
+        return Err(NothingInCommon {
+            old: old_name.to_owned(),
+            new: new_name.to_owned(),
+        });
+    }
+    let notes_on_instructions = notes_on_instructions(&matched.common);
+    let paired = old.pairing.is_some() && old.pairing == new.pairing;
+    let cells: Vec<CellChange> = matched
+        .common
+        .into_iter()
+        .map(|(key, old, new)| change(key, old, new, rules, paired))
+        .collect();
+    let mut notes = matched.notes;
+    notes.extend(notes_on_machines(old, new));
+    notes.extend(notes_on_rules(&cells, rules));
+    notes.extend(notes_on_instructions);
+    Ok(Comparison {
+        schema: SCHEMA,
+        old: side(old_name, old),
+        new: side(new_name, new),
+        rules: rules.iter().map(Rule::to_string).collect(),
+        paired,
+        regressions: cells.iter().filter(|c| !c.regressions.is_empty()).count(),
+        cells,
+        overall: too_many_missing(matched.missing.len(), old.cells.len(), rules)
+            .into_iter()
+            .collect(),
+        missing: matched.missing,
+        added: matched.added,
+        notes,
+    })
+}
+
+/// That more cells are missing than a rule allows.
+fn too_many_missing(missing: usize, all: usize, rules: &Rules) -> Option<Regression> {
+    let rule = rules.on(Subject::Missing)?;
+    let share = missing as f64 / all as f64;
+    let are = if missing == 1 { "is" } else { "are" };
+    (share > rule.limit).then(|| Regression {
+        rule: Some(rule.to_string()),
+        what: format!("{missing} of {all} cells {are} missing"),
+    })
+}
+
+fn side(name: &str, file: &ResultFile) -> Side {
+    Side {
+        file: name.to_owned(),
+        version: file.tool.version.clone(),
+        commit: file.tool.commit.clone(),
+        started: file.started.clone(),
+    }
+}
+
+fn change(cell: Key, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> CellChange {
+    let mut regressions = Vec::new();
+    if old.status == Status::Ok && new.status != Status::Ok {
+        let why = new.message.as_deref().unwrap_or("no message");
+        regressions.push(Regression {
+            rule: None,
+            what: format!("was ok, is {}: {why}", new.status.name().replace('_', " ")),
+        });
+    }
+    let both_ok = old.status == Status::Ok && new.status == Status::Ok;
+    let time = TimeChange::between(&old.time, &new.time, paired).filter(|_| both_ok);
+    if let Some(rule) = rules.on(Subject::Time).filter(|_| both_ok)
+        && let Some(what) = worse_time(time.as_ref(), old, new, rule)
+    {
+        regressions.push(Regression {
+            rule: Some(rule.to_string()),
+            what,
+        });
+    }
+    let mut figures = Vec::new();
+    for measure in Measure::all() {
+        let figure = FigureChange {
+            name: measure.name(),
+            old: measure.of(old),
+            new: measure.of(new),
+        };
+        let rule = rules.on(Subject::Figure(measure)).filter(|_| both_ok);
+        let is_due = rule.is_some() && measure.is_due(new);
+        if figure.old.is_none() && figure.new.is_none() && !is_due {
+            continue;
+        }
+        figures.push(figure);
+        let Some(rule) = rule else {
+            continue;
+        };
+        let kinds = different_instructions(old, new).filter(|_| measure == Measure::Instructions);
+        let what = match (figure.old, figure.new, kinds) {
+            // Such a difference may hide a slower solver.
+            (Some(old), Some(new), Some([from, to])) => {
+                let [old, new] = [old, new].map(exact);
+                format!("instructions {old} with {from} -> {new} with {to} do not compare")
+            }
+            (Some(old), Some(new), None) if rule.is_broken(old, new) => {
+                let [from, to] = [old, new].map(exact);
+                format!("{} {from} -> {to} ({})", figure.name, percent(new / old))
+            }
+            (Some(_), Some(_), _) => continue,
+            (old, new, _) => missing(figure.name, old.map(exact), new.map(exact)),
+        };
+        regressions.push(Regression {
+            rule: Some(rule.to_string()),
+            what,
+        });
+    }
+    CellChange {
+        cell,
+        status: [old.status, new.status],
+        time,
+        figures,
+        regressions,
+    }
+}
+
+/// That one of two files lacks a figure, or both do.
+fn missing(name: &str, old: Option<String>, new: Option<String>) -> String {
+    let file = match (&old, &new) {
+        (Some(_), None) => "the new file",
+        (None, Some(_)) => "the old file",
+        _ => "both files",
+    };
+    let [old, new] = [old, new].map(|value| value.unwrap_or_else(|| "none".to_owned()));
+    format!("{name} {old} -> {new}: missing in {file}")
+}
+
+/// In what a cell that ends well breaks the rule on times, if it does.
+fn worse_time(time: Option<&TimeChange>, old: &Cell, new: &Cell, rule: &Rule) -> Option<String> {
+    if let Some(time) = time {
+        let is_worse = time.is_above(rule.limit);
+        return is_worse.then(|| format!("time {}", time.in_words()));
+    }
+    let median = |cell: &Cell| cell.time.median.map(|median| format!("{median} s"));
+    match [median(old), median(new)] {
+        // They are there, but one of them is 0.
+        [Some(_), Some(_)] => None,
+        [old, new] => Some(missing("time", old, new)),
+    }
+}
+
+/// A ratio as a change in per cent.
+pub(crate) fn percent(ratio: f64) -> String {
+    let change = 100.0 * (ratio - 1.0);
+    match change.abs() {
+        0.0 => "=".to_owned(),
+        size if size < 0.01 => format!("{change:+.4} %"),
+        size if size < 9.95 => format!("{change:+.2} %"),
+        _ => format!("{change:+.1} %"),
+    }
+}
+
+/// A figure in full, the thousands of a count apart.
+pub(crate) fn exact(value: f64) -> String {
+    if value.fract() == 0.0 {
+        group(&format!("{value:.0}"))
+    } else {
+        value.to_string()
+    }
+}
+
+/// What of the machines makes times hard to compare.
+fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
+    let mut notes = Vec::new();
+    let machine = |file: &ResultFile| (file.host.cpu.clone(), file.host.cores);
+    if machine(old) != machine(new) {
+        notes.push("the files are from different machines: times say little".to_owned());
+    }
+    if old.tool.rustc != new.tool.rustc {
+        let name = |file: &ResultFile| file.tool.rustc.clone().unwrap_or_else(|| "unknown".into());
+        notes.push(format!(
+            "the compilers differ: {} and {}",
+            name(old),
+            name(new)
+        ));
+    }
+    if let (Some(a), Some(b)) = (&old.tool.rustflags, &new.tool.rustflags)
+        && a != b
+    {
+        notes.push(format!("the compilers' flags differ: '{a}' and '{b}'"));
+    }
+    for (which, file) in [("old", old), ("new", new)] {
+        if file.tool.profile != "release" {
+            notes.push(format!(
+                "the {which} file is of a {} build: its times mean little",
+                file.tool.profile
+            ));
+        }
+        let warnings = file.conditions.iter().flat_map(|c| &c.warnings);
+        notes.extend(warnings.map(|warning| format!("during the {which} runs {warning}")));
+    }
+    notes
+}
+
+/// The vector instructions that were counted in a cell of two files, if they differ.
+fn different_instructions<'c>(old: &'c Cell, new: &'c Cell) -> Option<[&'c str; 2]> {
+    let old = old.instructions_simd.as_deref()?;
+    let new = new.instructions_simd.as_deref()?;
+    (old != new).then_some([old, new])
+}
+
+/// Which cells have instructions that were counted with other vector instructions.
+fn notes_on_instructions(cells: &[(Key, &Cell, &Cell)]) -> Option<String> {
+    let mut others = cells.iter().filter_map(|(key, old, new)| {
+        let [old, new] = different_instructions(old, new)?;
+        Some(format!("{key} ({old} and {new})"))
+    });
+    let first = others.next()?;
+    let more = match others.count() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    Some(format!(
+        "`instructions` were counted with different vector instructions and do not compare: {first}{more}"
+    ))
+}
+
+/// Which rules could not be applied.
+fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
+    let well: Vec<&CellChange> = cells
+        .iter()
+        .filter(|c| c.status == [Status::Ok; 2])
+        .collect();
+    let mut notes = Vec::new();
+    let rule_on_time = rules.on(Subject::Time).map(Rule::to_string);
+    let without_effect = rule_on_time.as_ref().map_or_else(String::new, |rule| {
+        format!(", so that the rule {rule} cannot be broken there")
+    });
+    let mut note_on_times = |cells: usize, what: &str| {
+        if cells > 0 {
+            let all = well.len();
+            notes.push(format!("{cells} of {all} cells {what}{without_effect}"));
+        }
+    };
+    let times = well.iter().filter_map(|c| c.time.as_ref());
+    note_on_times(
+        times.filter(|time| time.ci95.is_none()).count(),
+        "have too few samples for an interval of the time",
+    );
+    let broken = |c: &CellChange| {
+        let mut rules = c.regressions.iter().filter_map(|r| r.rule.as_ref());
+        rules.any(|rule| Some(rule) == rule_on_time.as_ref())
+    };
+    note_on_times(
+        well.iter()
+            .filter(|c| c.time.is_none() && !broken(c))
+            .count(),
+        "lack times above 0 in one of the files",
+    );
+    for rule in rules.iter() {
+        let Subject::Figure(measure) = rule.subject else {
+            continue;
+        };
+        let name = measure.name();
+        let of = |cell: &&&CellChange| cell.figures.iter().find(|f| f.name == name).copied();
+        // That some algorithms lack a counter is as it should be.
+        if well.iter().all(|cell| of(&cell).is_none()) {
+            notes.push(format!(
+                "`{name}` is not compared in {0} of {0} cells: neither file has it",
+                well.len()
+            ));
+        }
+        let lacks = |cell: &&&CellChange| {
+            of(cell).is_some_and(|figure| figure.old.is_none() || figure.new.is_none())
+        };
+        let lacking = well.iter().filter(lacks).count();
+        if lacking > 0 {
+            let how = match measure {
+                Measure::Instructions => "run both versions with --instructions",
+                _ => "run both versions so that it is measured",
+            };
+            notes.push(format!(
+                "`{name}` is missing in {lacking} of {} cells: {how}, or leave the rule out",
+                well.len()
+            ));
+        }
+    }
+    notes
+}

@@ -1,0 +1,356 @@
+//! The journal of a run: what came of every run of a cell, on the disk before the next one starts, so
+//! that a benchmark that is killed at any moment loses the run that it was making and nothing else.
+//!
+//! A journal is a text file of JSON lines. The first says which program made it and what was to be
+//! run ([`Header`]); a journal is continued by the same program with the same plan only. Each of the
+//! others holds a session, a model or a run (`line`). A last line without its end is what a process
+//! was writing when it was killed: it is cut off. Any other line that is not understood is an error,
+//! because then it is not known what else is wrong with the file.
+//!
+//! A run has one line. Only warm-ups can have several: they are made again, by a process that comes
+//! later, before runs that are to be timed, and so is the run of the reference, whose answer is needed
+//! for the checks and too large to be kept.
+
+mod header;
+mod line;
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashMap;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::exec::Purpose;
+use crate::run::ledger::{Finding, Ledger, RunId};
+use crate::schema::{InstructionCount, ModelRecord, Session};
+
+pub use header::Header;
+use line::Line;
+
+/// An open journal, which no other process can open meanwhile.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    file: File,
+    /// Bytes of the lines that are whole.
+    length: u64,
+    sessions: Vec<Session>,
+    models: HashMap<String, ModelRecord>,
+    findings: HashMap<RunId, Finding>,
+    instructions: HashMap<RunId, InstructionCount>,
+}
+
+/// Why a journal cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum JournalError {
+    /// The system does not let us.
+    #[error("journal {}: cannot be {action}: {error}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// It is a directory, a device or a pipe.
+    #[error("journal {}: not a regular file", path.display())]
+    NotAFile {
+        /// The path.
+        path: PathBuf,
+    },
+    /// Another process has it open.
+    #[error("journal {}: another process is writing it", path.display())]
+    Locked {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It holds something else; it is left as it is.
+    #[error("journal {}: not a journal of geobench; name a file that does not exist to start a new one", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It belongs to another program or plan.
+    #[error(
+        "journal {}: belongs to another run: {difference}; repeat that run or name another file",
+        path.display()
+    )]
+    Differs {
+        /// The file.
+        path: PathBuf,
+        /// What is different.
+        difference: String,
+    },
+    /// A line cannot be understood.
+    #[error("journal {}, line {line}: {problem}; take the line out, or name another file", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
+}
+
+/// How long to wait for another process to let go of a journal.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// How often to ask whether it has.
+const PAUSE: Duration = Duration::from_millis(10);
+
+/// Locks a journal, if no other process holds it for long.
+///
+/// A process that is killed while it starts one for a cell leaves its lock with that until it is there; whoever
+/// goes on with the journal at once must not be refused for that.
+fn lock(file: &File) -> Result<(), TryLockError> {
+    let deadline = Instant::now() + PATIENCE;
+    loop {
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) if Instant::now() < deadline => thread::sleep(PAUSE),
+            outcome => return outcome,
+        }
+    }
+}
+
+impl Journal {
+    /// Opens the journal of the run that `header` describes, or starts it if there is no such file or
+    /// an empty one, and notes that `session` goes on with it.
+    ///
+    /// # Errors
+    ///
+    /// When the file cannot be written, is in use, is not a journal, belongs to another run or is
+    /// damaged. It is then as it was.
+    pub fn open(path: &Path, header: &Header, session: &Session) -> Result<Self, JournalError> {
+        let fail = |action| {
+            move |error| JournalError::Io {
+                path: path.to_owned(),
+                action,
+                error,
+            }
+        };
+        let existed = path.exists();
+        if existed && !path.is_file() {
+            return Err(JournalError::NotAFile {
+                path: path.to_owned(),
+            });
+        }
+        let file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(path)
+            .map_err(fail("opened for writing"))?;
+        match lock(&file) {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(JournalError::Locked {
+                    path: path.to_owned(),
+                });
+            }
+            Err(TryLockError::Error(error)) => return Err(fail("locked")(error)),
+        }
+        let mut journal = Self {
+            path: path.to_owned(),
+            file,
+            length: 0,
+            sessions: Vec::new(),
+            models: HashMap::new(),
+            findings: HashMap::new(),
+            instructions: HashMap::new(),
+        };
+        let mut bytes = Vec::new();
+        journal.file.read_to_end(&mut bytes).map_err(fail("read"))?;
+        let first = header.line();
+        let begun = if bytes.len() < first.len() && first.as_bytes().starts_with(&bytes) {
+            // New, or killed before its first line was whole.
+            journal.start(&first)
+        } else {
+            journal.read(&bytes, header)?;
+            journal.cut()
+        };
+        let noted = begun.and_then(|()| journal.append(&Line::Session(session.clone())));
+        if let Err(error) = noted {
+            if !existed {
+                // Nothing is in it; what can be done about a failure is said below.
+                let _ = fs::remove_file(path);
+            }
+            return Err(fail("written")(error));
+        }
+        journal.sessions.push(session.clone());
+        Ok(journal)
+    }
+
+    /// The processes that worked on it so far, this one last.
+    pub fn sessions(&self) -> &[Session] {
+        &self.sessions
+    }
+
+    /// Number of runs that are in it.
+    pub fn runs(&self) -> usize {
+        self.findings.len()
+    }
+
+    /// Writes the first line, and sees to it that the file is there after a crash of the system.
+    fn start(&mut self, first: &str) -> io::Result<()> {
+        self.cut()?;
+        self.append_text(first)?;
+        self.file.sync_all()?;
+        if cfg!(unix) {
+            let directory = match self.path.parent() {
+                Some(parent) if !parent.as_os_str().is_empty() => parent,
+                _ => Path::new("."),
+            };
+            File::open(directory)?.sync_all()?;
+        }
+        Ok(())
+    }
+
+    /// Takes in all whole lines.
+    fn read(&mut self, bytes: &[u8], header: &Header) -> Result<(), JournalError> {
+        let mut lines = bytes.split_inclusive(|&byte| byte == b'\n');
+        let first = lines.next().unwrap_or_default();
+        let Ok(found) = serde_json::from_slice::<Header>(first) else {
+            return Err(JournalError::Foreign {
+                path: self.path.clone(),
+            });
+        };
+        if let Some(difference) = found.difference(header) {
+            return Err(JournalError::Differs {
+                path: self.path.clone(),
+                difference,
+            });
+        }
+        self.length = first.len() as u64;
+        for (number, line) in (2..).zip(lines) {
+            if !line.ends_with(b"\n") {
+                break;
+            }
+            let taken = serde_json::from_slice(line)
+                .map_err(|error| format!("not a line of a journal: {error}"))
+                .and_then(|line| self.take_in(line, header));
+            taken.map_err(|problem| JournalError::Line {
+                path: self.path.clone(),
+                line: number,
+                problem,
+            })?;
+            self.length += line.len() as u64;
+        }
+        Ok(())
+    }
+
+    fn take_in(&mut self, line: Line, header: &Header) -> Result<(), String> {
+        match line {
+            Line::Session(session) => self.sessions.push(session),
+            Line::Model(model) => {
+                self.models.insert(model.name.clone(), model);
+            }
+            Line::Instructions { id, found } => {
+                header.check(&id)?;
+                self.instructions.insert(id, found);
+            }
+            Line::Run { id, found } => {
+                header.check(&id)?;
+                self.note(id, found)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Remembers what came of a run. Of several warm-ups of one number the first counts, which is the one
+    /// that set the algorithm up, unless a later one failed.
+    fn note(&mut self, id: RunId, found: Finding) -> Result<(), String> {
+        match self.findings.get_mut(&id) {
+            None => {
+                self.findings.insert(id, found);
+            }
+            Some(known) if id.purpose == Purpose::WarmUp => {
+                if known.failure.is_none() && found.failure.is_some() {
+                    *known = found;
+                }
+            }
+            Some(_) => return Err("the run is on an earlier line already".to_owned()),
+        }
+        Ok(())
+    }
+
+    /// Cuts off what is behind the whole lines.
+    fn cut(&mut self) -> io::Result<()> {
+        self.file.set_len(self.length)?;
+        self.file.seek(SeekFrom::Start(self.length))?;
+        Ok(())
+    }
+
+    fn append(&mut self, line: &Line) -> io::Result<()> {
+        let mut text = serde_json::to_string(line)?;
+        text.push('\n');
+        self.append_text(&text)
+    }
+
+    /// Writes a line and waits until it is on the disk.
+    fn append_text(&mut self, line: &str) -> io::Result<()> {
+        let written = self
+            .file
+            .write_all(line.as_bytes())
+            .and_then(|()| self.file.sync_data());
+        match written {
+            Ok(()) => self.length += line.len() as u64,
+            // Half a line would be cut off by the next process; better that there is none.
+            Err(_) => self.cut()?,
+        }
+        written
+    }
+
+    fn keep_line(&mut self, line: &Line) -> anyhow::Result<()> {
+        self.append(line).map_err(|error| {
+            anyhow::anyhow!(
+                "journal {}: cannot be written: {error}; it holds all runs up to here, so go on with --resume",
+                self.path.display()
+            )
+        })
+    }
+}
+
+impl Ledger for Journal {
+    fn model(&self, name: &str) -> Option<&ModelRecord> {
+        self.models.get(name)
+    }
+
+    fn finding(&self, run: &RunId) -> Option<&Finding> {
+        self.findings.get(run)
+    }
+
+    fn instructions(&self, run: &RunId) -> Option<&InstructionCount> {
+        self.instructions.get(run)
+    }
+
+    fn keep_instructions(&mut self, id: RunId, found: &InstructionCount) -> anyhow::Result<()> {
+        self.keep_line(&Line::Instructions {
+            id: id.clone(),
+            found: found.clone(),
+        })?;
+        self.instructions.insert(id, found.clone());
+        Ok(())
+    }
+
+    fn keep_model(&mut self, model: &ModelRecord) -> anyhow::Result<()> {
+        self.keep_line(&Line::Model(model.clone()))?;
+        self.models.insert(model.name.clone(), model.clone());
+        Ok(())
+    }
+
+    fn keep(&mut self, id: RunId, finding: &Finding) -> anyhow::Result<()> {
+        let found = finding.clone();
+        self.keep_line(&Line::Run {
+            id: id.clone(),
+            found: found.clone(),
+        })?;
+        self.note(id, found).map_err(anyhow::Error::msg)
+    }
+}

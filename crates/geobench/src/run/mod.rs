@@ -1,0 +1,221 @@
+//! Carries out a [`Plan`], model by model: which models are loaded and what becomes of those that
+//! cannot be used. What happens with a model and a source is the matter of `group`.
+
+pub mod agreement;
+pub mod check;
+mod group;
+pub mod journal;
+pub mod ledger;
+mod order;
+#[cfg(test)]
+mod tests;
+
+use anyhow::bail;
+use geobench_mesh::VertexId;
+
+use crate::exec::{Executor, Listener, Purpose, Workplace};
+use crate::plan::Plan;
+use crate::plan::source::{SourceError, SourceSpec};
+use crate::run::group::Group;
+use crate::run::ledger::{Ledger, RunId};
+use crate::schema::{Cell, ModelRecord, Status};
+
+/// The records of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// One for each model of the plan, unless somebody asked to stop.
+    pub models: Vec<ModelRecord>,
+    /// One for each cell of the plan, unless somebody asked to stop.
+    pub cells: Vec<Cell>,
+}
+
+impl Outcome {
+    /// Whether some cell has this status.
+    pub fn has(&self, status: Status) -> bool {
+        self.cells.iter().any(|cell| cell.status == status)
+    }
+}
+
+/// Carries out `plan`, model by model, without the runs that `ledger` knows already. A model of
+/// which it knows all is not even loaded. Where the listener says that somebody asked to stop, the
+/// outcome is what has been done until then.
+///
+/// # Errors
+///
+/// Those of the ledger and of the listener, and when a model is not the one that the ledger knows.
+/// Whatever else happens to a cell is in its record.
+pub fn run(
+    plan: &Plan,
+    workplace: &mut dyn Workplace,
+    ledger: &mut dyn Ledger,
+    listener: &mut dyn Listener,
+) -> anyhow::Result<Outcome> {
+    let mut outcome = Outcome::default();
+    for place in 0..plan.models.len() {
+        if plan.units_of_model(place) == 0 || listener.interrupted() {
+            continue;
+        }
+        let mut benchmark = Benchmark {
+            plan,
+            place,
+            ledger: &mut *ledger,
+            listener: &mut *listener,
+        };
+        let (model, mut cells) = benchmark.run(workplace)?;
+        for cell in &mut cells {
+            cell.shard = plan.share.map(|share| share.shard.index);
+            benchmark.count_instructions(&model, cell)?;
+        }
+        if listener.interrupted() && cells.is_empty() {
+            break;
+        }
+        listener.model_done(&model, &cells)?;
+        outcome.models.push(model);
+        outcome.cells.append(&mut cells);
+    }
+    Ok(outcome)
+}
+
+/// The work on one model of a plan.
+struct Benchmark<'b> {
+    plan: &'b Plan,
+    /// Place of the model in the plan.
+    place: usize,
+    ledger: &'b mut dyn Ledger,
+    listener: &'b mut dyn Listener,
+}
+
+impl Benchmark<'_> {
+    fn run(&mut self, workplace: &mut dyn Workplace) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
+        let model = &self.plan.models[self.place];
+        if let Some((known, cells)) = self.known() {
+            self.listener.skipped(self.plan.runs_of_model(self.place));
+            return Ok((known, cells));
+        }
+        self.listener.loading(&model.name);
+        let mut result = Ok((ModelRecord::default(), Vec::new()));
+        let done = workplace.with_model(model, &mut |found, executor| {
+            result = self.run_loaded(found, executor);
+        });
+        match done {
+            Ok(()) => result,
+            // The refusal may come of it.
+            Err(_) if self.listener.interrupted() => Ok((model.record(), Vec::new())),
+            Err(refusal) => {
+                let record = model.record();
+                let cells = self.refused(&refusal.message);
+                Ok((record, cells))
+            }
+        }
+    }
+
+    /// Adds the instructions of a cell, from the ledger or counted now.
+    fn count_instructions(&mut self, model: &ModelRecord, cell: &mut Cell) -> anyhow::Result<()> {
+        let (Status::Ok, Some(source)) = (cell.status, cell.source) else {
+            return Ok(());
+        };
+        let run = RunId {
+            group: cell.group.clone(),
+            model: cell.model.clone(),
+            source,
+            algorithm: cell.algorithm.clone(),
+            purpose: Purpose::Count,
+            round: 0,
+        };
+        let mut found = self.ledger.instructions(&run).cloned();
+        if found.is_none() && !self.listener.interrupted() {
+            found = self.listener.count_instructions(model, cell);
+            if let Some(found) = &found {
+                self.ledger.keep_instructions(run, found)?;
+            }
+        }
+        if let Some(found) = found {
+            cell.instructions = Some(found.count);
+            cell.instructions_simd = found.simd;
+        }
+        Ok(())
+    }
+
+    /// All cells of the model, if the ledger knows every run of them.
+    fn known(&self) -> Option<(ModelRecord, Vec<Cell>)> {
+        let model = self.ledger.model(&self.plan.models[self.place].name)?;
+        let groups: Vec<Group<'_>> = self
+            .sources(model)
+            .ok()?
+            .into_iter()
+            .map(|source| Group::new(self.plan, model, source, self.ledger))
+            .collect();
+        groups.iter().all(Group::is_complete).then(|| {
+            let cells = groups.into_iter().flat_map(Group::cells).collect();
+            (model.clone(), cells)
+        })
+    }
+
+    fn run_loaded(
+        &mut self,
+        found: &ModelRecord,
+        executor: &mut dyn Executor,
+    ) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
+        let model = match self.ledger.model(&found.name) {
+            Some(known) if known.sha256 != found.sha256 => bail!(
+                "{}: the model is not the one that the journal holds results of: its SHA-256 is {}, \
+                 and was {}",
+                found.path,
+                found.sha256.as_deref().unwrap_or("not known"),
+                known.sha256.as_deref().unwrap_or("not known"),
+            ),
+            Some(known) => known.clone(),
+            None => {
+                self.ledger.keep_model(found)?;
+                found.clone()
+            }
+        };
+        let mut cells = Vec::new();
+        match self.sources(&model) {
+            Ok(sources) => {
+                for source in sources {
+                    let mut group = Group::new(self.plan, &model, source, self.ledger);
+                    group.run(executor, self.ledger, self.listener)?;
+                    cells.extend(group.cells());
+                }
+            }
+            Err(error) => cells = self.refused(&format!("{}: {error}", model.path)),
+        }
+        Ok((model, cells))
+    }
+
+    /// The sources that are to be worked on.
+    fn sources(&self, model: &ModelRecord) -> Result<Vec<VertexId>, SourceError> {
+        let vertices = model.vertices.unwrap_or(0) as usize;
+        let all = self.plan.sources.resolve(vertices)?.into_iter().enumerate();
+        let mine = |&(number, _): &(usize, VertexId)| self.plan.has_unit(self.place, number);
+        Ok(all.filter(mine).map(|(_, source)| source).collect())
+    }
+
+    /// The cells of a model that cannot be used, or that does not have the sources asked for.
+    /// Random sources, which nobody knows then and which may be any number, have one cell together,
+    /// in place of the first.
+    fn refused(&mut self, message: &str) -> Vec<Cell> {
+        let plan = self.plan;
+        self.listener.skipped(plan.runs_of_model(self.place));
+        let sources: Vec<Option<u32>> = match &plan.sources {
+            SourceSpec::First => vec![Some(0)],
+            SourceSpec::List(list) => list.iter().copied().map(Some).collect(),
+            SourceSpec::Random { .. } => vec![None],
+        };
+        sources
+            .iter()
+            .enumerate()
+            .filter(|&(number, _)| plan.has_unit(self.place, number))
+            .flat_map(|(_, &source)| plan.algorithms.iter().map(move |a| (source, a)))
+            .map(|(source, algorithm)| Cell {
+                group: plan.group.name.clone(),
+                source,
+                status: Status::Refused,
+                message: Some(message.to_owned()),
+                threads: algorithm.threads(),
+                ..Cell::new(&plan.models[self.place].name, algorithm.label())
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,141 @@
+//! A plan as files hold it: in result files, so that a run can be repeated, and at the top of
+//! journals, so that one is not continued with another plan. Everything that may change a result is in
+//! it, and nothing else.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::exec::model::ModelRef;
+use crate::plan::shard::Shard;
+use crate::plan::{Plan, Reference};
+use crate::registry::{Selection, Value};
+use crate::schema::IsolationRecord;
+
+/// What was to be run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanRecord {
+    /// Which part of the plan; null if all of it.
+    pub shard: Option<Shard>,
+    /// Where cells run.
+    pub isolation: IsolationRecord,
+    /// The groups, in order.
+    pub groups: Vec<PlannedGroup>,
+}
+
+/// A group: every algorithm on every model from every source.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlannedGroup {
+    /// Its name; null if it has none.
+    pub name: Option<String>,
+    /// The models, in order.
+    pub models: Vec<PlannedModel>,
+    /// The algorithms, in order.
+    pub algorithms: Vec<PlannedAlgorithm>,
+    /// The sources, as on the command line.
+    pub sources: String,
+    /// Timed runs of each cell.
+    pub repeat: usize,
+    /// Untimed runs of each cell before those.
+    pub warmup: usize,
+    /// What answers must agree with, as on the command line.
+    pub reference: String,
+    /// Largest relative difference that passes.
+    pub tolerance: f64,
+    /// What the order of the runs is drawn from.
+    pub seed: u64,
+    /// Seconds that each run may take; null if any number.
+    pub timeout: Option<f64>,
+    /// Bytes that the process of each cell may occupy; null if any number.
+    pub memory_limit: Option<u64>,
+    /// Bytes that a compressed model may decompress to; null for the usual limit.
+    #[serde(default)]
+    pub max_decompressed: Option<u64>,
+}
+
+/// A model.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PlannedModel {
+    /// Its name, unique in the plan.
+    pub name: String,
+    /// The generator's spec with all defaults; null if it is read from a file.
+    pub spec: Option<String>,
+    /// SHA-256 of the file that it is read from; null if there is none, or if it could not be read.
+    pub file_sha256: Option<String>,
+}
+
+/// An algorithm.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlannedAlgorithm {
+    /// The name by which cells call it.
+    pub label: String,
+    /// All its parameters, those at their defaults too; of an outside program, how it is called.
+    pub parameters: BTreeMap<String, serde_json::Value>,
+}
+
+impl PlanRecord {
+    /// The plan of a benchmark whose groups have these plans and whose cells run there. Reads the files of all models once, to
+    /// hash them.
+    pub fn of(plans: &[Plan], isolation: IsolationRecord) -> Self {
+        Self {
+            isolation,
+            shard: plans.iter().find_map(|plan| Some(plan.share?.shard)),
+            groups: plans.iter().map(group).collect(),
+        }
+    }
+}
+
+fn group(plan: &Plan) -> PlannedGroup {
+    PlannedGroup {
+        name: plan.group.name.clone(),
+        models: plan.models.iter().map(model).collect(),
+        algorithms: plan.algorithms.iter().map(algorithm).collect(),
+        sources: plan.sources.to_string(),
+        repeat: plan.repeat,
+        warmup: plan.warmup,
+        reference: match &plan.reference {
+            Reference::None => "none".to_owned(),
+            Reference::Algorithm(selection) => selection.label().to_owned(),
+            Reference::Files(files) => files.to_string(),
+        },
+        tolerance: plan.tolerance,
+        seed: plan.seed,
+        timeout: plan.limits.timeout.0.map(|time| time.as_secs_f64()),
+        memory_limit: plan.limits.memory.0,
+        max_decompressed: plan.limits.decompressed.0,
+    }
+}
+
+fn model(model: &ModelRef) -> PlannedModel {
+    PlannedModel {
+        name: model.name.clone(),
+        spec: model.spec(),
+        file_sha256: model.file_sha256(),
+    }
+}
+
+fn algorithm(selection: &Selection) -> PlannedAlgorithm {
+    let parameters = selection.algorithm().parameters.iter();
+    let program = selection.program().into_iter().flat_map(|program| {
+        [
+            ("command", program.command.clone().into()),
+            ("protocol", program.keeping.name().into()),
+            ("approximate", program.approximate.into()),
+            ("threads", selection.threads().into()),
+        ]
+    });
+    PlannedAlgorithm {
+        label: selection.label().to_owned(),
+        parameters: parameters
+            .map(|parameter| {
+                let value = match selection.value(parameter) {
+                    Value::Integer(n) => n.into(),
+                    Value::Real(x) => x.into(),
+                    Value::Word(word) => word.into(),
+                };
+                (parameter.name.to_owned(), value)
+            })
+            .chain(program.map(|(name, value)| (name.to_owned(), value)))
+            .collect(),
+    }
+}

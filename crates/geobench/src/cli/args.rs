@@ -8,11 +8,11 @@ use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use super::isolation::{DecompressionOptions, IsolationOptions};
 use crate::history::compare::{RuleError, Rules};
 use crate::measure::instructions;
-use crate::plan::shard::Shard;
 use crate::plan::source::SourceSpec;
 use crate::plan::suite::{self, MOST_RUNS};
 use crate::registry::{self, MOST_THREADS, Selection};
 use crate::report::{Form, Tables, Wanted};
+use crate::schema::Shard;
 use crate::table::{self, ComparisonFormat, Format};
 
 /// How models are named, for the help of every command that takes some.

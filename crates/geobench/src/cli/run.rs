@@ -14,17 +14,16 @@ use crate::exec::Listener;
 use crate::exec::interrupt;
 use crate::exec::isolate::Sharing;
 use crate::exec::limits::{Limits, Timeout};
-use crate::measure::conditions::{Conditions, Snapshot};
+use crate::measure::conditions::{self, Snapshot};
 use crate::measure::host;
 use crate::measure::instructions;
 use crate::plan::shard;
 use crate::plan::suite::{self, Library, Plans, Scale, Settings, Suite, WantedModel};
-use crate::plan::{Plan, Reference};
+use crate::plan::{self, Plan, Reference};
 use crate::run;
 use crate::run::journal::{Header, Journal};
 use crate::run::ledger::{Ledger, NoLedger};
-use crate::schema::plan_record::PlanRecord;
-use crate::schema::{Cell, Host, ResultFile, SCHEMA, Session, Status};
+use crate::schema::{Cell, Host, PlanRecord, ResultFile, SCHEMA, Session, Status};
 use crate::table::output::{self, OutputFile};
 use crate::table::{self, Format};
 
@@ -46,7 +45,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         }
     }
     interrupt::listen().context("cannot listen to signals")?;
-    let plan = PlanRecord::of(&plans, options.isolation.record());
+    let plan = plan::record(&plans, options.isolation.record());
     let session = session(options);
     let mut ledger: Box<dyn Ledger> = Box::new(NoLedger);
     let mut sessions = vec![session.clone()];
@@ -93,7 +92,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         let checked = !matches!(plan.reference, Reference::None);
         verdicts.push(Tally::of(checked, &outcome.cells));
     }
-    let conditions = Conditions::between(&before, &Snapshot::take(Path::new("/")));
+    let conditions = conditions::between(&before, &Snapshot::take(Path::new("/")));
     let doubts = conditions.warnings.clone();
     listener.result.conditions = Some(conditions);
     listener.store_all()?;

@@ -6,9 +6,9 @@
 
 use serde_json::json;
 
-use crate::measure::conditions::Conditions;
-use crate::plan::shard::Shard;
+use crate::measure::conditions;
 use crate::plan::source::SourceSpec;
+use crate::schema::Shard;
 use crate::schema::difference;
 use crate::schema::plan_record::{PlanRecord, PlannedGroup};
 use crate::schema::{Cell, Host, ModelRecord, ResultFile};
@@ -118,7 +118,7 @@ pub fn merge(parts: Vec<(String, ResultFile)>) -> Result<ResultFile, MergeError>
     whole.models = models(&plan, &parts)?;
     whole.started = extreme(&parts, |file| &file.started, Ord::min);
     whole.finished = extreme(&parts, |file| &file.finished, Ord::max);
-    whole.conditions = Conditions::worst(parts.iter().filter_map(|p| p.file.conditions.clone()));
+    whole.conditions = conditions::worst(parts.iter().filter_map(|p| p.file.conditions.clone()));
     whole.sessions = parts.iter().flat_map(|p| p.file.sessions.clone()).collect();
     whole.plan = Some(plan);
     Ok(whole)

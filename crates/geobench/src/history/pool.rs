@@ -4,8 +4,8 @@
 //! new, old, new. What the rounds of one of them measured is then one result file, with a sample
 //! of every round, and the files of both carry the same `pairing`.
 
-use crate::measure::conditions::Conditions;
-use crate::measure::statistics::median;
+use crate::measure::conditions;
+use crate::measure::statistics::{self, median};
 use crate::schema::{Cell, ResultFile, Status, Time};
 
 /// Why rounds cannot be joined.
@@ -59,7 +59,7 @@ pub fn pool(
         }
     }
     joined.pairing = pairing;
-    joined.conditions = Conditions::worst(conditions.into_iter().flatten());
+    joined.conditions = conditions::worst(conditions.into_iter().flatten());
     joined.cells = cells.into_iter().map(join).collect();
     Ok(joined)
 }
@@ -113,7 +113,7 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     let samples = rounds.iter().flat_map(|c| c.time.samples.clone()).collect();
     cell.time = Time {
         places: rounds.iter().flat_map(|c| c.time.places.clone()).collect(),
-        ..Time::of(samples, over(|c| c.time.setup))
+        ..statistics::time(samples, over(|c| c.time.setup))
     };
     cell.phases.propagation = over(|c| c.phases.propagation);
     cell.phases.pruning = over(|c| c.phases.pruning);

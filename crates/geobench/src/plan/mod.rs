@@ -1,6 +1,7 @@
 //! What a run is to do, before any of it is done.
 
 pub mod expected;
+mod record;
 pub mod shard;
 pub mod source;
 pub mod suite;
@@ -17,6 +18,8 @@ use crate::plan::shard::Share;
 use crate::plan::source::SourceSpec;
 use crate::registry::{self, SelectError, Selection};
 use crate::schema::GroupRecord;
+
+pub use record::record;
 
 /// A benchmark: a cell for every algorithm on every model from every source. How many there are is
 /// known before any model is loaded.

@@ -5,6 +5,7 @@
 pub(crate) mod difference;
 pub mod plan_record;
 pub mod result_file;
+mod shard;
 
 use std::collections::BTreeMap;
 
@@ -12,10 +13,8 @@ use geobench_window::{Counter, Counters};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::measure::conditions::Conditions;
-use crate::measure::statistics;
-use crate::plan::shard::Shard;
-use crate::schema::plan_record::PlanRecord;
+pub use self::plan_record::PlanRecord;
+pub use self::shard::{Shard, ShardError};
 
 /// The schema that this version writes.
 pub const SCHEMA: &str = "geobench/1";
@@ -369,22 +368,36 @@ pub struct Time {
     pub places: Vec<usize>,
 }
 
-impl Time {
-    /// These samples and what is reported of them; their places are not known.
-    pub fn of(samples: Vec<f64>, setup: Option<f64>) -> Self {
-        let summary = statistics::summarise(&samples);
-        Self {
-            median: summary.map(|s| s.median),
-            min: summary.map(|s| s.min),
-            mad: summary.map(|s| s.mad),
-            ci95: summary.and_then(|s| s.ci95),
-            note: statistics::too_few(samples.len()),
-            outliers: summary.and_then(|s| s.outliers),
-            setup,
-            samples,
-            places: Vec::new(),
-        }
-    }
+/// What happened on the machine between the start and the end of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Conditions {
+    /// The governors of the processors' frequencies at the end, each once.
+    pub governors: Option<Vec<String>>,
+    /// Frequency of the fastest processor at the start, in hertz.
+    pub frequency_start: Option<u64>,
+    /// The same at the end.
+    pub frequency_end: Option<u64>,
+    /// The highest frequency that a processor has, in hertz.
+    pub frequency_max: Option<u64>,
+    /// Load average over one minute at the end; that of the start is in `host`.
+    pub load_end: Option<f64>,
+    /// Processors that other processes kept busy, on average; null for runs of less than a second.
+    pub other_load: Option<f64>,
+    /// Share of the time of all processors that the host of a virtual machine gave to others; null
+    /// for runs of less than a second.
+    pub stolen: Option<f64>,
+    /// Swap space in use at the end, in bytes.
+    pub swap_used_bytes: Option<u64>,
+    /// Pages that the whole system moved to and from swap space meanwhile.
+    pub swapped_pages: Option<u64>,
+    /// How many times a processor slowed itself down because it was too hot.
+    pub thermal_throttles: Option<u64>,
+    /// How many times the control group had used up its share of the processors.
+    pub cgroup_throttles: Option<u64>,
+    /// Seconds that its tasks waited for that reason.
+    pub cgroup_throttled_seconds: Option<f64>,
+    /// What of this makes the times doubtful, in words.
+    pub warnings: Vec<String>,
 }
 
 /// Memory in bytes.

@@ -2,7 +2,7 @@
 
 use super::{Format, Look};
 use crate::exec::mock::{Rehearsal, crash_ich, plan, rehearse, result, spoil_vtp};
-use crate::schema::{GroupRecord, ResultFile, Time};
+use crate::schema::{GroupRecord, ResultFile};
 
 /// Two models, one of them with a wrong answer, and a refused one.
 fn mixed() -> ResultFile {
@@ -386,7 +386,10 @@ fn ratios_of_times_are_those_of_pairs() {
                 _ => continue,
             };
             if cell.model == "horse" && cell.source == Some(source) {
-                cell.time = Time::of(slower.iter().map(|t| factor * t).collect(), None);
+                cell.time = crate::measure::statistics::time(
+                    slower.iter().map(|t| factor * t).collect(),
+                    None,
+                );
             }
         }
     }
@@ -403,7 +406,7 @@ fn what_times_are_worth_is_said() {
     few.groups.push(group.clone());
     let mut outlier = few.clone();
     for cell in &mut outlier.cells {
-        cell.time = Time::of(vec![1.0, 1.01, 0.99, 1.02, 0.98, 40.0], None);
+        cell.time = crate::measure::statistics::time(vec![1.0, 1.01, 0.99, 1.02, 0.98, 40.0], None);
     }
     outlier.cells[1].time.outliers = Some(0);
     insta::assert_snapshot!(

@@ -28,7 +28,7 @@ fn cell<'f>(file: &'f mut ResultFile, model: &str, algorithm: &str) -> &'f mut C
 /// Takes every time of a cell `factor` times.
 fn scale(cell: &mut Cell, factor: f64) {
     let samples = cell.time.samples.iter().map(|t| t * factor).collect();
-    cell.time = crate::schema::Time::of(samples, cell.time.setup);
+    cell.time = crate::measure::statistics::time(samples, cell.time.setup);
 }
 
 fn compared(old: &ResultFile, new: &ResultFile, rules: &str) -> Comparison {

@@ -19,7 +19,7 @@ fn system(files: &[(&str, &str)]) -> TempDir {
 
 fn between(start: &[(&str, &str)], end: &[(&str, &str)]) -> Conditions {
     let [start, end] = [start, end].map(|files| Snapshot::take(system(files).path()));
-    Conditions::between(&start, &end)
+    super::between(&start, &end)
 }
 
 /// The ticks of this process: utime and stime, and those of its children.
@@ -221,10 +221,10 @@ fn of_several_runs_the_worst_counts() {
         warnings: vec!["the system swapped 1 pages".into(), warning.into()],
         ..Conditions::default()
     };
-    let worst = Conditions::worst([run(0.5, "a"), run(0.25, "b")]).unwrap();
+    let worst = super::worst([run(0.5, "a"), run(0.25, "b")]).unwrap();
     assert_eq!(worst.other_load, Some(0.5));
     assert_eq!(worst.warnings, ["the system swapped 1 pages", "a", "b"]);
-    assert_eq!(Conditions::worst([]), None);
+    assert_eq!(super::worst([]), None);
 }
 
 #[cfg(target_os = "linux")]

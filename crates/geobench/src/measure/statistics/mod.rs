@@ -17,6 +17,8 @@ pub use mann_whitney::{MannWhitney, mann_whitney};
 pub use outliers::{OUTLIER_SCORE, outliers};
 pub use ratio::{Ratio, paired_ratio, unpaired_ratio};
 
+use crate::schema::Time;
+
 /// Fewest samples from which a confidence interval is given.
 pub const FEWEST_FOR_INTERVAL: usize = 5;
 
@@ -48,6 +50,22 @@ pub fn summarise(samples: &[f64]) -> Option<Summary> {
         ci95: enough.then(|| bootstrap::interval(&[samples], |resamples| resamples[0])),
         outliers: enough.then(|| outliers(samples).len()),
     })
+}
+
+/// The samples of a cell and what result files say of them; their places are left empty.
+pub fn time(samples: Vec<f64>, setup: Option<f64>) -> Time {
+    let summary = summarise(&samples);
+    Time {
+        median: summary.map(|s| s.median),
+        min: summary.map(|s| s.min),
+        mad: summary.map(|s| s.mad),
+        ci95: summary.and_then(|s| s.ci95),
+        note: too_few(samples.len()),
+        outliers: summary.and_then(|s| s.outliers),
+        setup,
+        samples,
+        places: Vec::new(),
+    }
 }
 
 /// Why `samples` samples have no interval, if they have none.

@@ -125,7 +125,7 @@ impl<'p> Entry<'p> {
         }
         cell.time = Time {
             places,
-            ..Time::of(samples, setup)
+            ..crate::measure::statistics::time(samples, setup)
         };
         let count = |counter| cell.counters.get(counter);
         cell.memory = Memory {

@@ -11,7 +11,6 @@ use crate::exec::{Failure, Listener, Purpose};
 use crate::plan::{Plan, Reference};
 use crate::registry;
 use crate::run::{Outcome, run};
-use crate::schema::plan_record::PlanRecord;
 use crate::schema::{
     Cell, Host, InstructionCount, IsolationRecord, ModelRecord, Session, Status, Tool,
 };
@@ -77,7 +76,7 @@ fn isolation() -> IsolationRecord {
 fn header(plan: &Plan) -> Header {
     Header::new(
         tool(),
-        PlanRecord::of(std::slice::from_ref(plan), isolation()),
+        crate::plan::record(std::slice::from_ref(plan), isolation()),
     )
 }
 
@@ -319,7 +318,7 @@ fn a_journal_of_another_run_is_refused_and_says_what_differs() {
 
     let mut newer = tool();
     newer.commit = Some("decaf".into());
-    let record = PlanRecord::of(&[small()], isolation());
+    let record = crate::plan::record(&[small()], isolation());
     let error = Journal::open(&desk.path(), &Header::new(newer, record), &session());
     let message = error.unwrap_err().to_string();
     assert!(message.contains("`tool.commit` is \"c0ffee\" there and \"decaf\" now"));

@@ -13,10 +13,10 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use damage::{Damage, damage, damages, fixed, mutations};
+use geobench::exec::expected::Expected;
 use geobench::exec::limits::DecompressionLimit;
-use geobench::exec::outside;
 use geobench::history::{compare, merge, pool};
-use geobench::plan::expected::Expected;
+use geobench::plan::suite;
 use geobench::plan::suite::{Scale, Settings, Suite, plans};
 use geobench::report::{self, Form, Input, Options, Tables, Wanted};
 use geobench::run::journal::{Header, Journal};
@@ -108,7 +108,7 @@ fn suites(cases: u32) {
         if bytes.len().is_multiple_of(16) {
             fs::write(&path, bytes).unwrap();
             let _ = Suite::read(&path);
-            let _ = outside::read_programs(&path);
+            let _ = suite::read_programs(&path);
         }
     });
 }

@@ -121,7 +121,7 @@ mod tests {
     use geobench_mesh::VertexId;
 
     use super::*;
-    use crate::exec::mock::plan;
+    use crate::run::mock::plan;
 
     #[test]
     fn a_board_follows_the_runs_of_one_model_and_source() {

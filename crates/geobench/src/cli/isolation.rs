@@ -11,8 +11,9 @@ use crate::exec::affinity::{self, CpuList};
 use crate::exec::in_process::InProcess;
 use crate::exec::isolate::{Isolated, Sharing};
 use crate::exec::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
-use crate::exec::outside::{self, Programs, WithPrograms};
-use crate::registry::Selection;
+use crate::exec::outside::WithPrograms;
+use crate::plan::suite;
+use crate::registry::{Programs, Selection};
 use crate::schema::IsolationRecord;
 
 #[derive(Args, Debug)]
@@ -93,7 +94,7 @@ impl IsolationOptions {
     pub(super) fn programs(&self) -> anyhow::Result<Programs> {
         let mut programs = Programs::default();
         for path in &self.ext {
-            programs = programs.or(&outside::read_programs(path)?);
+            programs = programs.or(&suite::read_programs(path)?);
         }
         Ok(programs)
     }

@@ -24,15 +24,14 @@ use std::ffi::OsStr;
 use std::io;
 use std::process::ExitCode;
 
+use anyhow::bail;
 use clap::Parser;
 use clap::error::ErrorKind;
 
 use args::{Arguments, Command};
 use terminal::Terminal;
 
-use crate::exec::isolate;
-
-use crate::exec::interrupt;
+use crate::exec::{interrupt, isolate, model};
 use crate::measure::instructions;
 
 /// How a command that did its work ends.
@@ -90,7 +89,7 @@ fn command() -> ExitCode {
         Command::Completions(options) => shell::completions(&options),
         Command::Man(options) => shell::man(&options),
         Command::CountOneSolve(o) => {
-            instructions::solve_once(&o.model, &o.algorithm, o.source, o.simd.as_deref())
+            count_one_solve(&o.model, &o.algorithm, o.source, o.simd.as_deref())
                 .map(|()| Verdict::Passed)
         }
     };
@@ -106,6 +105,22 @@ fn command() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// The one solve whose instructions callgrind counts.
+fn count_one_solve(
+    model: &str,
+    algorithm: &str,
+    source: u32,
+    widest: Option<&str>,
+) -> anyhow::Result<()> {
+    let selection = instructions::announce(algorithm, widest)?;
+    let models = model::collect(&[model])?;
+    let [model] = &models[..] else {
+        bail!("{model}: {} models instead of one", models.len());
+    };
+    let loaded = model.load()?;
+    instructions::solve_once(&selection, &loaded.mesh, source)
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
@@ -150,4 +165,19 @@ fn report_panics_in_one_line() {
             "{text}; this is a defect of geobench, please report it"
         ));
     }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_solve_needs_all_three() {
+        assert!(count_one_solve("gen:cube,n=1", "vtp", 0, None).is_ok());
+        assert!(count_one_solve("gen:cube,n=1", "vtp", 999, None).is_err());
+        assert!(count_one_solve("gen:cube,n=1", "vtq", 0, None).is_err());
+        assert!(count_one_solve("gen:cube,n=1", "vtp", 0, Some("scalar")).is_ok());
+        assert!(count_one_solve("gen:cube,n=1", "vtp", 0, Some("wide")).is_err());
+        assert!(count_one_solve("no.obj", "vtp", 0, None).is_err());
+    }
 }

@@ -173,7 +173,7 @@ mod tests {
     use geobench_mesh::VertexId;
 
     use super::*;
-    use crate::exec::mock::plan;
+    use crate::run::mock::plan;
 
     fn view() -> View {
         let plan = plan(&["horse"], "mmp,vtp", "0");

@@ -5,6 +5,7 @@
 //! in another one, or, for tests, nowhere at all.
 
 pub mod affinity;
+pub mod expected;
 pub mod in_process;
 pub mod interrupt;
 pub mod isolate;

@@ -11,8 +11,8 @@ use geobench_mesh::generate::{self, Spec};
 use geobench_mesh::{InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, io as mesh_io};
 use sha2::{Digest, Sha256};
 
+use crate::exec::expected::stem;
 use crate::exec::limits::{DecompressionLimit, MemoryLimit};
-use crate::plan::expected::stem;
 use crate::schema::ModelRecord;
 
 /// A model that a user named, not loaded yet.

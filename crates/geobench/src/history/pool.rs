@@ -133,7 +133,8 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exec::mock::{Rehearsal, crash_ich, plan, rehearse, result};
+    use crate::exec::mock::{Rehearsal, crash_ich};
+    use crate::run::mock::{plan, rehearse, result};
 
     fn round(rehearsal: &mut Rehearsal) -> ResultFile {
         let mut plan = plan(&["horse"], "mmp,ich", "0");

@@ -16,12 +16,11 @@ use std::io;
 use std::process::{Command, ExitStatus, Stdio};
 
 use anyhow::bail;
-use geobench_mesh::VertexId;
+use geobench_mesh::{Mesh, VertexId};
 use geobench_vtp::Instructions;
 use geobench_window::{Solution, SolveError, Solver};
 
-use crate::exec::model;
-use crate::registry::{self, simd};
+use crate::registry::{self, Selection, simd};
 use crate::schema::InstructionCount;
 
 /// The hidden command that does one solve under callgrind.
@@ -164,18 +163,13 @@ fn total(text: &str) -> Option<u64> {
     totals.split_whitespace().next()?.parse().ok()
 }
 
-/// What [`COMMAND`] does: says which instructions are used, loads a model, sets an algorithm up with no wider
-/// instructions than `widest`, and solves once.
+/// The algorithm of [`COMMAND`], with no wider instructions than `widest`; says on standard output
+/// which it uses.
 ///
 /// # Errors
 ///
-/// When one of them does not exist.
-pub fn solve_once(
-    model: &str,
-    algorithm: &str,
-    source: u32,
-    widest: Option<&str>,
-) -> anyhow::Result<()> {
+/// When there is no such algorithm, or `widest` names no instructions.
+pub fn announce(algorithm: &str, widest: Option<&str>) -> anyhow::Result<Selection> {
     let mut selection = registry::select_one(algorithm)?;
     if let Some(name) = widest {
         let Some(widest) = simd::instructions(name) else {
@@ -184,12 +178,16 @@ pub fn solve_once(
         selection = selection.at_most(widest);
     }
     println!("{SIMD}{}", selection.instructions());
-    let models = model::collect(&[model])?;
-    let [model] = &models[..] else {
-        bail!("{model}: {} models instead of one", models.len());
-    };
-    let loaded = model.load()?;
-    let mut solver = selection.build(&loaded.mesh);
+    Ok(selection)
+}
+
+/// Sets an algorithm up for `mesh` and solves once.
+///
+/// # Errors
+///
+/// When the source does not exist.
+pub fn solve_once(selection: &Selection, mesh: &Mesh, source: u32) -> anyhow::Result<()> {
+    let mut solver = selection.build(mesh);
     let solution = counted_solve(&mut *solver, VertexId::new(source))?;
     std::hint::black_box(solution);
     Ok(())
@@ -212,15 +210,5 @@ mod tests {
         assert_eq!(total(text), Some(1_234_567));
         assert_eq!(total("events: Ir\nsummary: 77 3\n"), Some(77));
         assert_eq!(total("events: Ir\n"), None);
-    }
-
-    #[test]
-    fn one_solve_needs_all_three() {
-        assert!(solve_once("gen:cube,n=1", "vtp", 0, None).is_ok());
-        assert!(solve_once("gen:cube,n=1", "vtp", 999, None).is_err());
-        assert!(solve_once("gen:cube,n=1", "vtq", 0, None).is_err());
-        assert!(solve_once("gen:cube,n=1", "vtp", 0, Some("scalar")).is_ok());
-        assert!(solve_once("gen:cube,n=1", "vtp", 0, Some("wide")).is_err());
-        assert!(solve_once("no.obj", "vtp", 0, None).is_err());
     }
 }

@@ -1,6 +1,5 @@
 //! What a run is to do, before any of it is done.
 
-pub mod expected;
 mod record;
 pub mod shard;
 pub mod source;
@@ -10,13 +9,12 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::exec::expected::Expected;
 use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
-use crate::exec::outside::{Programs, UnknownProgram};
-use crate::plan::expected::Expected;
 use crate::plan::shard::Share;
 use crate::plan::source::SourceSpec;
-use crate::registry::{self, SelectError, Selection};
+use crate::registry::{self, Programs, SelectError, Selection, UnknownProgram};
 use crate::schema::GroupRecord;
 
 pub use record::record;

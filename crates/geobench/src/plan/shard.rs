@@ -31,7 +31,8 @@ pub fn restrict(plans: &mut [Plan], shard: Shard) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exec::mock::{Rehearsal, plan, rehearse};
+    use crate::exec::mock::Rehearsal;
+    use crate::run::mock::{plan, rehearse};
     use proptest::prelude::*;
 
     proptest! {

@@ -12,6 +12,7 @@ mod hidden;
 mod mmp;
 mod outside;
 mod parameter;
+mod program;
 mod select;
 pub(crate) mod simd;
 mod threshold;
@@ -23,6 +24,8 @@ use std::sync::LazyLock;
 pub use algorithm::Algorithm;
 pub use hidden::VARIABLE as HIDDEN_ALGORITHMS;
 pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, Value, Values};
+pub(crate) use program::{Call, PLACEHOLDERS};
+pub use program::{Keeping, Program, Programs, UnknownProgram};
 pub(crate) use select::nearest;
 pub use select::{SelectError, Selection, select, select_one};
 

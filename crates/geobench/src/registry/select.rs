@@ -8,8 +8,8 @@ use geobench_window::Solver;
 
 use super::outside::{OUTSIDE, PREFIX};
 use super::parameter::THREADS;
+use super::program::{Program, Programs, UnknownProgram};
 use super::{Algorithm, Parameter, Value, Values, algorithms, hidden};
-use crate::exec::outside::{Program, Programs, UnknownProgram};
 
 /// An algorithm that a user asked for, with the values of its parameters.
 #[derive(Clone, Debug)]

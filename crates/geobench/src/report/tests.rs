@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use super::files::files;
 use super::{Form, Input, Options, Report, Tables, Wanted, build, page};
 use crate::exec::limits::DecompressionLimit;
-use crate::exec::mock::{Rehearsal, crash_ich, plan, rehearse, result, spoil_vtp};
+use crate::exec::mock::{Rehearsal, crash_ich, spoil_vtp};
 use crate::exec::model::ModelRef;
+use crate::run::mock::{plan, rehearse, result};
 use crate::schema::{GroupRecord, ResultFile};
 
 /// A model of that name, whatever it holds.

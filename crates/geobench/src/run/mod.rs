@@ -6,6 +6,8 @@ pub mod check;
 mod group;
 pub mod journal;
 pub mod ledger;
+#[cfg(test)]
+pub(crate) mod mock;
 mod order;
 #[cfg(test)]
 mod tests;

@@ -1,10 +1,11 @@
 //! What the runner does, with made-up runs.
 
-use crate::exec::mock::{Rehearsal, crash_ich, plan, rehearse, spoil_vtp};
+use crate::exec::mock::{Rehearsal, crash_ich, spoil_vtp};
 use crate::exec::{Listener, Step};
 use crate::plan::Reference;
 use crate::registry;
 use crate::run::ledger::NoLedger;
+use crate::run::mock::{plan, rehearse};
 use crate::run::run;
 use crate::schema::{Cell, Status};
 

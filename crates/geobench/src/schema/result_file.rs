@@ -127,7 +127,8 @@ fn negative_time(file: &ResultFile) -> Option<(String, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exec::mock::{self, Rehearsal};
+    use crate::exec::mock::Rehearsal;
+    use crate::run::mock::{self};
 
     fn refused(text: &str) -> String {
         parse(Path::new("r.json"), text).unwrap_err().to_string()

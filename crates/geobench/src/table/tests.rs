@@ -1,7 +1,8 @@
 //! Every form of results, from made-up runs.
 
 use super::{Format, Look};
-use crate::exec::mock::{Rehearsal, crash_ich, plan, rehearse, result, spoil_vtp};
+use crate::exec::mock::{Rehearsal, crash_ich, spoil_vtp};
+use crate::run::mock::{plan, rehearse, result};
 use crate::schema::{GroupRecord, ResultFile};
 
 /// Two models, one of them with a wrong answer, and a refused one.

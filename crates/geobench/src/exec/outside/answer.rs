@@ -12,9 +12,9 @@ use std::time::Instant;
 use rustix::fs::OFlags;
 
 use crate::exec::Failure;
+use crate::exec::expected;
 use crate::exec::isolate::Trouble;
 use crate::exec::limits::Limits;
-use crate::plan::expected;
 use crate::schema::Status;
 
 /// Most bytes of the line of a vertex, with what stands before and behind its two numbers.

@@ -12,13 +12,8 @@
 //! workplace around theirs.
 
 mod answer;
-mod file;
 mod message;
 mod place;
-mod program;
 mod worker;
 
-pub use file::read_programs;
-pub(crate) use file::{KEY, tables};
 pub use place::WithPrograms;
-pub use program::{Keeping, Program, Programs, UnknownProgram};

@@ -7,13 +7,13 @@ use std::sync::Arc;
 use geobench_mesh::{VertexId, io as mesh_io};
 use tempfile::TempDir;
 
-use super::program::{Keeping, Program};
 use super::worker::{Task, Worker};
 use crate::exec::affinity::CpuList;
 use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
 use crate::exec::{Executor, Failure, Observation, Purpose, Refusal, Step, Workplace};
 use crate::measure::host::kibibytes;
+use crate::registry::{Keeping, Program};
 use crate::schema::{ModelRecord, Status};
 
 /// A workplace for the algorithms of the suite, and processes for outside programs.

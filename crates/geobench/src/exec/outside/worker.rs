@@ -6,11 +6,11 @@ use std::time::Instant;
 
 use super::answer;
 use super::message::Line;
-use super::program::{Call, Keeping, Program};
 use crate::exec::affinity::{self, CpuList};
 use crate::exec::isolate::{Child, Trouble};
 use crate::exec::limits::Limits;
 use crate::exec::{Failure, Observation};
+use crate::registry::{Call, Keeping, Program};
 use crate::schema::Status;
 
 /// Most bytes of a line.

@@ -3,7 +3,8 @@
 use geobench_window::Counter;
 
 use super::*;
-use crate::exec::mock::{Rehearsal, plan, rehearse, result};
+use crate::exec::mock::Rehearsal;
+use crate::run::mock::{plan, rehearse, result};
 use crate::table::ComparisonFormat;
 
 /// Two models and three algorithms, five samples each.

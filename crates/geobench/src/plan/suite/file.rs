@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::Settings;
 use super::document::{Document, Entry, SuiteError};
+use super::programs;
 use super::setting::{SETTINGS, setting};
-use crate::exec::outside::{self, Programs};
+use crate::registry::Programs;
 
 /// A suite file.
 #[derive(Clone, Debug)]
@@ -60,7 +61,7 @@ impl Suite {
         let (mut common, mut full) = (Settings::default(), Settings::default());
         let mut groups: Vec<SuiteGroup> = Vec::new();
         let mut programs = Programs::default();
-        let known: Vec<&str> = ["group", FULL, outside::KEY]
+        let known: Vec<&str> = ["group", FULL, programs::KEY]
             .into_iter()
             .chain(SETTINGS)
             .collect();
@@ -80,8 +81,8 @@ impl Suite {
                 }
             } else if entry.key == FULL {
                 full = read_settings(&entry)?;
-            } else if entry.key == outside::KEY {
-                programs = outside::tables(&entry)?;
+            } else if entry.key == programs::KEY {
+                programs = programs::tables(&entry)?;
             } else {
                 setting(&entry, key, &known, &mut common)?;
             }

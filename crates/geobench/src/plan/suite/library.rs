@@ -42,7 +42,7 @@ impl Library {
             let wanted = letters_and_digits(name);
             let models = self.models.iter();
             models.into_iter().find(|model| {
-                let stem = model.file_path().map(crate::plan::expected::stem);
+                let stem = model.file_path().map(crate::exec::expected::stem);
                 stem.is_some_and(|stem| letters_and_digits(&stem) == wanted)
             })
         })

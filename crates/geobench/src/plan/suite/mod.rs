@@ -10,6 +10,7 @@ pub(crate) mod document;
 mod file;
 mod library;
 mod plans;
+mod programs;
 mod setting;
 
 pub use builtin::{ALGORITHMS, MODELS, SMALL_MODELS};
@@ -17,6 +18,7 @@ pub use document::SuiteError;
 pub use file::{Suite, SuiteGroup};
 pub use library::Library;
 pub use plans::{PlanError, Plans, Scale, plans};
+pub use programs::read_programs;
 
 use crate::exec::limits::{DecompressionLimit, MemoryLimit, Timeout};
 use crate::plan::Reference;

@@ -6,10 +6,11 @@ use std::thread;
 use std::time::Duration;
 
 use super::{Header, Journal, JournalError};
-use crate::exec::mock::{Deaf, Rehearsal, crash_ich, plan, spoil_vtp};
+use crate::exec::mock::{Rehearsal, crash_ich, spoil_vtp};
 use crate::exec::{Failure, Listener, Purpose};
 use crate::plan::{Plan, Reference};
 use crate::registry;
+use crate::run::mock::{Deaf, plan};
 use crate::run::{Outcome, run};
 use crate::schema::{
     Cell, Host, InstructionCount, IsolationRecord, ModelRecord, Session, Status, Tool,

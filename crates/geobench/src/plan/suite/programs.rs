@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::program::{Keeping, PLACEHOLDERS, Program, Programs};
-use crate::plan::suite::document::{Document, Entry, SuiteError};
+use super::document::{Document, Entry, SuiteError};
+use crate::registry::{Keeping, PLACEHOLDERS, Program, Programs};
 
 /// The key under which the tables stand.
 pub(crate) const KEY: &str = "ext";

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
-use crate::registry::nearest;
+use super::nearest;
 
 /// An outside program, as a TOML file describes it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -35,7 +35,7 @@ pub enum Keeping {
 
 impl Keeping {
     /// Both.
-    pub(super) const ALL: [Self; 2] = [Self::Session, Self::Once];
+    pub(crate) const ALL: [Self; 2] = [Self::Session, Self::Once];
 
     /// The word for it in files.
     pub const fn name(self) -> &'static str {
@@ -47,19 +47,19 @@ impl Keeping {
 }
 
 /// The words that a command may hold in braces.
-pub(super) const PLACEHOLDERS: [&str; 4] = ["{model}", "{source}", "{threads}", "{output}"];
+pub(crate) const PLACEHOLDERS: [&str; 4] = ["{model}", "{source}", "{threads}", "{output}"];
 
 /// What the placeholders of a command stand for.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Call<'c> {
+pub(crate) struct Call<'c> {
     /// The model, an OBJ file.
-    pub(super) model: &'c Path,
+    pub(crate) model: &'c Path,
     /// The source vertex, counted from 0.
-    pub(super) source: u32,
+    pub(crate) source: u32,
     /// Threads that it may use.
-    pub(super) threads: usize,
+    pub(crate) threads: usize,
     /// The file to which distances go.
-    pub(super) output: &'c Path,
+    pub(crate) output: &'c Path,
 }
 
 impl Program {
@@ -69,7 +69,7 @@ impl Program {
     }
 
     /// The command with its placeholders filled in.
-    pub(super) fn command(&self, call: Call<'_>) -> Command {
+    pub(crate) fn command(&self, call: Call<'_>) -> Command {
         let fill = |word: &String| {
             let values = [
                 call.model.display().to_string(),
@@ -118,7 +118,7 @@ pub struct UnknownProgram {
 
 impl Programs {
     /// Adds a program; false if there is one of its name.
-    pub(super) fn add(&mut self, program: Program) -> bool {
+    pub(crate) fn add(&mut self, program: Program) -> bool {
         let free = !self.0.contains_key(&program.name);
         if free {
             self.0.insert(program.name.clone(), Arc::new(program));

@@ -8,8 +8,8 @@ use super::Verdict;
 use super::args::InfoOptions;
 use super::terminal;
 use crate::exec::model::{self, LoadedModel, ModelError, ModelRef};
+use crate::measure::number::grouped;
 use crate::table::escape::printable;
-use crate::table::number::grouped;
 
 pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
     let mut verdict = Verdict::Passed;

@@ -11,12 +11,12 @@ use crate::exec::interrupt;
 use crate::exec::isolate::Sharing;
 use crate::exec::model::{self, ModelRef};
 use crate::exec::{Executor, Purpose, Step};
+use crate::measure::number::scientific;
 use crate::plan::suite;
 use crate::registry::{self, Selection};
 use crate::run::agreement::{self, Clusters, Vote};
 use crate::run::check::{self, Comparison};
 use crate::schema::ModelRecord;
-use crate::table::number::scientific;
 
 /// The algorithm that all others must agree with, whether it is among those asked for or not.
 const REFERENCE: &str = "mmp";

@@ -5,5 +5,6 @@ pub mod conditions;
 pub mod host;
 pub mod instructions;
 pub mod memory;
+pub(crate) mod number;
 pub(crate) mod rng;
 pub mod statistics;

@@ -6,8 +6,8 @@ use super::chart::{Axis, Chart, Lines, Series, Value};
 use super::document::{Plot, slug};
 use super::group::{Group, known};
 use super::plots::{Setting, scale};
+use crate::measure::number::grouped;
 use crate::schema::ModelRecord;
-use crate::table::number::grouped;
 
 /// What models differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! The tables of a group and of its models.
 
 use super::document::{Column, Entry, Mark, Note, Table, TablePart};
+use crate::measure::number::grouped;
 use crate::schema::{ModelRecord, ResultFile};
-use crate::table::number::grouped;
 use crate::table::view::{self, ModelView, Section};
 
 /// The figures of a group: a part for each model, a column for each algorithm.

@@ -121,7 +121,7 @@ pub fn model_bars(group: &GroupRecord, cells: &[Cell], width: usize) -> String {
 
 /// A time with three significant digits, as far as that makes sense.
 fn significant(seconds: f64) -> String {
-    let decimals = super::number::decimals([seconds], 6);
+    let decimals = crate::measure::number::decimals([seconds], 6);
     format!("{seconds:.decimals$}")
 }
 

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use super::escape::{markdown as escape, printable};
 use super::grid::{Entry, Grid, Look};
-use super::number::decimals;
 use super::{UnknownEnding, of_ending};
 use crate::history::compare::{
     CellChange, Comparison, FigureChange, Key, Regression, Side, TimeMethod, exact, percent,
 };
+use crate::measure::number::decimals;
 use crate::schema::Status;
 
 /// A form in which a comparison can be written.

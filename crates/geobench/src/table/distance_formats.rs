@@ -1,15 +1,14 @@
 //! One distance field, as files for other programs.
 
-mod bytes;
+use std::path::Path;
+
+use geobench_mesh::Mesh;
+
 mod json;
 mod npy;
 mod ply;
 pub(crate) mod ramp;
 mod vtk;
-
-use std::path::Path;
-
-use geobench_mesh::Mesh;
 
 /// Distances and where they come from.
 #[derive(Clone, Copy, Debug)]
@@ -110,10 +109,22 @@ fn csv(distances: &[f64]) -> Vec<u8> {
     text.into_bytes()
 }
 
+/// Appends each of `numbers` as `to_bytes` lays it out.
+fn append<T, const N: usize>(
+    bytes: &mut Vec<u8>,
+    numbers: impl IntoIterator<Item = T>,
+    to_bytes: fn(T) -> [u8; N],
+) {
+    for number in numbers {
+        bytes.extend_from_slice(&to_bytes(number));
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::*;
     use geobench_mesh::TriangleSoup;
+
+    use super::*;
 
     /// A triangle and an isolated vertex.
     pub(super) fn with_field<T>(test: impl FnOnce(&DistanceField<'_>) -> T) -> T {

@@ -10,7 +10,6 @@ mod grid;
 mod json;
 pub(crate) mod latex;
 mod markdown;
-pub(crate) mod number;
 pub mod output;
 mod ratios;
 mod table;

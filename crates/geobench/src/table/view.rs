@@ -2,8 +2,8 @@
 
 use super::figures::{Figure, Style, figures};
 use super::grid::Entry;
-use super::number::{decimals, group, grouped, scientific};
 use super::ratios;
+use crate::measure::number::{decimals, group, grouped, scientific};
 use crate::measure::statistics::median;
 use crate::schema::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
 

@@ -38,7 +38,6 @@ mod crew;
 mod message;
 mod orphans;
 mod system;
-mod tail;
 mod trouble;
 
 use std::ffi::OsString;

@@ -11,9 +11,186 @@
 //! processes of [`crate::exec::isolate`], wherever the algorithms of the suite run: [`WithPrograms`] is a
 //! workplace around theirs.
 
-mod answer;
-mod message;
-mod place;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use geobench_mesh::{VertexId, io as mesh_io};
+use tempfile::TempDir;
+
+use self::worker::{Task, Worker};
+use crate::exec::affinity::CpuList;
+use crate::exec::limits::Limits;
+use crate::exec::model::ModelRef;
+use crate::exec::{Executor, Failure, Observation, Purpose, Refusal, Step, Workplace};
+use crate::measure::host::kibibytes;
+use crate::registry::{Keeping, Program};
+use crate::schema::{ModelRecord, Status};
+
 mod worker;
 
-pub use place::WithPrograms;
+/// A workplace for the algorithms of the suite, and processes for outside programs.
+pub struct WithPrograms {
+    inner: Box<dyn Workplace>,
+    limits: Limits,
+    cpus: Option<CpuList>,
+}
+
+impl WithPrograms {
+    /// `inner`, and beside it processes with these limits, pinned to these processors.
+    pub fn new(inner: Box<dyn Workplace>, limits: Limits, cpus: Option<CpuList>) -> Self {
+        Self {
+            inner,
+            limits,
+            cpus,
+        }
+    }
+}
+
+impl Workplace for WithPrograms {
+    fn with_model(
+        &mut self,
+        model: &ModelRef,
+        work: &mut dyn FnMut(&ModelRecord, &mut dyn Executor),
+    ) -> Result<(), Refusal> {
+        let (limits, cpus) = (&self.limits, self.cpus.as_ref());
+        self.inner.with_model(model, &mut |record, inner| {
+            let mut bench = Bench {
+                inner,
+                model,
+                vertices: record.vertices.unwrap_or(0) as usize,
+                limits,
+                cpus,
+                handover: None,
+                source: None,
+                workers: BTreeMap::new(),
+                last: BTreeMap::new(),
+            };
+            work(record, &mut bench);
+        })
+    }
+}
+
+/// The processes that work on a model.
+struct Bench<'b> {
+    inner: &'b mut dyn Executor,
+    model: &'b ModelRef,
+    vertices: usize,
+    limits: &'b Limits,
+    cpus: Option<&'b CpuList>,
+    handover: Option<Handover>,
+    /// The source under way.
+    source: Option<VertexId>,
+    /// Programs that are kept, by name, for this source.
+    workers: BTreeMap<String, Worker>,
+    /// What each program delivered last, for this source.
+    last: BTreeMap<String, Observation>,
+}
+
+/// A folder for the files that go to and fro.
+struct Handover {
+    folder: TempDir,
+    /// The model as an OBJ file with the same numbers of vertices, whatever form it came in.
+    model: PathBuf,
+}
+
+impl Handover {
+    fn new(model: &ModelRef, limits: &Limits) -> Result<Self, Failure> {
+        let failed = |why: String| Failure {
+            status: Status::Crashed,
+            message: format!("the model cannot be handed over: {why}"),
+        };
+        let folder = tempfile::Builder::new()
+            .prefix("geobench-")
+            .tempdir()
+            .map_err(|error| failed(error.to_string()))?;
+        let path = folder.path().join("model.obj");
+        let soup = model.read(limits.decompressed);
+        let soup = soup.map_err(|error| failed(error.to_string()))?;
+        mesh_io::write(&path, &soup).map_err(|error| failed(error.to_string()))?;
+        Ok(Self {
+            folder,
+            model: path,
+        })
+    }
+}
+
+impl Executor for Bench<'_> {
+    fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
+        if self.source != Some(step.source) {
+            self.workers.clear();
+            self.last.clear();
+        }
+        self.source = Some(step.source);
+        let Some(program) = step.algorithm.program() else {
+            return self.inner.execute(step);
+        };
+        // What it counts it tells with each run; and nobody can clock its phases.
+        let last = match step.purpose {
+            Purpose::WarmUp | Purpose::Time => None,
+            Purpose::Count | Purpose::Clock => self.last.get(&program.name).cloned(),
+        };
+        let done = match last {
+            Some(last) => last,
+            None => self.solve(program, step.source.raw(), step.algorithm.threads())?,
+        };
+        Ok(match step.purpose {
+            Purpose::WarmUp | Purpose::Time => done,
+            Purpose::Count => Observation {
+                seconds: None,
+                setup_seconds: None,
+                ..done
+            },
+            Purpose::Clock => Observation {
+                distances: done.distances,
+                ..Observation::default()
+            },
+        })
+    }
+}
+
+impl Bench<'_> {
+    fn solve(
+        &mut self,
+        program: &Arc<Program>,
+        source: u32,
+        threads: usize,
+    ) -> Result<Observation, Failure> {
+        if self.handover.is_none() {
+            self.handover = Some(Handover::new(self.model, self.limits)?);
+        }
+        let Some(handover) = &self.handover else {
+            unreachable!("it has just been made");
+        };
+        let name = &program.name;
+        let task = Task {
+            model: &handover.model,
+            vertices: self.vertices,
+            source,
+            threads,
+            limits: self.limits,
+            cpus: self.cpus,
+        };
+        let mut worker = if let Some(worker) = self.workers.remove(name) {
+            worker
+        } else {
+            let output = handover.folder.path().join(format!("{name}.csv"));
+            Worker::start(program, output, &task)?
+        };
+        let done = worker.solve(&task)?;
+        if program.keeping == Keeping::Session && self.has_room_for(&worker) {
+            self.workers.insert(name.clone(), worker);
+        }
+        self.last.insert(name.clone(), done.clone());
+        Ok(done)
+    }
+
+    /// Whether `worker` may wait for its next run: all that wait leave half of the memory that
+    /// there is without them to others. One that may not ends, and loads the model anew.
+    fn has_room_for(&self, worker: &Worker) -> bool {
+        let waiting = self.workers.values().filter_map(Worker::resident);
+        let held: u64 = waiting.chain(worker.resident()).sum();
+        let free = kibibytes("/proc/meminfo", "MemAvailable");
+        free.is_none_or(|free| held <= free)
+    }
+}

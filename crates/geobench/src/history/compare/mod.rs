@@ -29,8 +29,8 @@ pub use measure::Measure;
 pub use rules::{Rule, RuleError, Rules, Subject};
 pub use time::{TimeChange, TimeMethod};
 
+use crate::measure::number::group;
 use crate::schema::{Cell, ResultFile, Status};
-use crate::table::number::group;
 
 /// The schema of a comparison in JSON.
 pub const SCHEMA: &str = "geobench-comparison/1";

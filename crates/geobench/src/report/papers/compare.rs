@@ -1,11 +1,11 @@
 //! A paper's ratios and ours side by side.
 
 use super::PaperTable;
+use crate::measure::number::grouped;
 use crate::report::chart::{Axis, Band, Chart, Dots, Lane, Point, Value};
 use crate::report::document::{Block, Column, Entry, Plot, Table, TablePart, slug};
 use crate::report::group::Group;
 use crate::table::figures::Figure;
-use crate::table::number::grouped;
 
 /// What the paper and we have of one figure of two algorithms.
 #[derive(Clone, Debug)]

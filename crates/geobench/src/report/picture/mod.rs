@@ -15,10 +15,10 @@ use super::document::{Plot, slug};
 use super::svg::{Svg, px};
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::{self, LoadedModel, ModelRef};
+use crate::measure::number::grouped;
 use crate::registry;
 use crate::schema::ResultFile;
 use crate::table::distance_formats::ramp;
-use crate::table::number::grouped;
 use camera::Camera;
 
 /// Width and height of the picture in the units of the drawing.

@@ -1,7 +1,7 @@
 //! The array format of `NumPy`, version 1.0, as its documentation (`numpy.lib.format`) describes
 //! it: magic, version, length of the header, the header padded to 64 bytes, the numbers.
 
-use super::bytes::append;
+use super::append;
 
 const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
 

@@ -6,7 +6,7 @@
 use geobench_mesh::VertexId;
 
 use super::DistanceField;
-use super::bytes::append;
+use super::append;
 
 /// The mesh with the fields `distance` and `reached`.
 pub(super) fn render(field: &DistanceField<'_>) -> Vec<u8> {

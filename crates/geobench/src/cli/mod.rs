@@ -2,17 +2,15 @@
 
 mod algos;
 mod args;
-mod board;
 mod compare;
 mod distance;
 mod generate;
 mod info;
 mod isolation;
-mod live;
 mod merge;
-mod outputs;
 mod pool;
 mod progress;
+mod progress_table;
 mod report;
 mod reporter;
 mod run;

@@ -2,8 +2,7 @@
 
 use std::io::{self, Stderr};
 
-use super::board::Board;
-use super::live::{LiveLines, cut};
+use super::progress_table::{Board, LiveLines, cut};
 use super::terminal;
 use crate::exec::{Purpose, Step};
 use crate::plan::Plan;

@@ -5,11 +5,11 @@ use std::time::SystemTime;
 
 use anyhow::{Context, bail};
 
+use super::Verdict;
 use super::args::RunOptions;
 use super::progress::Progress;
 use super::reporter::Reporter;
 use super::terminal::{self, Terminal};
-use super::{Verdict, outputs};
 use crate::exec::Listener;
 use crate::exec::interrupt;
 use crate::exec::isolate::Sharing;
@@ -17,7 +17,6 @@ use crate::exec::limits::{Limits, Timeout};
 use crate::measure::conditions::{self, Snapshot};
 use crate::measure::host;
 use crate::measure::instructions;
-use crate::plan::shard;
 use crate::plan::suite::{self, Library, Plans, Scale, Settings, Suite, WantedModel};
 use crate::plan::{self, Plan, Reference};
 use crate::run;
@@ -30,7 +29,7 @@ use crate::table::{self, Format};
 pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     options.isolation.check()?;
     let Plans { plans, notes } = possible_plans(options)?;
-    let outputs = outputs::results(&options.output)?;
+    let outputs = output::results(&options.output)?;
     if options.extras.instructions {
         instructions::check_valgrind()?;
     }
@@ -245,7 +244,7 @@ fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
         drop_limits(&mut plans, &mut notes);
     }
     if let Some(shard) = options.shard {
-        shard::restrict(&mut plans, shard);
+        plan::restrict(&mut plans, shard);
         if plans.iter().all(|plan| plan.runs() == 0) {
             notes.push(format!(
                 "part {shard} has nothing to do: there are fewer pairs of model and source than parts"

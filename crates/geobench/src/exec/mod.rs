@@ -14,7 +14,7 @@ pub mod limits;
 pub(crate) mod mock;
 pub mod model;
 pub mod outside;
-mod wire;
+mod protocol;
 
 use geobench_mesh::VertexId;
 use geobench_window::Counters;
@@ -56,14 +56,14 @@ pub struct Step<'a> {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
     /// The answer.
-    #[serde(with = "wire::distances")]
+    #[serde(with = "protocol::distances")]
     pub distances: Vec<f64>,
     /// Seconds that the solve took.
     pub seconds: Option<f64>,
     /// Seconds that the set-up took, if this run needed one.
     pub setup_seconds: Option<f64>,
     /// What was counted.
-    #[serde(with = "wire::counters")]
+    #[serde(with = "protocol::counters")]
     pub counters: Option<Counters>,
     /// The wavefront at even intervals of the run that counted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

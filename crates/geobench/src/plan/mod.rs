@@ -1,10 +1,5 @@
 //! What a run is to do, before any of it is done.
 
-mod record;
-pub mod shard;
-pub mod source;
-pub mod suite;
-
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -12,12 +7,13 @@ use std::path::{Path, PathBuf};
 use crate::exec::expected::Expected;
 use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
-use crate::plan::shard::Share;
 use crate::plan::source::SourceSpec;
-use crate::registry::{self, Programs, SelectError, Selection, UnknownProgram};
-use crate::schema::GroupRecord;
+use crate::registry::{self, Programs, SelectError, Selection, UnknownProgram, Value};
+use crate::schema::plan_record::{PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel};
+use crate::schema::{GroupRecord, IsolationRecord, Shard};
 
-pub use record::record;
+pub mod source;
+pub mod suite;
 
 /// A benchmark: a cell for every algorithm on every model from every source. How many there are is
 /// known before any model is loaded.
@@ -204,5 +200,153 @@ impl Plan {
     /// Runs that a cell takes: warm-ups, timed ones, a counted one and a clocked one.
     pub const fn runs_per_cell(&self) -> usize {
         self.warmup + self.repeat + 2
+    }
+}
+
+/// The plan of a benchmark whose groups have these plans and whose cells run there. Reads the files
+/// of all models once, to hash them.
+pub fn record(plans: &[Plan], isolation: IsolationRecord) -> PlanRecord {
+    PlanRecord {
+        isolation,
+        shard: plans.iter().find_map(|plan| Some(plan.share?.shard)),
+        groups: plans.iter().map(group).collect(),
+    }
+}
+
+fn group(plan: &Plan) -> PlannedGroup {
+    PlannedGroup {
+        name: plan.group.name.clone(),
+        models: plan.models.iter().map(model).collect(),
+        algorithms: plan.algorithms.iter().map(algorithm).collect(),
+        sources: plan.sources.to_string(),
+        repeat: plan.repeat,
+        warmup: plan.warmup,
+        reference: match &plan.reference {
+            Reference::None => "none".to_owned(),
+            Reference::Algorithm(selection) => selection.label().to_owned(),
+            Reference::Files(files) => files.to_string(),
+        },
+        tolerance: plan.tolerance,
+        seed: plan.seed,
+        timeout: plan.limits.timeout.0.map(|time| time.as_secs_f64()),
+        memory_limit: plan.limits.memory.0,
+        max_decompressed: plan.limits.decompressed.0,
+    }
+}
+
+fn model(model: &ModelRef) -> PlannedModel {
+    PlannedModel {
+        name: model.name.clone(),
+        spec: model.spec(),
+        file_sha256: model.file_sha256(),
+    }
+}
+
+fn algorithm(selection: &Selection) -> PlannedAlgorithm {
+    let parameters = selection.algorithm().parameters.iter();
+    let program = selection.program().into_iter().flat_map(|program| {
+        [
+            ("command", program.command.clone().into()),
+            ("protocol", program.keeping.name().into()),
+            ("approximate", program.approximate.into()),
+            ("threads", selection.threads().into()),
+        ]
+    });
+    PlannedAlgorithm {
+        label: selection.label().to_owned(),
+        parameters: parameters
+            .map(|parameter| {
+                let value = match selection.value(parameter) {
+                    Value::Integer(n) => n.into(),
+                    Value::Real(x) => x.into(),
+                    Value::Word(word) => word.into(),
+                };
+                (parameter.name.to_owned(), value)
+            })
+            .chain(program.map(|(name, value)| (name.to_owned(), value)))
+            .collect(),
+    }
+}
+
+/// A part of one plan of a benchmark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share {
+    /// Which part.
+    pub shard: Shard,
+    /// Number of the first unit of the plan.
+    pub first_unit: u128,
+}
+
+/// Restricts `plans`, which are those of one benchmark, to a part of it.
+pub fn restrict(plans: &mut [Plan], shard: Shard) {
+    let mut first_unit = 0;
+    for plan in plans {
+        plan.share = Some(Share { shard, first_unit });
+        first_unit += plan.units();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::exec::mock::Rehearsal;
+    use crate::run::mock::{plan, rehearse};
+
+    proptest! {
+        #[test]
+        fn every_unit_belongs_to_exactly_one_part(count in 1_u32..20, start in 0_u128..50, length in 0_u128..50) {
+            let units = start..start + length;
+            let mut held = 0;
+            for index in 1..=count {
+                let shard = Shard { index, count };
+                let those = units.clone().filter(|&unit| shard.holds(unit)).count() as u128;
+                prop_assert_eq!(shard.held(units.clone()), those);
+                held += those;
+            }
+            prop_assert_eq!(held, length);
+        }
+
+        /// The cells of all parts together are those of the whole, each once; cells that are
+        /// compared are never apart.
+        #[test]
+        fn parts_are_disjoint_and_complete(
+            models in 1_usize..5,
+            sources in prop::sample::select(vec!["0", "3,1", "random:3", "2,0,1,3", "random:9", "1,7"]),
+            count in 1_u32..9,
+            groups in 1_usize..3,
+        ) {
+            let names = ["a", "b", "c", "d"];
+            let mut plans: Vec<Plan> = (0..groups)
+                .map(|g| {
+                    let mut plan = plan(&names[..models - g.min(models - 1)], "mmp,vtp", sources);
+                    plan.group.name = Some(format!("group {g}"));
+                    plan.repeat = 1;
+                    plan
+                })
+                .collect();
+            let keys = |plans: &[Plan]| -> Vec<(String, String, Option<u32>, String)> {
+                let mut workplace = Rehearsal { refuse: vec!["b"], ..Rehearsal::default() };
+                plans
+                    .iter()
+                    .flat_map(|plan| rehearse(plan, &mut workplace).cells)
+                    .map(|c| (c.group.unwrap(), c.model, c.source, c.algorithm))
+                    .collect()
+            };
+            let mut whole = keys(&plans);
+            let mut parts = Vec::new();
+            for index in 1..=count {
+                restrict(&mut plans, Shard { index, count });
+                let part = keys(&plans);
+                for pair in part.chunks(2) {
+                    prop_assert_eq!((&pair[0].1, pair[0].2), (&pair[1].1, pair[1].2));
+                }
+                parts.extend(part);
+            }
+            whole.sort();
+            parts.sort();
+            prop_assert_eq!(parts, whole);
+        }
     }
 }

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
-use super::nearest;
+use geobench_window::Counter;
+
+use super::{Algorithm, nearest};
 
 /// An outside program, as a TOML file describes it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -153,6 +155,25 @@ impl Programs {
         })
     }
 }
+
+/// What names of outside programs begin with.
+pub(super) const PREFIX: &str = "ext:";
+
+/// Stands for every outside program.
+pub(super) static OUTSIDE: Algorithm = Algorithm {
+    name: "ext",
+    family: "ext",
+    paper: "its own",
+    exact: false,
+    summary: "an outside program",
+    complexity: "its own",
+    keeps: "its own",
+    choose: "to compare with",
+    memory_counter: Counter::StoredWindows,
+    comfortable_faces: None,
+    parameters: &[],
+    build: |_, _| panic!("an outside program has no solver in this one"),
+};
 
 #[cfg(test)]
 mod tests {

@@ -6,8 +6,8 @@ use geobench_mesh::Mesh;
 use geobench_vtp::Instructions;
 use geobench_window::Solver;
 
-use super::outside::{OUTSIDE, PREFIX};
 use super::parameter::THREADS;
+use super::program::{OUTSIDE, PREFIX};
 use super::program::{Program, Programs, UnknownProgram};
 use super::{Algorithm, Parameter, Value, Values, algorithms, hidden};
 

@@ -5,7 +5,6 @@
 pub(crate) mod difference;
 pub mod plan_record;
 pub mod result_file;
-mod shard;
 
 use std::collections::BTreeMap;
 
@@ -13,8 +12,7 @@ use geobench_window::{Counter, Counters};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-pub use self::plan_record::PlanRecord;
-pub use self::shard::{Shard, ShardError};
+pub use self::plan_record::{PlanRecord, Shard, ShardError};
 
 /// The schema that this version writes.
 pub const SCHEMA: &str = "geobench/1";

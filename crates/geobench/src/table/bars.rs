@@ -1,7 +1,7 @@
 //! Times as bars in a terminal, for eyes that look for ratios.
 
 use super::escape::printable;
-use super::ratios;
+use super::view;
 use super::view::{algorithms, overall};
 use crate::schema::{Cell, GroupRecord, Status};
 use crate::table::figures::figure;
@@ -90,7 +90,7 @@ pub fn lines(bars: &[Bar], base: Option<&str>, width: usize) -> Vec<String> {
 pub fn model_bars(group: &GroupRecord, cells: &[Cell], width: usize) -> String {
     let cells: Vec<&Cell> = cells.iter().collect();
     let names = algorithms(cells.iter().copied());
-    let (Ok(time), Some(base)) = (figure("time"), ratios::base(group, &names, &cells)) else {
+    let (Ok(time), Some(base)) = (figure("time"), view::base(group, &names, &cells)) else {
         return String::new();
     };
     let bars: Vec<Bar> = names

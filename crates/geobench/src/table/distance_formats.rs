@@ -2,13 +2,9 @@
 
 use std::path::Path;
 
-use geobench_mesh::Mesh;
-
-mod json;
-mod npy;
-mod ply;
-pub(crate) mod ramp;
-mod vtk;
+use geobench_mesh::io::PlyWriter;
+use geobench_mesh::{Mesh, VertexId};
+use serde::Serialize;
 
 /// Distances and where they come from.
 #[derive(Clone, Copy, Debug)]
@@ -91,10 +87,10 @@ impl FieldFormat {
         }
         Ok(match self {
             Self::Csv => csv(field.distances),
-            Self::Json => json::render(field)?,
-            Self::Npy => npy::render(field.distances),
-            Self::Ply => ply::render(field)?,
-            Self::Vtk => vtk::render(field),
+            Self::Json => json(field)?,
+            Self::Npy => npy(field.distances),
+            Self::Ply => ply(field)?,
+            Self::Vtk => vtk(field),
         })
     }
 }
@@ -118,6 +114,163 @@ fn append<T, const N: usize>(
     for number in numbers {
         bytes.extend_from_slice(&to_bytes(number));
     }
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    model: &'a str,
+    algorithm: &'a str,
+    sources: &'a [u32],
+    vertices: usize,
+    /// How many of the distances are null because no path leads there.
+    unreachable: usize,
+    distances: Vec<Option<f64>>,
+}
+
+/// One object with a `null` for each vertex that no path reaches, since JSON has no infinity.
+fn json(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
+    let distances: Vec<Option<f64>> = field
+        .distances
+        .iter()
+        .map(|d| d.is_finite().then_some(*d))
+        .collect();
+    let document = Document {
+        model: field.model,
+        algorithm: field.algorithm,
+        sources: field.sources,
+        vertices: distances.len(),
+        unreachable: distances.iter().filter(|d| d.is_none()).count(),
+        distances,
+    };
+    let mut bytes = serde_json::to_vec(&document)?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
+const NPY_MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
+
+/// A one-dimensional little-endian f64 array.
+fn npy(distances: &[f64]) -> Vec<u8> {
+    let mut header = format!(
+        "{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}",
+        distances.len()
+    );
+    // With magic, version, length and the final line break, a multiple of 64.
+    let used = NPY_MAGIC.len() + 2 + header.len() + 1;
+    header += &" ".repeat(used.next_multiple_of(64) - used);
+    header.push('\n');
+
+    let mut bytes = NPY_MAGIC.to_vec();
+    bytes.extend_from_slice(&(header.len() as u16).to_le_bytes());
+    bytes.extend_from_slice(header.as_bytes());
+    append(&mut bytes, distances.iter().copied(), f64::to_le_bytes);
+    bytes
+}
+
+/// The mesh with `quality`, the name under which mesh programs know a vertex scalar, and colours.
+fn ply(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
+    let triangles: Vec<[u32; 3]> = field
+        .mesh
+        .faces()
+        .map(|face| field.mesh.face_vertices(face).map(VertexId::raw))
+        .collect();
+    let colours: Vec<[u8; 3]> = colours(field.distances).collect();
+    let remark = format!(
+        "geodesic distance by {}, model {}",
+        field.algorithm, field.model
+    );
+    let mut bytes = Vec::new();
+    PlyWriter::new(field.mesh.positions(), &triangles)
+        .comment(&remark)
+        .scalars("quality", field.distances)
+        .colors(&colours)
+        .write(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The mesh with the fields `distance` and `reached`.
+fn vtk(field: &DistanceField<'_>) -> Vec<u8> {
+    let (vertices, faces) = (field.distances.len(), field.mesh.face_count());
+    // The second line is the title: at most 256 characters.
+    let title: String = format!(
+        "geodesic distance by {}, model {}",
+        field.algorithm, field.model
+    )
+    .chars()
+    .map(|c| if c.is_ascii_graphic() { c } else { ' ' })
+    .take(200)
+    .collect();
+    let mut bytes = format!(
+        "# vtk DataFile Version 3.0\n{title}\nBINARY\nDATASET POLYDATA\nPOINTS {vertices} double\n"
+    )
+    .into_bytes();
+    let coordinates = field.mesh.positions().as_flattened().iter().copied();
+    append(&mut bytes, coordinates, f64::to_be_bytes);
+    bytes.extend_from_slice(format!("\nPOLYGONS {faces} {}\n", 4 * faces).as_bytes());
+    for face in field.mesh.faces() {
+        let [a, b, c] = field.mesh.face_vertices(face).map(VertexId::raw);
+        append(&mut bytes, [3, a, b, c], u32::to_be_bytes);
+    }
+    bytes.extend_from_slice(
+        format!("\nPOINT_DATA {vertices}\nSCALARS distance double 1\nLOOKUP_TABLE default\n")
+            .as_bytes(),
+    );
+    append(
+        &mut bytes,
+        field.distances.iter().copied(),
+        f64::to_be_bytes,
+    );
+    bytes.extend_from_slice(b"\nSCALARS reached unsigned_char 1\nLOOKUP_TABLE default\n");
+    bytes.extend(field.distances.iter().map(|d| u8::from(d.is_finite())));
+    bytes.push(b'\n');
+    bytes
+}
+
+/// Nine colours evenly spaced along a ramp from dark blue over green to yellow that grows steadily
+/// lighter, so that it also reads in grey and to most colour-blind people (after "viridis").
+const RAMP: [[u8; 3]; 9] = [
+    [68, 1, 84],
+    [71, 44, 122],
+    [59, 81, 139],
+    [44, 113, 142],
+    [33, 144, 141],
+    [39, 173, 129],
+    [92, 200, 99],
+    [170, 220, 50],
+    [253, 231, 37],
+];
+
+/// The colour of vertices that no path reaches.
+pub(crate) const UNREACHED: [u8; 3] = [128, 128, 128];
+
+/// The colour at a place on the ramp, from 0 to 1.
+#[allow(clippy::cast_sign_loss)] // Neither places nor parts of colours are negative.
+pub(crate) fn colour(share: f64) -> [u8; 3] {
+    let place = share.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
+    let (low, between) = (place.floor() as usize, place.fract());
+    let (from, to) = (RAMP[low], RAMP[(low + 1).min(RAMP.len() - 1)]);
+    std::array::from_fn(|k| {
+        let (from, to) = (f64::from(from[k]), f64::from(to[k]));
+        (from + between * (to - from)).round() as u8
+    })
+}
+
+/// A colour for each distance: the ramp from 0 to the largest finite distance.
+fn colours(distances: &[f64]) -> impl Iterator<Item = [u8; 3]> {
+    let largest = distances
+        .iter()
+        .copied()
+        .filter(|d| d.is_finite())
+        .fold(0.0, f64::max);
+    distances.iter().map(move |&distance| {
+        if !distance.is_finite() {
+            UNREACHED
+        } else if largest > 0.0 {
+            colour(distance / largest)
+        } else {
+            RAMP[0]
+        }
+    })
 }
 
 #[cfg(test)]
@@ -213,5 +366,12 @@ mod tests {
         ] {
             assert!(text.contains(line), "{line}");
         }
+    }
+
+    #[test]
+    fn the_ends_of_the_ramp_and_the_unreached() {
+        let found: Vec<_> = colours(&[0.0, 2.0, 1.0, f64::INFINITY]).collect();
+        assert_eq!(found, [RAMP[0], RAMP[8], RAMP[4], UNREACHED]);
+        assert_eq!(colours(&[0.0]).next(), Some(RAMP[0]));
     }
 }

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+use crate::table::{Format, UnknownEnding};
+
 /// A file to be written at the end of some work.
 #[derive(Clone, Debug)]
 pub struct OutputFile {
@@ -139,6 +141,28 @@ fn plain(error: &io::Error) -> anyhow::Error {
         io::ErrorKind::NotFound => anyhow::anyhow!("its directory does not exist"),
         kind => anyhow::anyhow!("{kind}"),
     }
+}
+
+/// The result files at `paths`, found to be writable.
+pub(crate) fn results(paths: &[PathBuf]) -> anyhow::Result<Vec<(Format, OutputFile)>> {
+    prepare(paths, Format::of_path)
+}
+
+/// The files at `paths`, found to be writable, with the forms that `form` knows.
+pub(crate) fn prepare<F>(
+    paths: &[PathBuf],
+    form: fn(&Path) -> Result<F, UnknownEnding>,
+) -> anyhow::Result<Vec<(F, OutputFile)>> {
+    let mut outputs: Vec<(F, OutputFile)> = Vec::new();
+    for path in paths {
+        let form = form(path)?;
+        let file = OutputFile::prepare(path)?;
+        if outputs.iter().any(|(_, other)| other.path() == file.path()) {
+            bail!("{}: given twice as output", path.display());
+        }
+        outputs.push((form, file));
+    }
+    Ok(outputs)
 }
 
 #[cfg(test)]

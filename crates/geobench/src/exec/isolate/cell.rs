@@ -7,12 +7,12 @@ use std::sync::{Mutex, PoisonError};
 use geobench_mesh::VertexId;
 use sha2::{Digest, Sha256};
 
-use super::message::{Order, Reply};
 use super::system;
 use crate::exec::affinity;
 use crate::exec::in_process::InProcess;
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
+use crate::exec::protocol::{Order, Reply};
 use crate::exec::{Executor, Failure, Observation, Purpose, Step, Workplace};
 use crate::measure::memory;
 use crate::registry;

@@ -11,12 +11,12 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 
-use super::message::{Order, Reply};
+use super::error::{Ending, Trouble};
 use super::orphans::Descendants;
 use super::system;
-use super::trouble::{Ending, Trouble};
 use crate::exec::interrupt;
 use crate::exec::limits::Limits;
+use crate::exec::protocol::{Order, Reply};
 
 /// Time between two looks at the memory of a child that has a limit of it. What it can take
 /// meanwhile is bounded by the system: see [`system::bound_data`].

@@ -34,11 +34,10 @@
 
 mod cell;
 mod child;
-mod crew;
-mod message;
+mod error;
 mod orphans;
+mod pool;
 mod system;
-mod trouble;
 
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
@@ -47,15 +46,15 @@ use std::process::Command;
 
 pub(crate) use cell::cell;
 pub(crate) use child::Child;
+pub(crate) use error::Trouble;
 pub(crate) use orphans::adopt as adopt_orphans;
-pub(crate) use trouble::Trouble;
 
 use crate::exec::affinity::CpuList;
 use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
 use crate::exec::{Executor, Refusal, Workplace};
 use crate::schema::{ModelRecord, Status};
-use crew::Crew;
+use pool::Crew;
 
 /// The first argument of a child; its model is the second and last.
 const COMMAND: &str = "__cell";

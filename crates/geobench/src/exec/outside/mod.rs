@@ -18,7 +18,7 @@ use std::sync::Arc;
 use geobench_mesh::{VertexId, io as mesh_io};
 use tempfile::TempDir;
 
-use self::worker::{Task, Worker};
+use self::process::{Task, Worker};
 use crate::exec::affinity::CpuList;
 use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
@@ -27,7 +27,7 @@ use crate::measure::host::kibibytes;
 use crate::registry::{Keeping, Program};
 use crate::schema::{ModelRecord, Status};
 
-mod worker;
+mod process;
 
 /// A workplace for the algorithms of the suite, and processes for outside programs.
 pub struct WithPrograms {

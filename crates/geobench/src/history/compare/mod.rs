@@ -15,22 +15,20 @@
 //! * A cell that the new file lacks is one only under a rule on missing cells: to compare a part of a benchmark with
 //!   the whole is nothing unusual.
 
+use geobench_window::{Counter, Counters};
+use serde::{Serialize, Serializer};
+
+use crate::measure::number::group;
+use crate::measure::statistics::{mann_whitney, paired_ratio, unpaired_ratio};
+use crate::schema::{Cell, ResultFile, Status, Time};
+
 mod matching;
-mod measure;
 mod rules;
 #[cfg(test)]
 mod tests;
-mod time;
-
-use serde::{Serialize, Serializer};
 
 pub use matching::Key;
-pub use measure::Measure;
 pub use rules::{Rule, RuleError, Rules, Subject};
-pub use time::{TimeChange, TimeMethod};
-
-use crate::measure::number::group;
-use crate::schema::{Cell, ResultFile, Status};
 
 /// The schema of a comparison in JSON.
 pub const SCHEMA: &str = "geobench-comparison/1";
@@ -438,4 +436,143 @@ fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
         }
     }
     notes
+}
+
+/// A figure that is compared as it is; times are not among them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// A count.
+    Counter(Counter),
+    /// The deviation of the wavefront.
+    WavefrontDeviation,
+    /// Instructions.
+    Instructions,
+    /// A figure of memory, by its place in the list of them.
+    Memory(usize),
+}
+
+type MemoryFigure = (&'static str, fn(&Cell) -> Option<u64>);
+
+/// The figures of memory by their names in result files.
+const MEMORY: [MemoryFigure; 4] = [
+    ("papers_bytes", |c| c.memory.papers_bytes),
+    ("windows_peak_bytes", |c| c.memory.windows_peak_bytes),
+    ("heap_peak_bytes", |c| c.memory.heap_peak_bytes),
+    ("rss_peak_bytes", |c| c.memory.rss_peak_bytes),
+];
+
+impl Measure {
+    /// All of them, in the order of the result file.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let counters = Counter::ALL.iter().copied().map(Self::Counter);
+        counters
+            .chain([Self::WavefrontDeviation, Self::Instructions])
+            .chain((0..MEMORY.len()).map(Self::Memory))
+    }
+
+    /// Its name, that of the field in result files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Counter(counter) => counter.key(),
+            Self::WavefrontDeviation => Counters::WAVEFRONT_DEVIATION,
+            Self::Instructions => "instructions",
+            Self::Memory(place) => MEMORY[place].0,
+        }
+    }
+
+    /// Its value in `cell`, if it has one.
+    pub fn of(self, cell: &Cell) -> Option<f64> {
+        match self {
+            Self::Counter(counter) => cell.counters.get(counter).map(|n| n as f64),
+            Self::WavefrontDeviation => cell.counters.wavefront_deviation,
+            Self::Instructions => cell.instructions.map(|n| n as f64),
+            Self::Memory(place) => MEMORY[place].1(cell).map(|n| n as f64),
+        }
+    }
+
+    /// Whether `cell` must have it. A counter is lacking where the algorithm does not count it, and
+    /// nothing is certain of outside programs.
+    pub fn is_due(self, cell: &Cell) -> bool {
+        // The other figures of memory follow from counters.
+        let is_measured = matches!(
+            self.name(),
+            "instructions" | "heap_peak_bytes" | "rss_peak_bytes"
+        );
+        is_measured && !cell.algorithm.starts_with("ext:")
+    }
+
+    /// Whether more of it is worse and less is better. Of counters that is not so: another count
+    /// means that the algorithm does something else.
+    pub const fn is_cost(self) -> bool {
+        matches!(self, Self::Instructions | Self::Memory(_))
+    }
+}
+
+/// How times are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TimeMethod {
+    /// Sample by sample, which were taken next to each other.
+    Paired,
+    /// All with all.
+    Unpaired,
+}
+
+/// The times of a cell in two files.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TimeChange {
+    /// How they were compared.
+    pub method: TimeMethod,
+    /// Medians of the old and the new times, in seconds.
+    pub medians: [f64; 2],
+    /// Numbers of old and new samples.
+    pub samples: [usize; 2],
+    /// New to old: the median of the ratios of pairs, or the ratio of the medians.
+    pub ratio: f64,
+    /// 95 % interval of the ratio; null from fewer than five samples.
+    pub ci95: Option<[f64; 2]>,
+    /// The probability of Mann and Whitney that times so different come from the same
+    /// distribution; null for pairs.
+    pub p: Option<f64>,
+}
+
+impl TimeChange {
+    /// How `new` compares with `old`; none if one of them has no samples, or one of 0.
+    fn between(old: &Time, new: &Time, paired: bool) -> Option<Self> {
+        let pairs = paired_ratio(&new.samples, &old.samples).filter(|_| paired);
+        let (method, ratio) = match pairs {
+            Some(ratio) => (TimeMethod::Paired, ratio),
+            None => (
+                TimeMethod::Unpaired,
+                unpaired_ratio(&new.samples, &old.samples)?,
+            ),
+        };
+        Some(Self {
+            method,
+            medians: [old.median?, new.median?],
+            samples: [old.samples.len(), new.samples.len()],
+            ratio: ratio.ratio,
+            ci95: ratio.ci95,
+            p: mann_whitney(&new.samples, &old.samples)
+                .filter(|_| method == TimeMethod::Unpaired)
+                .map(|test| test.p),
+        })
+    }
+
+    /// Whether it has certainly grown by more than `limit`, a share of the old time.
+    pub fn is_above(&self, limit: f64) -> bool {
+        self.ci95.is_some_and(|[low, _]| low > 1.0 + limit)
+    }
+
+    /// The change with its interval, such as `+3.00 % (+1.0 to +5.0)`.
+    pub fn in_words(&self) -> String {
+        let change = percent(self.ratio);
+        if let Some(ends) = self.ci95 {
+            let [low, high] = ends.map(|ratio| 100.0 * (ratio - 1.0));
+            format!("{change} ({low:+.1} to {high:+.1})")
+        } else {
+            let samples = self.samples[0].min(self.samples[1]);
+            format!("{change} (of {samples}: no interval)")
+        }
+    }
 }

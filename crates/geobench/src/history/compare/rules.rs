@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::measure::Measure;
+use super::Measure;
 use crate::registry::nearest;
 
 /// What a rule is on.

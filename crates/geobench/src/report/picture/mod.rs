@@ -18,7 +18,7 @@ use crate::exec::model::{self, LoadedModel, ModelRef};
 use crate::measure::number::grouped;
 use crate::registry;
 use crate::schema::ResultFile;
-use crate::table::distance_formats::ramp;
+use crate::table::distance_formats;
 use camera::Camera;
 
 /// Width and height of the picture in the units of the drawing.
@@ -281,7 +281,7 @@ impl Picture {
         let (left, width) = (60.0, SIZE[0] - 120.0);
         for k in 0..STRIPES {
             let share = k as f64 / (STRIPES - 1) as f64;
-            let [r, g, b] = ramp::colour(share);
+            let [r, g, b] = distance_formats::colour(share);
             svg.leaf(
                 "rect",
                 &[

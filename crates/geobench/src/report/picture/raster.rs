@@ -3,7 +3,7 @@
 use geobench_mesh::{Mesh, VertexId};
 
 use super::camera::{Camera, dot, face_normal, unit};
-use crate::table::distance_formats::ramp;
+use crate::table::distance_formats;
 
 /// Samples for each pixel of the picture, each way.
 const SAMPLES: usize = 2;
@@ -170,7 +170,7 @@ fn colour(
     let light = f64::from(sample.light);
     let distance = f64::from(sample.distance);
     if !distance.is_finite() {
-        return Some(ramp::UNREACHED.map(|part| f64::from(part) * light));
+        return Some(distance_formats::UNREACHED.map(|part| f64::from(part) * light));
     }
     let band = |sample: &Sample| (f64::from(sample.distance) / step).floor();
     // An isoline passes where a neighbour on the same sheet lies in another band.
@@ -191,7 +191,7 @@ fn colour(
     } else {
         0.0
     };
-    Some(ramp::colour(share).map(|part| f64::from(part) * light * ink))
+    Some(distance_formats::colour(share).map(|part| f64::from(part) * light * ink))
 }
 
 /// The pixels of a picture of `size`, each the mean of its samples.

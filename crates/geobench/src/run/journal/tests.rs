@@ -313,7 +313,7 @@ fn a_journal_of_another_run_is_refused_and_says_what_differs() {
         "`plan.groups[0].models` is a list of 2 there and a list of 1 now"
     );
     assert_eq!(
-        refused(|p| crate::plan::shard::restrict(std::slice::from_mut(p), "1/2".parse().unwrap())),
+        refused(|p| crate::plan::restrict(std::slice::from_mut(p), "1/2".parse().unwrap())),
         "`plan.shard` is null there and {\"count\":2,\"index\":1} now"
     );
 

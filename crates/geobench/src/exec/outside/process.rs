@@ -14,7 +14,7 @@ use serde::Deserialize;
 use crate::exec::affinity::{self, CpuList};
 use crate::exec::isolate::{Child, Trouble};
 use crate::exec::limits::Limits;
-use crate::exec::{Failure, Observation, expected, wire};
+use crate::exec::{Failure, Observation, expected, protocol};
 use crate::measure::memory::Peaks;
 use crate::registry::{Call, Keeping, Program};
 use crate::schema::Status;
@@ -157,7 +157,7 @@ pub(super) struct Line {
     /// Seconds of what came before it and depends on the mesh alone, if that was part of this run.
     pub(super) setup_seconds: Option<f64>,
     /// What it counted, by the names of result files.
-    #[serde(with = "wire::counters")]
+    #[serde(with = "protocol::counters")]
     pub(super) counters: Option<Counters>,
     /// Most memory that the process occupied during the solve.
     pub(super) rss_peak_bytes: Option<u64>,

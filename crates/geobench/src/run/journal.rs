@@ -11,11 +11,6 @@
 //! later, before runs that are to be timed, and so is the run of the reference, whose answer is needed
 //! for the checks and too large to be kept.
 
-mod header;
-mod line;
-#[cfg(test)]
-mod tests;
-
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -23,12 +18,15 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use serde::{Deserialize, Serialize};
+
 use crate::exec::Purpose;
 use crate::run::ledger::{Finding, Ledger, RunId};
-use crate::schema::{InstructionCount, ModelRecord, Session};
+use crate::schema::plan_record::PlanRecord;
+use crate::schema::{InstructionCount, ModelRecord, SCHEMA, Session, Tool, difference};
 
-pub use header::Header;
-use line::Line;
+#[cfg(test)]
+mod tests;
 
 /// An open journal, which no other process can open meanwhile.
 #[derive(Debug)]
@@ -353,4 +351,99 @@ impl Ledger for Journal {
         })?;
         self.note(id, found).map_err(anyhow::Error::msg)
     }
+}
+
+/// Which run a journal belongs to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// Always the schema of result files.
+    journal: String,
+    /// The program that measures.
+    tool: Tool,
+    /// What is to be run, the hashes of the models' files included.
+    plan: PlanRecord,
+}
+
+impl Header {
+    /// The first line of a journal of `tool` running `plan`.
+    pub fn new(tool: Tool, plan: PlanRecord) -> Self {
+        Self {
+            journal: SCHEMA.to_owned(),
+            tool,
+            plan,
+        }
+    }
+
+    /// The line itself.
+    fn line(&self) -> String {
+        let mut line = serde_json::to_string(self).unwrap_or_default();
+        line.push('\n');
+        line
+    }
+
+    /// What is different in the run that `now` describes, with both values.
+    fn difference(&self, now: &Self) -> Option<String> {
+        let value = |header| serde_json::to_value(header).unwrap_or_default();
+        let found = difference::first(&value(self), &value(now))?;
+        Some(format!(
+            "`{}` is {} there and {} now",
+            found.place, found.left, found.right
+        ))
+    }
+
+    /// Makes sure that a run is one of the plan.
+    fn check(&self, run: &RunId) -> Result<(), String> {
+        let group = self.plan.groups.iter().find(|g| g.name == run.group);
+        let Some(group) = group else {
+            return Err(format!(
+                "there is no group `{}` in the plan",
+                run.group.as_deref().unwrap_or_default()
+            ));
+        };
+        if group.models.iter().all(|model| model.name != run.model) {
+            return Err(format!("there is no model `{}` in the plan", run.model));
+        }
+        let is_reference = group.reference == run.algorithm && run.purpose == Purpose::WarmUp;
+        if !is_reference && group.algorithms.iter().all(|a| a.label != run.algorithm) {
+            return Err(format!(
+                "there is no algorithm `{}` in the plan",
+                run.algorithm
+            ));
+        }
+        let rounds = match run.purpose {
+            Purpose::WarmUp => group.warmup.max(1),
+            Purpose::Time => group.repeat,
+            Purpose::Count | Purpose::Clock => 1,
+        };
+        if run.round >= rounds {
+            return Err(format!("there is no round {} in the plan", run.round));
+        }
+        Ok(())
+    }
+}
+
+/// A line of a journal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[expect(clippy::large_enum_variant, reason = "there is but one at a time")]
+enum Line {
+    /// A process began to work.
+    Session(Session),
+    /// A model was loaded for the first time.
+    Model(ModelRecord),
+    /// The instructions of a cell were counted.
+    Instructions {
+        /// The run that counts in that cell.
+        id: RunId,
+        /// How many, and of what kind.
+        #[serde(flatten)]
+        found: InstructionCount,
+    },
+    /// A run ended.
+    Run {
+        /// Which.
+        id: RunId,
+        /// What came of it.
+        found: Finding,
+    },
 }

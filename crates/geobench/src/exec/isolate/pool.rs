@@ -3,10 +3,10 @@
 use geobench_mesh::VertexId;
 
 use super::child::Child;
-use super::message::{Order, Reply};
-use super::trouble::Trouble;
+use super::error::Trouble;
 use super::{Isolated, Sharing};
 use crate::exec::model::ModelRef;
+use crate::exec::protocol::{Order, Reply};
 use crate::exec::{Executor, Failure, Observation, Purpose, Step};
 use crate::measure::host::kibibytes;
 use crate::schema::{ModelRecord, Status};

@@ -1,6 +1,7 @@
 //! What becomes of results while a benchmark runs: shown and stored, model by model.
 
 use std::io::Write;
+use std::time::SystemTime;
 
 use anyhow::bail;
 
@@ -15,8 +16,6 @@ use crate::run::agreement;
 use crate::schema::{Cell, GroupRecord, InstructionCount, ModelRecord, ResultFile, Status};
 use crate::table::output::OutputFile;
 use crate::table::{self, Format};
-
-use super::run::now;
 
 /// Shows and stores what is done, model by model, so that an interrupted run loses little.
 pub(super) struct Reporter {
@@ -218,4 +217,9 @@ fn rescue(json: &str) -> String {
         Ok(path) => format!("the results are in {}", path.display()),
         Err(error) => format!("nor could the results be saved as a temporary file: {error}"),
     }
+}
+
+/// The time of day.
+pub(super) fn now() -> String {
+    humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
 }

@@ -1,14 +1,13 @@
 //! `geobench run`.
 
 use std::path::Path;
-use std::time::SystemTime;
 
 use anyhow::{Context, bail};
 
 use super::Verdict;
 use super::args::RunOptions;
 use super::progress::Progress;
-use super::reporter::Reporter;
+use super::reporter::{Reporter, now};
 use super::terminal::{self, Terminal};
 use crate::exec::Listener;
 use crate::exec::interrupt;
@@ -314,9 +313,4 @@ fn journal(
         ));
     }
     Ok(journal)
-}
-
-/// The time of day.
-pub(super) fn now() -> String {
-    humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
 }

@@ -227,6 +227,9 @@ pub struct MannWhitney {
 /// The probability is exact from up to fifty samples without ties, else that of the normal
 /// distribution, corrected for ties (Lehmann 1975, section 1.4) and for continuity. O(n³ log n) for the
 /// exact one, of at most fifty; else O(n log n).
+///
+/// Written out because `statrs` 0.19 returns the exact probability of the other tail wherever the
+/// first set is not the larger one.
 pub fn mann_whitney(first: &[f64], second: &[f64]) -> Option<MannWhitney> {
     let (m, n) = (first.len(), second.len());
     if m == 0 || n == 0 {

@@ -268,7 +268,13 @@ fn algorithm(selection: &Selection) -> PlannedAlgorithm {
     }
 }
 
-/// A part of one plan of a benchmark.
+/// The part of one plan that a shard runs.
+///
+/// A *unit* is one model with one source of one group: the cells that are compared with each other
+/// and whose runs are interleaved. Units are numbered from 0 through the groups, the models of each
+/// and the sources of each, in the order of the plan; unit `u` belongs to shard `u mod N + 1` of `N`.
+/// The plan alone decides, so every machine splits it alike without loading a model. Neighbours,
+/// often alike in size, go to different shards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {
     /// Which part.

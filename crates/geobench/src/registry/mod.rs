@@ -18,9 +18,7 @@ mod parameter;
 mod program;
 mod select;
 pub(crate) mod simd;
-mod threshold;
 mod vtp;
-mod vtp_fast;
 
 pub use hidden::VARIABLE as HIDDEN_ALGORITHMS;
 pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, Value, Values};
@@ -31,16 +29,8 @@ pub use select::{SelectError, Selection, select, select_one};
 
 /// Every algorithm, in the order in which tables show them.
 pub fn algorithms() -> &'static [Algorithm] {
-    static ALL: LazyLock<Vec<Algorithm>> = LazyLock::new(|| {
-        [
-            mmp::FAMILY,
-            ch::FAMILY,
-            fwp::FAMILY,
-            vtp::FAMILY,
-            vtp_fast::FAMILY,
-        ]
-        .concat()
-    });
+    static ALL: LazyLock<Vec<Algorithm>> =
+        LazyLock::new(|| [mmp::FAMILY, ch::FAMILY, fwp::FAMILY, vtp::FAMILY, vtp::FAST].concat());
     &ALL
 }
 

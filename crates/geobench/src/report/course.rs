@@ -3,8 +3,7 @@
 
 use super::chart::{Axis, Chart, Lines, Series, Value};
 use super::document::{Plot, slug};
-use super::group::Group;
-use super::plots::Setting;
+use super::group::{Group, Setting};
 use crate::schema::{Cell, ModelRecord, Status, WavefrontSample};
 
 /// What is plotted over what.

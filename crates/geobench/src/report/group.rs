@@ -8,6 +8,24 @@ use crate::table::view::{algorithms, overall};
 
 use super::chart::Value;
 
+/// What every plot needs to know beside its group.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Setting<'a> {
+    /// What the identifiers of plots start with.
+    pub(crate) prefix: &'a str,
+    /// The algorithms of the whole result, in an order that gives each its marker.
+    pub(crate) styles: &'a [&'a str],
+    /// The algorithm to which ratios are taken.
+    pub(crate) base: Option<&'a str>,
+}
+
+impl Setting<'_> {
+    pub(crate) fn style(&self, algorithm: &str) -> usize {
+        let found = self.styles.iter().position(|name| *name == algorithm);
+        found.unwrap_or(0)
+    }
+}
+
 /// A group with its models and algorithms.
 #[derive(Debug)]
 pub(crate) struct Group<'r> {

@@ -40,13 +40,12 @@ use crate::schema::{GroupRecord, ResultFile};
 use crate::table::Format;
 use crate::table::view::{self, algorithms, sections};
 use document::{Block, Document, Link, Note, Section, slug};
-use group::Group;
-use plots::Setting;
+use group::{Group, Setting};
 
 pub use files::{Form, write_files};
 pub use html::page;
 pub use papers::{Tables, UnknownTable};
-pub use picture::{PictureError, Wanted};
+pub use picture::plot::{PictureError, Wanted};
 
 /// A result file that a report is made from.
 #[derive(Clone, Debug)]
@@ -130,7 +129,7 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, ReportError>
         let picture = if pictured {
             None
         } else {
-            match picture::plot(
+            match picture::plot::plot(
                 &result,
                 &options.picture,
                 options.decompressed,

@@ -3,28 +3,10 @@
 use super::chart::{Axis, Band, Bar, BarGroup, Bars, Chart, Dots, Lane, Point, Value};
 use super::course;
 use super::document::{Plot, slug};
-use super::group::{Group, known};
+use super::group::{Group, Setting, known};
 use super::scaling;
 use crate::schema::{ModelRecord, Phases};
 use crate::table::figures::{Figure, figures};
-
-/// What every plot needs to know beside its group.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Setting<'a> {
-    /// What the identifiers of plots start with.
-    pub(crate) prefix: &'a str,
-    /// The algorithms of the whole result, in an order that gives each its marker.
-    pub(crate) styles: &'a [&'a str],
-    /// The algorithm to which ratios are taken.
-    pub(crate) base: Option<&'a str>,
-}
-
-impl Setting<'_> {
-    pub(crate) fn style(&self, algorithm: &str) -> usize {
-        let found = self.styles.iter().position(|name| *name == algorithm);
-        found.unwrap_or(0)
-    }
-}
 
 /// All plots of a group.
 pub(crate) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
@@ -98,7 +80,7 @@ fn values(group: &Group<'_>, setting: Setting<'_>, figure: &'static Figure) -> O
     });
     drawn(&bands).next()?;
     let axis = Axis::fitting(&figure.label, drawn(&bands));
-    let scale = scale(&axis);
+    let scale = axis.scale();
     let whiskers = if figure.key == "time" {
         " Median; whiskers are 95 % intervals where there are five samples or more."
     } else {
@@ -115,12 +97,6 @@ fn values(group: &Group<'_>, setting: Setting<'_>, figure: &'static Figure) -> O
             legend: Vec::new(),
         }),
     })
-}
-
-/// In words whether an axis is one of equal ratios.
-pub(super) fn scale(axis: &Axis) -> String {
-    let scale = if axis.log { "Logarithmic" } else { "Linear" };
-    format!("{scale} scale.")
 }
 
 /// How many times as long as `base`.

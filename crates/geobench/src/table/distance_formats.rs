@@ -147,6 +147,8 @@ fn json(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Start of a `NumPy` array, version 1.0 (`numpy.lib.format`): magic and version. The length of the
+/// header, the header padded to 64 bytes and the numbers follow.
 const NPY_MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
 
 /// A one-dimensional little-endian f64 array.
@@ -188,7 +190,8 @@ fn ply(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The mesh with the fields `distance` and `reached`.
+/// Legacy VTK: the mesh with the fields `distance` and `reached`. Binary (big-endian), because the
+/// text form cannot write infinity in a way that every reader accepts.
 fn vtk(field: &DistanceField<'_>) -> Vec<u8> {
     let (vertices, faces) = (field.distances.len(), field.mesh.face_count());
     // The second line is the title: at most 256 characters.

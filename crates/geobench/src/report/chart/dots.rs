@@ -2,8 +2,8 @@
 //! many lanes, a band becomes a single one that all algorithms share.
 
 use super::axis::{self, Axis, Scale};
-use super::{Datum, LINE, Point, WIDTH, draw_marker, fitted, legend, marker_class, width_of};
-use crate::report::svg::Svg;
+use super::{Datum, LINE, Point, WIDTH, draw_marker, legend, marker_class};
+use crate::report::svg::{Svg, fitted, width_of};
 
 /// Most lanes that have a line of their own.
 const MOST_LANES: usize = 64;

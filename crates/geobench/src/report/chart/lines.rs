@@ -2,8 +2,8 @@
 
 use super::axis::{self, Axis, Scale};
 use super::dots::axis_below;
-use super::{Datum, Value, WIDTH, draw_marker, fitted, legend, marker_class};
-use crate::report::svg::{Svg, px};
+use super::{Datum, Value, WIDTH, draw_marker, legend, marker_class};
+use crate::report::svg::{Svg, fitted, px};
 
 /// Height of the field in which lines are drawn.
 const HEIGHT: f64 = 230.0;

@@ -5,7 +5,7 @@
 //! colour alone: every algorithm has a marker of its own, every part of a bar a pattern.
 
 use super::picture::Picture;
-use crate::report::svg::{Svg, px};
+use crate::report::svg::{Svg, px, width_of};
 
 mod axis;
 mod bars;
@@ -126,35 +126,6 @@ impl Chart {
 /// How a drawing looks, for the page that holds some.
 pub(crate) const STYLE: &str = include_str!("chart.css");
 
-/// About as wide as `text` is drawn, for a wide font, because nobody knows which one is there.
-pub(crate) fn width_of(text: &str) -> f64 {
-    text.chars().map(letter).sum()
-}
-
-/// About as wide as a letter is drawn.
-fn letter(c: char) -> f64 {
-    match c {
-        'i' | 'j' | 'l' | ' ' | '.' | ',' | ':' | ';' | '|' | '\'' => 3.6,
-        'f' | 'r' | 't' | '-' | '/' | '(' | ')' | '[' | ']' => 4.6,
-        'm' | 'w' | 'M' | 'W' | '%' | '=' | '+' | '<' | '>' | '\u{2026}' => 11.0,
-        'A'..='Z' => 8.0,
-        _ => 7.1,
-    }
-}
-
-/// `text` cut to a width, with a sign that something is missing.
-pub(super) fn fitted(text: &str, width: f64) -> String {
-    if width_of(text) <= width {
-        return text.to_owned();
-    }
-    let mut room = width - letter('\u{2026}');
-    let fits = text.chars().take_while(|&c| {
-        room -= letter(c);
-        room >= 0.0
-    });
-    fits.collect::<String>() + "\u{2026}"
-}
-
 /// A legend: markers with names, in lines from `at` on that are at most `width` wide. Returns its
 /// height.
 fn legend(svg: &mut Svg, at: [f64; 2], width: f64, names: &[(usize, bool, &str)]) -> f64 {
@@ -271,20 +242,5 @@ pub(crate) fn pgf_mark(style: usize, hollow: bool) -> &'static str {
         (6, _) => "x",
         (7, _) => "asterisk",
         (_, _) => "|",
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn text_is_cut_where_it_does_not_fit() {
-        assert_eq!(fitted("vtp", 100.0), "vtp");
-        let name = "fwp-mmp{bucket=2,kmax=5000}";
-        let cut = fitted(name, 100.0);
-        assert!(cut.ends_with('\u{2026}') && name.starts_with(cut.trim_end_matches('\u{2026}')));
-        assert!(width_of(&cut) <= 100.0 && width_of(&cut) > 85.0, "{cut}");
-        assert_eq!(fitted(name, 0.0), "\u{2026}");
     }
 }

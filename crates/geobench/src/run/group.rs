@@ -11,9 +11,9 @@ use crate::measure::memory::Peaks;
 use crate::plan::{Plan, Reference};
 use crate::registry::Selection;
 use crate::run::agreement;
-use crate::run::check::{Answer, Yardstick};
 use crate::run::ledger::{Finding, Ledger, RunId};
 use crate::run::order::Turns;
+use crate::run::reference_check::{Answer, Yardstick};
 use crate::schema::{Cell, Check, Memory, ModelRecord, Status, Time};
 
 /// The cells of one model and one source, whose runs are interleaved so that a drifting machine

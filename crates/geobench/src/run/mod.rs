@@ -9,6 +9,7 @@ pub mod ledger;
 #[cfg(test)]
 pub(crate) mod mock;
 mod order;
+mod reference_check;
 #[cfg(test)]
 mod tests;
 

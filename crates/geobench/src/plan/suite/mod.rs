@@ -14,11 +14,13 @@ use crate::plan::{OneFileForMore, Plan, Reference};
 use crate::registry::{self, Selection};
 use crate::schema::GroupRecord;
 
+mod document;
 mod file;
 mod library;
 mod programs;
 
-pub use file::{Suite, SuiteError, SuiteGroup};
+pub use document::SuiteError;
+pub use file::{Suite, SuiteGroup};
 pub use library::Library;
 pub use programs::read_programs;
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::file::{Document, Entry, SuiteError};
+use super::document::{Document, Entry, SuiteError};
 use crate::registry::{Keeping, PLACEHOLDERS, Program, Programs};
 
 /// The key under which the tables stand.

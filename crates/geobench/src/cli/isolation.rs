@@ -6,7 +6,7 @@ use std::thread;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 
-use crate::exec::Workplace;
+use crate::exec::Backend;
 use crate::exec::affinity::{self, CpuList};
 use crate::exec::in_process::InProcess;
 use crate::exec::isolate::{Isolated, Sharing};
@@ -144,12 +144,12 @@ impl IsolationOptions {
     }
 
     /// The place to work in.
-    pub(super) fn workplace(
+    pub(super) fn backend(
         &self,
         limits: Limits,
         sharing: Sharing,
-    ) -> anyhow::Result<Box<dyn Workplace>> {
-        let inner: Box<dyn Workplace> = match self.isolate {
+    ) -> anyhow::Result<Box<dyn Backend>> {
+        let inner: Box<dyn Backend> = match self.isolate {
             Isolate::Process => Box::new(
                 Isolated::new(limits)
                     .on_cpus(self.cpu.clone())

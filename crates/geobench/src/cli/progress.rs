@@ -2,9 +2,9 @@
 
 use std::io::{self, Stderr};
 
-use super::progress_table::{Board, LiveLines, cut};
+use super::progress_table::{ProgressTable, RedrawnLines, cut};
 use super::terminal;
-use crate::exec::{Purpose, Step};
+use crate::exec::{Pass, Step};
 use crate::plan::Plan;
 use crate::schema::Status;
 
@@ -19,14 +19,14 @@ const BAR: usize = 30;
 #[derive(Debug)]
 pub(super) struct Progress {
     /// Where it stands, if it is shown.
-    live: Option<LiveLines<Stderr>>,
+    live: Option<RedrawnLines<Stderr>>,
     view: View,
 }
 
 /// What is to be seen.
 #[derive(Debug, Default)]
 struct View {
-    board: Board,
+    progress_table: ProgressTable,
     /// Whether the table of the board is part of it.
     table: bool,
     /// What is being done.
@@ -44,7 +44,7 @@ impl Progress {
     pub(super) fn new(runs: usize, shown: bool) -> Self {
         Self {
             live: (shown && terminal::standard_error_can_move())
-                .then(|| LiveLines::new(io::stderr())),
+                .then(|| RedrawnLines::new(io::stderr())),
             view: View {
                 runs,
                 ..View::default()
@@ -55,7 +55,7 @@ impl Progress {
     /// The runs of a plan follow.
     pub(super) fn begin(&mut self, plan: &Plan) {
         self.clear_table();
-        self.view.board = Board::new(plan);
+        self.view.progress_table = ProgressTable::new(plan);
     }
 
     /// Shows that a model is being loaded.
@@ -74,7 +74,7 @@ impl Progress {
 
     /// Shows what came of a run.
     pub(super) fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
-        self.view.board.ran(step, outcome);
+        self.view.progress_table.ran(step, outcome);
     }
 
     /// Shows that the instructions of an algorithm are being counted.
@@ -122,19 +122,16 @@ impl Drop for Progress {
 
 impl View {
     fn step(&mut self, step: &Step<'_>) {
-        let purpose = match step.purpose {
-            Purpose::WarmUp => "warming up",
-            Purpose::Time => "timing",
-            Purpose::Count => "counting",
-            Purpose::Clock => "clocking phases of",
+        let pass = match step.pass {
+            Pass::Warmup => "warming up",
+            Pass::Time => "timing",
+            Pass::Count => "counting",
+            Pass::Profile => "clocking phases of",
         };
         let algorithm = step.algorithm.label();
-        self.message = format!(
-            "{}, source {}: {purpose} {algorithm}",
-            step.model, step.source
-        );
+        self.message = format!("{}, source {}: {pass} {algorithm}", step.model, step.source);
         self.position = self.started;
-        self.board.starts(step);
+        self.progress_table.starts(step);
         self.table = true;
     }
 
@@ -143,9 +140,9 @@ impl View {
     fn lines(&self, [columns, lines]: [usize; 2]) -> Vec<String> {
         // The last column stays free: some terminals would begin a new line.
         let columns = columns.saturating_sub(1);
-        let table = self.table && self.board.len() + LINES_LEFT <= lines;
+        let table = self.table && self.progress_table.len() + LINES_LEFT <= lines;
         let mut texts = if table {
-            self.board.lines(columns)
+            self.progress_table.lines(columns)
         } else {
             Vec::new()
         };
@@ -177,19 +174,19 @@ mod tests {
     fn view() -> View {
         let plan = plan(&["horse"], "mmp,vtp", "0");
         let mut view = View {
-            board: Board::new(&plan),
+            progress_table: ProgressTable::new(&plan),
             runs: 40,
             started: 13,
             ..View::default()
         };
-        let step = |place: usize, purpose| Step {
+        let step = |place: usize, pass| Step {
             model: "horse",
             algorithm: &plan.algorithms[place],
             source: VertexId::new(0),
-            purpose,
+            pass,
         };
-        view.board.ran(&step(0, Purpose::Time), Ok(Some(2.0)));
-        view.step(&step(1, Purpose::Time));
+        view.progress_table.ran(&step(0, Pass::Time), Ok(Some(2.0)));
+        view.step(&step(1, Pass::Time));
         view
     }
 

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use unicode_width::UnicodeWidthChar;
 
-use crate::exec::{Purpose, Step};
+use crate::exec::{Pass, Step};
 use crate::measure::statistics::median;
 use crate::plan::{Plan, Reference};
 use crate::registry::Selection;
@@ -13,7 +13,7 @@ use crate::table::{Bar, bar_lines};
 
 /// The algorithms of a plan, with what their runs on one model from one source have shown so far.
 #[derive(Debug, Default)]
-pub(super) struct Board {
+pub(super) struct ProgressTable {
     rows: Vec<Row>,
     /// Timed runs of each.
     repeat: usize,
@@ -31,7 +31,7 @@ struct Row {
     current: bool,
 }
 
-impl Board {
+impl ProgressTable {
     /// A board for a plan whose ratios are to `ratios_to`, or to `vtp`, its reference or its first algorithm.
     pub(super) fn new(plan: &Plan) -> Self {
         let labels: Vec<&str> = plan.algorithms.iter().map(Selection::label).collect();
@@ -80,7 +80,7 @@ impl Board {
         };
         row.current = false;
         match outcome {
-            Ok(Some(seconds)) if step.purpose == Purpose::Time => row.samples.push(seconds),
+            Ok(Some(seconds)) if step.pass == Pass::Time => row.samples.push(seconds),
             Ok(_) => {}
             Err(status) => row.failure = Some(status),
         }
@@ -124,13 +124,13 @@ impl Board {
 ///
 /// Nobody is told when the terminal takes no more: what stands here is said elsewhere, too.
 #[derive(Debug)]
-pub(super) struct LiveLines<W> {
+pub(super) struct RedrawnLines<W> {
     out: W,
     /// Lines that stand there. The cursor is behind the last one.
     drawn: usize,
 }
 
-impl<W: Write> LiveLines<W> {
+impl<W: Write> RedrawnLines<W> {
     pub(super) const fn new(out: W) -> Self {
         Self { out, drawn: 0 }
     }
@@ -194,27 +194,27 @@ mod tests {
     use crate::run::mock::plan;
 
     #[test]
-    fn a_board_follows_the_runs_of_one_model_and_source() {
+    fn a_progress_table_follows_the_runs_of_one_model_and_source() {
         let plan = plan(&["horse"], "mmp,ich,vtp", "0,1");
-        let mut board = Board::new(&plan);
-        let step = |place: usize, source: u32, purpose| Step {
+        let mut progress_table = ProgressTable::new(&plan);
+        let step = |place: usize, source: u32, pass| Step {
             model: "horse",
             algorithm: &plan.algorithms[place],
             source: VertexId::new(source),
-            purpose,
+            pass,
         };
-        board.ran(&step(0, 0, Purpose::WarmUp), Ok(Some(9.0)));
-        board.ran(&step(0, 0, Purpose::Time), Ok(Some(3.0)));
-        board.ran(&step(2, 0, Purpose::Time), Ok(Some(1.0)));
-        board.ran(&step(1, 0, Purpose::Time), Err(Status::OutOfMemory));
-        board.starts(&step(2, 0, Purpose::Time));
-        insta::assert_snapshot!(board.lines(60).join("\n"), @"
+        progress_table.ran(&step(0, 0, Pass::Warmup), Ok(Some(9.0)));
+        progress_table.ran(&step(0, 0, Pass::Time), Ok(Some(3.0)));
+        progress_table.ran(&step(2, 0, Pass::Time), Ok(Some(1.0)));
+        progress_table.ran(&step(1, 0, Pass::Time), Err(Status::OutOfMemory));
+        progress_table.starts(&step(2, 0, Pass::Time));
+        insta::assert_snapshot!(progress_table.lines(60).join("\n"), @"
           mmp  1/5         3.00 s  3.00  ██████████████████████████
           ich  0/5  out of memory
         > vtp  1/5         1.00 s  1.00  ████████▋
         ");
-        board.starts(&step(0, 1, Purpose::Time));
-        insta::assert_snapshot!(board.lines(60).join("\n"), @"
+        progress_table.starts(&step(0, 1, Pass::Time));
+        insta::assert_snapshot!(progress_table.lines(60).join("\n"), @"
         > mmp  0/5
           ich  0/5
           vtp  0/5
@@ -222,9 +222,9 @@ mod tests {
     }
 
     /// What a terminal of 20 columns and 5 lines shows after `acts`.
-    fn shown(acts: impl FnOnce(&mut LiveLines<&mut Vec<u8>>)) -> String {
+    fn shown(acts: impl FnOnce(&mut RedrawnLines<&mut Vec<u8>>)) -> String {
         let mut bytes = Vec::new();
-        acts(&mut LiveLines::new(&mut bytes));
+        acts(&mut RedrawnLines::new(&mut bytes));
         let size = |count| NonZero::new(count).unwrap();
         let mut terminal = vt100::Parser::new(size(5), size(20), 0);
         terminal.process(&bytes);

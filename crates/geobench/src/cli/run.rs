@@ -20,8 +20,7 @@ use crate::plan::suite::{self, Library, Plans, Scale, Settings, Suite, WantedMod
 use crate::plan::{self, Plan, Reference};
 use crate::run;
 use crate::run::journal::{Header, Journal};
-use crate::run::ledger::{Ledger, NoLedger};
-use crate::schema::{Cell, Host, PlanRecord, ResultFile, SCHEMA, Session, Status};
+use crate::schema::{Cell, Host, PlanRecord, ResultFile, SCHEMA, SessionRecord, Status};
 use crate::table::output::{self, OutputFile};
 use crate::table::{self, Format};
 
@@ -45,12 +44,12 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     interrupt::listen().context("cannot listen to signals")?;
     let plan = plan::record(&plans, options.isolation.record());
     let session = session(options);
-    let mut ledger: Box<dyn Ledger> = Box::new(NoLedger);
+    let mut journal = None;
     let mut sessions = vec![session.clone()];
     if let Some(path) = &options.resume {
-        let journal = journal(path, &outputs, &plan, &session, options.quiet)?;
-        sessions = journal.sessions().to_vec();
-        ledger = Box::new(journal);
+        let opened = open_journal(path, &outputs, &plan, &session, options.quiet)?;
+        sessions = opened.sessions().to_vec();
+        journal = Some(opened);
     }
     let runs = plans.iter().map(Plan::runs).fold(0, usize::saturating_add);
     let mut listener = Reporter {
@@ -84,8 +83,8 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
             break;
         }
         listener.begin(plan)?;
-        let mut workplace = options.isolation.workplace(plan.limits, Sharing::None)?;
-        let outcome = run::run(plan, &mut *workplace, &mut *ledger, &mut listener)?;
+        let mut backend = options.isolation.backend(plan.limits, Sharing::None)?;
+        let outcome = run::run(plan, &mut *backend, journal.as_mut(), &mut listener)?;
         listener.end(&plan.group)?;
         let checked = !matches!(plan.reference, Reference::None);
         verdicts.push(Tally::of(checked, &outcome.cells));
@@ -274,8 +273,8 @@ fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
 }
 
 /// The process that works now.
-fn session(options: &RunOptions) -> Session {
-    Session {
+fn session(options: &RunOptions) -> SessionRecord {
+    SessionRecord {
         shard: options.shard,
         host: host::host(),
         command: std::env::args_os()
@@ -287,11 +286,11 @@ fn session(options: &RunOptions) -> Session {
 }
 
 /// Opens the journal, and says what is in it.
-fn journal(
+fn open_journal(
     path: &Path,
     outputs: &[(Format, OutputFile)],
     plan: &PlanRecord,
-    session: &Session,
+    session: &SessionRecord,
     quiet: bool,
 ) -> anyhow::Result<Journal> {
     if outputs
@@ -302,7 +301,7 @@ fn journal(
     }
     let header = Header::new(host::tool(), plan.clone());
     let journal = Journal::open(path, &header, session)?;
-    let elsewhere = |earlier: &Session| {
+    let elsewhere = |earlier: &SessionRecord| {
         let machine = |host: &Host| (host.cpu.clone(), host.cores, host.memory_bytes);
         machine(&earlier.host) != machine(&session.host)
     };

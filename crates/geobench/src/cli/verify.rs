@@ -10,7 +10,7 @@ use crate::exec::expected::{Expected, Field, stored_sources};
 use crate::exec::interrupt;
 use crate::exec::isolate::Sharing;
 use crate::exec::model::{self, ModelRef};
-use crate::exec::{Executor, Purpose, Step};
+use crate::exec::{Pass, Session, Step};
 use crate::measure::number::scientific;
 use crate::plan::suite;
 use crate::registry::{self, Selection};
@@ -47,7 +47,7 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
         terminal::warning(&crowding);
     }
     let limits = options.isolation.limits();
-    let mut workplace = options.isolation.workplace(limits, Sharing::All)?;
+    let mut backend = options.isolation.backend(limits, Sharing::All)?;
     interrupt::listen().context("cannot listen to signals")?;
     let mut tally = Tally::default();
     for model in &models {
@@ -55,14 +55,14 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
             break;
         }
         let mut printed = Ok(());
-        let done = workplace.with_model(model, &mut |record, executor| {
-            let session = Session {
+        let done = backend.with_model(model, &mut |record, session| {
+            let check = LoadedModelCheck {
                 options,
                 algorithms: &algorithms,
                 model,
                 record,
             };
-            printed = session.verify(executor, &mut tally);
+            printed = check.verify(session, &mut tally);
         });
         printed?;
         if let Err(refusal) = done
@@ -100,15 +100,15 @@ struct Tally {
 }
 
 /// One loaded model.
-struct Session<'a> {
+struct LoadedModelCheck<'a> {
     options: &'a VerifyOptions,
     algorithms: &'a [Selection],
     model: &'a ModelRef,
     record: &'a ModelRecord,
 }
 
-impl Session<'_> {
-    fn verify(&self, executor: &mut dyn Executor, tally: &mut Tally) -> anyhow::Result<()> {
+impl LoadedModelCheck<'_> {
+    fn verify(&self, session: &mut dyn Session, tally: &mut Tally) -> anyhow::Result<()> {
         let vertices = self.record.vertices.unwrap_or(0) as usize;
         let mut sources = match self.options.source.resolve(vertices) {
             Ok(sources) => sources,
@@ -125,7 +125,7 @@ impl Session<'_> {
             }
         }
         for source in sources {
-            self.verify_source(source, executor, tally)?;
+            self.verify_source(source, session, tally)?;
         }
         Ok(())
     }
@@ -157,7 +157,7 @@ impl Session<'_> {
     fn verify_source(
         &self,
         source: VertexId,
-        executor: &mut dyn Executor,
+        session: &mut dyn Session,
         tally: &mut Tally,
     ) -> anyhow::Result<()> {
         let vertices = self.record.vertices.unwrap_or(0) as usize;
@@ -184,9 +184,9 @@ impl Session<'_> {
                 model: &self.record.name,
                 algorithm,
                 source,
-                purpose: Purpose::WarmUp,
+                pass: Pass::Warmup,
             };
-            let done = executor.execute(&step);
+            let done = session.execute(&step);
             if interrupt::requested() {
                 return Ok(());
             }

@@ -9,7 +9,7 @@ use geobench_window::{SolveError, Solver};
 
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
-use crate::exec::{Executor, Failure, Observation, Purpose, Refusal, Step, Workplace};
+use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::PeakMemory;
 use crate::schema::{ModelRecord, Phases, Status};
 
@@ -21,40 +21,40 @@ pub struct InProcess {
     pub decompressed: DecompressionLimit,
 }
 
-impl Workplace for InProcess {
+impl Backend for InProcess {
     fn with_model(
         &mut self,
         model: &ModelRef,
-        work: &mut dyn FnMut(&ModelRecord, &mut dyn Executor),
+        work: &mut dyn FnMut(&ModelRecord, &mut dyn Session),
     ) -> Result<(), Refusal> {
         let loaded = model
             .load_within(self.decompressed)
             .map_err(|error| Refusal {
                 message: error.to_string(),
             })?;
-        let mut bench = Bench {
+        let mut session = InProcessSession {
             mesh: &loaded.mesh,
             solvers: Vec::new(),
         };
-        work(&loaded.record, &mut bench);
+        work(&loaded.record, &mut session);
         Ok(())
     }
 }
 
 /// The algorithms that are set up for a mesh, by label. They stay set up for the next run, as they
 /// would in a program that asks for one source after another.
-struct Bench<'m> {
+struct InProcessSession<'m> {
     mesh: &'m Mesh,
     solvers: Vec<(String, Box<dyn Solver + 'm>)>,
 }
 
-impl Executor for Bench<'_> {
+impl Session for InProcessSession<'_> {
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
         // What a panic leaves behind is dropped: see below.
-        let result = catch_unwind(AssertUnwindSafe(|| match step.purpose {
-            Purpose::WarmUp | Purpose::Time => self.solve(step),
-            Purpose::Clock => self.clock(step),
-            Purpose::Count => self.count(step),
+        let result = catch_unwind(AssertUnwindSafe(|| match step.pass {
+            Pass::Warmup | Pass::Time => self.solve(step),
+            Pass::Profile => self.clock(step),
+            Pass::Count => self.count(step),
         }));
         match result {
             Ok(Ok(observation)) => Ok(observation),
@@ -73,7 +73,7 @@ impl Executor for Bench<'_> {
     }
 }
 
-impl Bench<'_> {
+impl InProcessSession<'_> {
     /// A run with the solver that is set up, or is set up now.
     fn solve(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
         let label = step.algorithm.label();
@@ -170,33 +170,33 @@ mod tests {
         build: |_, _| panic!("no such luck"),
     };
 
-    fn on_a_triangle<T>(test: impl FnOnce(&mut Bench<'_>) -> T) -> T {
+    fn on_a_triangle<T>(test: impl FnOnce(&mut InProcessSession<'_>) -> T) -> T {
         let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
         let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, vec![[0, 1, 2]])).unwrap();
-        test(&mut Bench {
+        test(&mut InProcessSession {
             mesh: &mesh,
             solvers: Vec::new(),
         })
     }
 
-    fn step(algorithm: &Selection, source: u32, purpose: Purpose) -> Step<'_> {
+    fn step(algorithm: &Selection, source: u32, pass: Pass) -> Step<'_> {
         Step {
             model: "triangle",
             algorithm,
             source: VertexId::new(source),
-            purpose,
+            pass,
         }
     }
 
     #[test]
-    fn each_purpose_delivers_its_figures_and_the_same_answer() {
+    fn each_pass_delivers_its_figures_and_the_same_answer() {
         let algorithm = registry::select_one("mmp").unwrap();
-        on_a_triangle(|bench| {
-            let mut run = |purpose| bench.execute(&step(&algorithm, 1, purpose)).unwrap();
-            let warm = run(Purpose::WarmUp);
-            let timed = run(Purpose::Time);
-            let counted = run(Purpose::Count);
-            let clocked = run(Purpose::Clock);
+        on_a_triangle(|session| {
+            let mut run = |pass| session.execute(&step(&algorithm, 1, pass)).unwrap();
+            let warm = run(Pass::Warmup);
+            let timed = run(Pass::Time);
+            let counted = run(Pass::Count);
+            let clocked = run(Pass::Profile);
             for observation in [&warm, &timed, &counted, &clocked] {
                 assert_eq!(observation.distances, [3.0, 0.0, 5.0]);
             }
@@ -214,21 +214,21 @@ mod tests {
     fn a_panic_is_a_crash_of_that_cell_alone() {
         let panics = Selection::new(&PANICS, Values::default());
         let mmp = registry::select_one("mmp").unwrap();
-        on_a_triangle(|bench| {
-            for purpose in [Purpose::Time, Purpose::Count] {
-                let failure = bench.execute(&step(&panics, 0, purpose)).unwrap_err();
+        on_a_triangle(|session| {
+            for pass in [Pass::Time, Pass::Count] {
+                let failure = session.execute(&step(&panics, 0, pass)).unwrap_err();
                 assert_eq!(failure.status, Status::Crashed);
                 assert_eq!(failure.message, "the algorithm panicked: no such luck");
             }
-            assert!(bench.execute(&step(&mmp, 0, Purpose::Time)).is_ok());
+            assert!(session.execute(&step(&mmp, 0, Pass::Time)).is_ok());
         });
     }
 
     #[test]
     fn a_source_that_does_not_exist_is_refused() {
         let mmp = registry::select_one("mmp").unwrap();
-        on_a_triangle(|bench| {
-            let failure = bench.execute(&step(&mmp, 3, Purpose::Time)).unwrap_err();
+        on_a_triangle(|session| {
+            let failure = session.execute(&step(&mmp, 3, Pass::Time)).unwrap_err();
             assert_eq!(failure.status, Status::Refused);
         });
     }

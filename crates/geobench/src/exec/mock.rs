@@ -1,9 +1,9 @@
-//! A workplace in which nothing is computed: every run delivers what a test has made up.
+//! A backend in which nothing is computed: every run delivers what a test has made up.
 
 use geobench_window::{Counter, Counters};
 
 use crate::exec::model::ModelRef;
-use crate::exec::{Executor, Failure, Observation, Purpose, Refusal, Step, Workplace};
+use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::Peaks;
 use crate::schema::{ModelRecord, Phases, Status};
 
@@ -12,7 +12,7 @@ pub(crate) type Alter = fn(&Step<'_>, &mut Observation) -> Option<Failure>;
 
 /// Delivers made-up observations and remembers what was asked for.
 #[derive(Default)]
-pub(crate) struct Rehearsal {
+pub(crate) struct MockBackend {
     /// Every run in order, such as `time mmp 0`.
     pub(crate) log: Vec<String>,
     /// Models that are refused.
@@ -24,11 +24,11 @@ pub(crate) struct Rehearsal {
 /// Vertices of every made-up model.
 pub(crate) const VERTICES: usize = 4;
 
-impl Workplace for Rehearsal {
+impl Backend for MockBackend {
     fn with_model(
         &mut self,
         model: &ModelRef,
-        work: &mut dyn FnMut(&ModelRecord, &mut dyn Executor),
+        work: &mut dyn FnMut(&ModelRecord, &mut dyn Session),
     ) -> Result<(), Refusal> {
         if self.refuse.contains(&model.name.as_str()) {
             return Err(Refusal {
@@ -54,29 +54,29 @@ impl Workplace for Rehearsal {
     }
 }
 
-impl Executor for Rehearsal {
+impl Session for MockBackend {
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
         let name = step.algorithm.label();
-        let purpose = match step.purpose {
-            Purpose::WarmUp => "warm",
-            Purpose::Time => "time",
-            Purpose::Count => "count",
-            Purpose::Clock => "clock",
+        let pass = match step.pass {
+            Pass::Warmup => "warm",
+            Pass::Time => "time",
+            Pass::Count => "count",
+            Pass::Profile => "clock",
         };
-        self.log.push(format!("{purpose} {name} {}", step.source));
+        self.log.push(format!("{pass} {name} {}", step.source));
         let size = name.len() as u64 + u64::from(name == "mmp") * 1_000_000;
         let mut observation = Observation {
             distances: vec![0.0, 1.0, 1.5, f64::INFINITY],
             ..Observation::default()
         };
-        match step.purpose {
-            Purpose::WarmUp => observation.setup_seconds = Some(0.125),
-            Purpose::Time => {
+        match step.pass {
+            Pass::Warmup => observation.setup_seconds = Some(0.125),
+            Pass::Time => {
                 // Different for every run, so that a sample that is lost or taken twice shows.
                 let base = if name == "vtp" { 0.329 } else { 1.204 };
                 observation.seconds = Some(base + self.log.len() as f64 / 1024.0);
             }
-            Purpose::Count => {
+            Pass::Count => {
                 let mut counters = Counters::default();
                 counters.set(Counter::Propagated, 3 * size);
                 counters.set(Counter::PeakWindows, 10);
@@ -84,7 +84,7 @@ impl Executor for Rehearsal {
                 counters.set(Counter::WindowBytes, 64);
                 observation.counters = Some(counters);
             }
-            Purpose::Clock => {
+            Pass::Profile => {
                 observation.phases = Some(Phases {
                     propagation: Some(0.5),
                     pruning: Some(0.25),
@@ -103,7 +103,7 @@ impl Executor for Rehearsal {
 
 /// Makes an answer of `vtp` wrong at vertex 2, from the timed runs on.
 pub(crate) fn spoil_vtp(step: &Step<'_>, observation: &mut Observation) -> Option<Failure> {
-    if step.algorithm.label() == "vtp" && step.purpose == Purpose::Time {
+    if step.algorithm.label() == "vtp" && step.pass == Pass::Time {
         observation.distances[2] = 1.75;
     }
     None
@@ -111,7 +111,7 @@ pub(crate) fn spoil_vtp(step: &Step<'_>, observation: &mut Observation) -> Optio
 
 /// Lets `ich` crash when it is timed.
 pub(crate) fn crash_ich(step: &Step<'_>, _: &mut Observation) -> Option<Failure> {
-    if step.algorithm.label() == "ich" && step.purpose == Purpose::Time {
+    if step.algorithm.label() == "ich" && step.pass == Pass::Time {
         return Some(Failure {
             status: Status::Crashed,
             message: "the algorithm panicked: index out of bounds".into(),

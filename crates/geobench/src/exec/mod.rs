@@ -1,7 +1,7 @@
 //! What a benchmark needs of the world: places to run algorithms in, and somebody who listens.
 //!
-//! A benchmark knows no algorithm and no clock. It asks a [`Workplace`] for each model and the
-//! [`Executor`] that it gets there for each single run, so that runs can happen in this process,
+//! A benchmark knows no algorithm and no clock. It asks a [`Backend`] for each model and the
+//! [`Session`] that it gets there for each single run, so that runs can happen in this process,
 //! in another one, or, for tests, nowhere at all.
 
 pub mod affinity;
@@ -25,18 +25,20 @@ use crate::measure::memory::Peaks;
 use crate::registry::Selection;
 use crate::schema::{Cell, InstructionCount, ModelRecord, Phases, Status, WavefrontSample};
 
-/// Why a run does what it does.
+/// What a run is for. Journals hold the names in snake case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Purpose {
-    /// Brings caches and memory into the state of a program that has been running; not timed.
-    WarmUp,
-    /// Measures the time of the solve.
+pub enum Pass {
+    /// Warms caches and memory up; not timed.
+    #[serde(rename = "warm_up")]
+    Warmup,
+    /// Times the solve.
     Time,
-    /// Counts, and measures memory.
+    /// Counts windows and events.
     Count,
-    /// Clocks the phases.
-    Clock,
+    /// Clocks the phases and measures memory.
+    #[serde(rename = "clock")]
+    Profile,
 }
 
 /// One run of one algorithm.
@@ -49,7 +51,7 @@ pub struct Step<'a> {
     /// The source.
     pub source: VertexId,
     /// What it is for.
-    pub purpose: Purpose,
+    pub pass: Pass,
 }
 
 /// What one run delivers; which figures there are depends on its purpose.
@@ -84,7 +86,7 @@ pub struct Failure {
 }
 
 /// Runs algorithms on the model that it was set up for.
-pub trait Executor {
+pub trait Session {
     /// Carries out one run.
     ///
     /// # Errors
@@ -94,9 +96,9 @@ pub trait Executor {
 }
 
 /// Where models are brought to be worked on.
-pub trait Workplace {
+pub trait Backend {
     /// Loads `model` and hands what is known about it to `work`, with an
-    /// executor for it.
+    /// session for it.
     ///
     /// # Errors
     ///
@@ -104,7 +106,7 @@ pub trait Workplace {
     fn with_model(
         &mut self,
         model: &ModelRef,
-        work: &mut dyn FnMut(&ModelRecord, &mut dyn Executor),
+        work: &mut dyn FnMut(&ModelRecord, &mut dyn Session),
     ) -> Result<(), Refusal>;
 }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::exec::{Failure, Observation, Purpose};
+use crate::exec::{Failure, Observation, Pass};
 use crate::schema::ModelRecord;
 
 /// Distances as text: the bits of each, little-endian, in base64. A third of the size of digits,
@@ -64,7 +64,7 @@ pub(crate) mod counters {
 /// What the parent asks for.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum Order {
+pub(crate) enum Request {
     /// Load the model of the command line; always the first. Answered by `Loaded` or `Refused`.
     Load {
         /// What the model is called.
@@ -85,7 +85,7 @@ pub(crate) enum Order {
         /// Number of the source vertex.
         source: u32,
         /// What the run is for.
-        purpose: Purpose,
+        pass: Pass,
     },
 }
 

@@ -133,13 +133,13 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exec::mock::{Rehearsal, crash_ich};
-    use crate::run::mock::{plan, rehearse, result};
+    use crate::exec::mock::{MockBackend, crash_ich};
+    use crate::run::mock::{plan, result, run_mock};
 
-    fn round(rehearsal: &mut Rehearsal) -> ResultFile {
+    fn round(backend: &mut MockBackend) -> ResultFile {
         let mut plan = plan(&["horse"], "mmp,ich", "0");
         plan.repeat = 1;
-        result(rehearse(&plan, rehearsal))
+        result(run_mock(&plan, backend))
     }
 
     fn named(rounds: Vec<ResultFile>) -> Vec<(String, ResultFile)> {
@@ -149,9 +149,9 @@ mod tests {
 
     #[test]
     fn samples_follow_each_other_and_are_summarised_anew() {
-        // One workplace for all rounds: the made-up times go on rising.
-        let mut rehearsal = Rehearsal::default();
-        let rounds: Vec<ResultFile> = (0..5).map(|_| round(&mut rehearsal)).collect();
+        // One backend for all rounds: the made-up times go on rising.
+        let mut backend = MockBackend::default();
+        let rounds: Vec<ResultFile> = (0..5).map(|_| round(&mut backend)).collect();
         let samples: Vec<f64> = rounds.iter().map(|r| r.cells[1].time.samples[0]).collect();
         assert!(rounds[0].cells[1].time.ci95.is_none() && rounds[0].cells[1].time.note.is_some());
 
@@ -166,11 +166,11 @@ mod tests {
 
     #[test]
     fn a_failure_in_one_round_is_one_of_the_cell() {
-        let mut crashing = Rehearsal {
+        let mut crashing = MockBackend {
             alter: Some(crash_ich),
-            ..Rehearsal::default()
+            ..MockBackend::default()
         };
-        let rounds = vec![round(&mut Rehearsal::default()), round(&mut crashing)];
+        let rounds = vec![round(&mut MockBackend::default()), round(&mut crashing)];
         let joined = pool(named(rounds), None).unwrap();
         assert_eq!(joined.cells[0].time.samples.len(), 2);
         assert_eq!(joined.cells[1].status, Status::Crashed);
@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn rounds_of_something_else_are_refused() {
         let refused = |change: fn(&mut ResultFile)| {
-            let first = round(&mut Rehearsal::default());
+            let first = round(&mut MockBackend::default());
             let mut second = first.clone();
             change(&mut second);
             let error = pool(named(vec![first, second]), None).unwrap_err();

@@ -139,23 +139,23 @@ mod tests {
     }
 
     const SMAPS: &str = "\
-    00400000-00500000 r--p 00000000 08:01 77 /bin/program
-    Rss:                 520 kB
-    Anonymous:             0 kB
-    VmFlags: rd mr mw me
-    00500000-00900000 r-xp 00100000 08:01 77 /bin/program
-    Anonymous:             0 kB
-    00900000-00910000 r--p 00500000 08:01 77 /bin/program
-    Anonymous:            64 kB
-    00910000-00920000 rw-p 00510000 08:01 77 /bin/program
-    Anonymous:             0 kB
-    00920000-00930000 r--s 00000000 08:01 78 /shared memory
-    Anonymous:             0 kB
-    7f0000000000-7f0000010000 r--p 00000000 00:00 0
-    Anonymous:             0 kB
-    7ffd0000a000-7ffd0000c000 r-xp 00000000 00:00 0 [vdso]
-    Anonymous:             0 kB
-    ";
+00400000-00500000 r--p 00000000 08:01 77 /bin/program
+Rss:                 520 kB
+Anonymous:             0 kB
+VmFlags: rd mr mw me
+00500000-00900000 r-xp 00100000 08:01 77 /bin/program
+Anonymous:             0 kB
+00900000-00910000 r--p 00500000 08:01 77 /bin/program
+Anonymous:            64 kB
+00910000-00920000 rw-p 00510000 08:01 77 /bin/program
+Anonymous:             0 kB
+00920000-00930000 r--s 00000000 08:01 78 /shared memory
+Anonymous:             0 kB
+7f0000000000-7f0000010000 r--p 00000000 00:00 0
+Anonymous:             0 kB
+7ffd0000a000-7ffd0000c000 r-xp 00000000 00:00 0 [vdso]
+Anonymous:             0 kB
+";
 
     #[test]
     fn only_what_a_file_still_has_is_given_back() {

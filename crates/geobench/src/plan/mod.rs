@@ -38,7 +38,7 @@ pub struct Plan {
     /// What the order of the runs is drawn from.
     pub seed: u64,
     /// The part of it that is to be carried out; all of it if none.
-    pub share: Option<Share>,
+    pub shard_range: Option<ShardRange>,
     /// What each run may use.
     pub limits: Limits,
 }
@@ -165,20 +165,20 @@ impl Plan {
 
     /// Whether a source of a model, both by their places in the plan, is to be worked on.
     pub fn has_unit(&self, model: usize, source: usize) -> bool {
-        self.share.is_none_or(|share| {
+        self.shard_range.is_none_or(|shard_range| {
             let before = model as u128 * self.sources.count() as u128;
-            share
+            shard_range
                 .shard
-                .holds(share.first_unit + before + source as u128)
+                .holds(shard_range.first_unit + before + source as u128)
         })
     }
 
     /// Number of units of a model that are to be worked on.
     pub fn units_of_model(&self, model: usize) -> u128 {
         let sources = self.sources.count() as u128;
-        self.share.map_or(sources, |share| {
-            let first = share.first_unit + model as u128 * sources;
-            share.shard.held(first..first + sources)
+        self.shard_range.map_or(sources, |shard_range| {
+            let first = shard_range.first_unit + model as u128 * sources;
+            shard_range.shard.held(first..first + sources)
         })
     }
 
@@ -208,7 +208,7 @@ impl Plan {
 pub fn record(plans: &[Plan], isolation: IsolationRecord) -> PlanRecord {
     PlanRecord {
         isolation,
-        shard: plans.iter().find_map(|plan| Some(plan.share?.shard)),
+        shard: plans.iter().find_map(|plan| Some(plan.shard_range?.shard)),
         groups: plans.iter().map(group).collect(),
     }
 }
@@ -276,7 +276,7 @@ fn algorithm(selection: &Selection) -> PlannedAlgorithm {
 /// The plan alone decides, so every machine splits it alike without loading a model. Neighbours,
 /// often alike in size, go to different shards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Share {
+pub struct ShardRange {
     /// Which part.
     pub shard: Shard,
     /// Number of the first unit of the plan.
@@ -287,7 +287,7 @@ pub struct Share {
 pub fn restrict(plans: &mut [Plan], shard: Shard) {
     let mut first_unit = 0;
     for plan in plans {
-        plan.share = Some(Share { shard, first_unit });
+        plan.shard_range = Some(ShardRange { shard, first_unit });
         first_unit += plan.units();
     }
 }
@@ -297,8 +297,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::exec::mock::Rehearsal;
-    use crate::run::mock::{plan, rehearse};
+    use crate::exec::mock::MockBackend;
+    use crate::run::mock::{plan, run_mock};
 
     proptest! {
         #[test]
@@ -333,10 +333,10 @@ mod tests {
                 })
                 .collect();
             let keys = |plans: &[Plan]| -> Vec<(String, String, Option<u32>, String)> {
-                let mut workplace = Rehearsal { refuse: vec!["b"], ..Rehearsal::default() };
+                let mut backend = MockBackend { refuse: vec!["b"], ..MockBackend::default() };
                 plans
                     .iter()
-                    .flat_map(|plan| rehearse(plan, &mut workplace).cells)
+                    .flat_map(|plan| run_mock(plan, &mut backend).cells)
                     .map(|c| (c.group.unwrap(), c.model, c.source, c.algorithm))
                     .collect()
             };

@@ -6,14 +6,14 @@ use std::path::Path;
 use geobench_mesh::VertexId;
 use geobench_window::Counter;
 
-use crate::exec::{Executor, Failure, Listener, Observation, Purpose, Step};
+use crate::exec::{Failure, Listener, Observation, Pass, Session, Step};
 use crate::measure::memory::Peaks;
 use crate::plan::{Plan, Reference};
 use crate::registry::Selection;
 use crate::run::agreement;
-use crate::run::ledger::{Finding, Ledger, RunId};
+use crate::run::journal::{Journal, RunId, RunOutcome};
 use crate::run::order::Turns;
-use crate::run::reference_check::{Answer, Yardstick};
+use crate::run::reference_check::{Answer, ReferenceCheck};
 use crate::schema::{Cell, Check, Memory, ModelRecord, Status, Time};
 
 /// The cells of one model and one source, whose runs are interleaved so that a drifting machine
@@ -28,12 +28,12 @@ pub(crate) struct Group<'p> {
 }
 
 impl<'p> Group<'p> {
-    /// The cells of `plan` in `model` from `source`, with the runs that `ledger` knows already.
+    /// The cells of `plan` in `model` from `source`, with the runs that `journal` knows already.
     pub(crate) fn new(
         plan: &'p Plan,
         model: &'p ModelRecord,
         source: VertexId,
-        ledger: &dyn Ledger,
+        journal: Option<&Journal>,
     ) -> Self {
         let algorithms = &plan.algorithms;
         let mut group = Self {
@@ -44,14 +44,14 @@ impl<'p> Group<'p> {
             entries: algorithms.iter().map(Entry::new).collect(),
         };
         // The reference has a first warm-up even if there are no others.
-        let warmups = (0..plan.warmup.max(1)).map(|round| (Purpose::WarmUp, round));
-        let times = (0..plan.repeat).map(|round| (Purpose::Time, round));
-        let last = [(Purpose::Clock, 0), (Purpose::Count, 0)];
-        for (purpose, round) in warmups.chain(times).chain(last) {
+        let warmups = (0..plan.warmup.max(1)).map(|round| (Pass::Warmup, round));
+        let times = (0..plan.repeat).map(|round| (Pass::Time, round));
+        let last = [(Pass::Profile, 0), (Pass::Count, 0)];
+        for (pass, round) in warmups.chain(times).chain(last) {
             for (place, algorithm) in algorithms.iter().enumerate() {
-                let run = group.run_id(algorithm, purpose, round);
-                if let Some(finding) = ledger.finding(&run) {
-                    group.entries[place].add(purpose, round, finding.clone());
+                let run = group.run_id(algorithm, pass, round);
+                if let Some(outcome) = journal.and_then(|journal| journal.outcome(&run)) {
+                    group.entries[place].add(pass, round, outcome.clone());
                 }
             }
         }
@@ -72,21 +72,21 @@ impl<'p> Group<'p> {
     /// When what came of a run cannot be kept.
     pub(crate) fn run(
         &mut self,
-        executor: &mut dyn Executor,
-        ledger: &mut dyn Ledger,
+        session: &mut dyn Session,
+        journal: Option<&mut Journal>,
         listener: &mut dyn Listener,
     ) -> anyhow::Result<()> {
         for entry in &self.entries {
-            for (purpose, outcome) in entry.outcomes() {
-                listener.ran(&self.as_step(entry.algorithm, purpose), outcome);
+            for (pass, outcome) in entry.summaries() {
+                listener.ran(&self.as_step(entry.algorithm, pass), outcome);
             }
         }
         if !self.is_complete() {
             let mut stage = Stage {
-                executor,
-                ledger,
+                session,
+                journal,
                 listener,
-                yardstick: Yardstick::default(),
+                reference_check: ReferenceCheck::default(),
             };
             match self.make_runs(&mut stage) {
                 Err(error) if error.is::<Interrupted>() => {}
@@ -107,7 +107,7 @@ impl<'p> Group<'p> {
         let ids: Vec<RunId> = self
             .entries
             .iter()
-            .map(|entry| self.run_id(entry.algorithm, Purpose::Time, 0))
+            .map(|entry| self.run_id(entry.algorithm, Pass::Time, 0))
             .collect();
         let cells = self.entries.into_iter().zip(ids).enumerate();
         let mut cells: Vec<Cell> = cells
@@ -132,19 +132,19 @@ impl<'p> Group<'p> {
             for place in all.clone() {
                 // The reference has had its first warm-up.
                 if round > 0 || warmed != Some(place) {
-                    self.step(place, Purpose::WarmUp, round, stage)?;
+                    self.step(place, Pass::Warmup, round, stage)?;
                 }
             }
         }
         for round in 0..self.plan.repeat {
             for place in self.turns.round(round) {
-                self.step(place, Purpose::Time, round, stage)?;
+                self.step(place, Pass::Time, round, stage)?;
             }
         }
         // What is kept for the counts leaves the heap in pieces, after which memory could not be measured.
-        for purpose in [Purpose::Clock, Purpose::Count] {
+        for pass in [Pass::Profile, Pass::Count] {
             for place in all.clone() {
-                self.step(place, purpose, 0, stage)?;
+                self.step(place, pass, 0, stage)?;
             }
         }
         Ok(())
@@ -159,49 +159,49 @@ impl<'p> Group<'p> {
                 let vertices = self.model.vertices.unwrap_or(0) as usize;
                 match files.find(Path::new(&self.model.path), self.source.raw(), vertices) {
                     Ok(field) => {
-                        stage.yardstick.answer = Some(Answer {
+                        stage.reference_check.answer = Some(Answer {
                             name: field.path.display().to_string(),
                             distances: field.distances,
                             vertices,
                         });
                     }
-                    Err(error) => stage.yardstick.unchecked = Some(error.to_string()),
+                    Err(error) => stage.reference_check.unchecked = Some(error.to_string()),
                 }
                 return Ok(None);
             }
             Reference::Algorithm(reference) => reference,
         };
-        let run = self.run_id(reference, Purpose::WarmUp, 0);
+        let run = self.run_id(reference, Pass::Warmup, 0);
         let failed = |failure: &Failure| {
             let label = reference.label();
             Some(format!("the reference {label} failed: {}", failure.message))
         };
-        let known = stage.ledger.finding(&run);
-        if let Some(failure) = known.and_then(|finding| finding.failure.as_ref()) {
+        let known = stage.journal.as_deref().and_then(|j| j.outcome(&run));
+        if let Some(failure) = known.and_then(|outcome| outcome.failure.as_ref()) {
             // It is not tried again.
-            stage.yardstick.unchecked = failed(failure);
+            stage.reference_check.unchecked = failed(failure);
             return Ok(None);
         }
         let place = self
             .entries
             .iter()
             .position(|e| e.algorithm.label() == reference.label());
-        let done = stage.execute(&self.as_step(reference, Purpose::WarmUp))?;
+        let done = stage.execute(&self.as_step(reference, Pass::Warmup))?;
         match &done {
             Ok(observation) => {
-                stage.yardstick.answer =
+                stage.reference_check.answer =
                     Some(Answer::of(reference.label(), &observation.distances));
             }
-            Err(failure) => stage.yardstick.unchecked = failed(failure),
+            Err(failure) => stage.reference_check.unchecked = failed(failure),
         }
         match place {
-            Some(place) if self.entries[place].lacks(self.plan, Purpose::WarmUp, 0) => {
-                self.take_in(place, Purpose::WarmUp, 0, done, stage)?;
+            Some(place) if self.entries[place].lacks(self.plan, Pass::Warmup, 0) => {
+                self.take_in(place, Pass::Warmup, 0, done, stage)?;
             }
             // It stands for no cell; that it fails is kept, so that it is not tried again.
             None => {
-                let finding = self.judge(reference, done, &mut stage.yardstick);
-                stage.ledger.keep(run, &finding)?;
+                let outcome = self.judge(reference, done, &mut stage.reference_check);
+                stage.keep(run, &outcome)?;
             }
             // Its cell is done but for the counts, whatever became of the answer now.
             Some(_) => {}
@@ -219,9 +219,9 @@ impl<'p> Group<'p> {
             };
             if !restored.contains(&cluster) {
                 restored.push(cluster);
-                let done = stage.execute(&self.as_step(entry.algorithm, Purpose::WarmUp))?;
+                let done = stage.execute(&self.as_step(entry.algorithm, Pass::Warmup))?;
                 let answer = done.ok().map(|observation| observation.distances);
-                stage.yardstick.clusters.restore(cluster, answer);
+                stage.reference_check.clusters.restore(cluster, answer);
             }
         }
         Ok(())
@@ -231,36 +231,36 @@ impl<'p> Group<'p> {
     fn step(
         &mut self,
         place: usize,
-        purpose: Purpose,
+        pass: Pass,
         round: usize,
         stage: &mut Stage<'_>,
     ) -> anyhow::Result<()> {
         let entry = &self.entries[place];
-        if !entry.lacks(self.plan, purpose, round) {
+        if !entry.lacks(self.plan, pass, round) {
             return Ok(());
         }
-        let done = stage.execute(&self.as_step(entry.algorithm, purpose))?;
-        self.take_in(place, purpose, round, done, stage)
+        let done = stage.execute(&self.as_step(entry.algorithm, pass))?;
+        self.take_in(place, pass, round, done, stage)
     }
 
     /// Checks what a run delivered, keeps it and adds it to its cell.
     fn take_in(
         &mut self,
         place: usize,
-        purpose: Purpose,
+        pass: Pass,
         round: usize,
         done: Result<Observation, Failure>,
         stage: &mut Stage<'_>,
     ) -> anyhow::Result<()> {
-        let run = self.run_id(self.entries[place].algorithm, purpose, round);
+        let run = self.run_id(self.entries[place].algorithm, pass, round);
         let algorithm = self.entries[place].algorithm;
-        let finding = self.judge(algorithm, done, &mut stage.yardstick);
-        stage.ledger.keep(run, &finding)?;
-        let step = self.as_step(algorithm, purpose);
-        stage.listener.ran(&step, outcome(&finding));
+        let outcome = self.judge(algorithm, done, &mut stage.reference_check);
+        stage.keep(run, &outcome)?;
+        let step = self.as_step(algorithm, pass);
+        stage.listener.ran(&step, summary(&outcome));
         let entry = &mut self.entries[place];
         entry.made += 1;
-        entry.add(purpose, round, finding);
+        entry.add(pass, round, outcome);
         Ok(())
     }
 
@@ -268,46 +268,46 @@ impl<'p> Group<'p> {
         &self,
         algorithm: &Selection,
         done: Result<Observation, Failure>,
-        yardstick: &mut Yardstick,
-    ) -> Finding {
+        reference_check: &mut ReferenceCheck,
+    ) -> RunOutcome {
         match done {
             Ok(mut observation) => {
                 let distances = std::mem::take(&mut observation.distances);
                 let is_approximate = algorithm.is_approximate();
                 let (check, failure) =
-                    yardstick.judge(&distances, self.plan.tolerance, is_approximate);
+                    reference_check.judge(&distances, self.plan.tolerance, is_approximate);
                 // An approximation may differ, but not without bounds.
                 let failure = failure.filter(|_| !is_approximate || check.max_rel.is_none());
-                Finding {
+                RunOutcome {
                     observation,
                     check,
-                    unchecked: yardstick.unchecked.clone(),
+                    unchecked: reference_check.unchecked.clone(),
                     failure,
                 }
             }
-            Err(failure) => Finding {
+            Err(failure) => RunOutcome {
                 failure: Some(failure),
-                ..Finding::default()
+                ..RunOutcome::default()
             },
         }
     }
 
-    fn as_step<'s>(&'s self, algorithm: &'s Selection, purpose: Purpose) -> Step<'s> {
+    fn as_step<'s>(&'s self, algorithm: &'s Selection, pass: Pass) -> Step<'s> {
         Step {
             model: &self.model.name,
             algorithm,
             source: self.source,
-            purpose,
+            pass,
         }
     }
 
-    fn run_id(&self, algorithm: &Selection, purpose: Purpose, round: usize) -> RunId {
+    fn run_id(&self, algorithm: &Selection, pass: Pass, round: usize) -> RunId {
         RunId {
             group: self.plan.group.name.clone(),
             model: self.model.name.clone(),
             source: self.source.raw(),
             algorithm: algorithm.label().to_owned(),
-            purpose,
+            pass,
             round,
         }
     }
@@ -315,10 +315,10 @@ impl<'p> Group<'p> {
 
 /// What takes part in making a run.
 struct Stage<'s> {
-    executor: &'s mut dyn Executor,
-    ledger: &'s mut dyn Ledger,
+    session: &'s mut dyn Session,
+    journal: Option<&'s mut Journal>,
     listener: &'s mut dyn Listener,
-    yardstick: Yardstick,
+    reference_check: ReferenceCheck,
 }
 
 /// Somebody asked to stop.
@@ -327,13 +327,21 @@ struct Stage<'s> {
 struct Interrupted;
 
 impl Stage<'_> {
+    /// Writes what came of a run to the journal, if there is one.
+    fn keep(&mut self, run: RunId, outcome: &RunOutcome) -> anyhow::Result<()> {
+        match &mut self.journal {
+            Some(journal) => journal.keep(run, outcome),
+            None => Ok(()),
+        }
+    }
+
     /// Makes a run, unless somebody asks to stop before it is done.
     fn execute(&mut self, step: &Step<'_>) -> Result<Result<Observation, Failure>, Interrupted> {
         if self.listener.interrupted() {
             return Err(Interrupted);
         }
         self.listener.step(step);
-        let done = self.executor.execute(step);
+        let done = self.session.execute(step);
         if done.is_err() && self.listener.interrupted() {
             return Err(Interrupted);
         }
@@ -345,7 +353,7 @@ impl Stage<'_> {
 #[derive(Debug)]
 struct Entry<'p> {
     algorithm: &'p Selection,
-    findings: BTreeMap<(Purpose, usize), Finding>,
+    outcomes: BTreeMap<(Pass, usize), RunOutcome>,
     /// Why it fails, if it does; no run is made any more then.
     failure: Option<Failure>,
     /// Runs that were made now, and not before the benchmark was interrupted.
@@ -356,7 +364,7 @@ impl<'p> Entry<'p> {
     const fn new(algorithm: &'p Selection) -> Self {
         Self {
             algorithm,
-            findings: BTreeMap::new(),
+            outcomes: BTreeMap::new(),
             failure: None,
             made: 0,
         }
@@ -368,26 +376,26 @@ impl<'p> Entry<'p> {
 
     /// Whether a run is still to be made. Warm-ups are made again where there is something left to
     /// be timed.
-    fn lacks(&self, plan: &Plan, purpose: Purpose, round: usize) -> bool {
+    fn lacks(&self, plan: &Plan, pass: Pass, round: usize) -> bool {
         !self.has_failed()
-            && match purpose {
-                Purpose::WarmUp => (0..plan.repeat).any(|r| self.lacks(plan, Purpose::Time, r)),
-                _ => !self.findings.contains_key(&(purpose, round)),
+            && match pass {
+                Pass::Warmup => (0..plan.repeat).any(|r| self.lacks(plan, Pass::Time, r)),
+                _ => !self.outcomes.contains_key(&(pass, round)),
             }
     }
 
     /// Whether there is nothing left to be done.
     fn is_complete(&self, plan: &Plan) -> bool {
         self.has_failed()
-            || (0..plan.repeat).all(|round| !self.lacks(plan, Purpose::Time, round))
-                && !self.lacks(plan, Purpose::Count, 0)
-                && !self.lacks(plan, Purpose::Clock, 0)
+            || (0..plan.repeat).all(|round| !self.lacks(plan, Pass::Time, round))
+                && !self.lacks(plan, Pass::Count, 0)
+                && !self.lacks(plan, Pass::Profile, 0)
     }
 
     /// The cluster of an answer that differed from the reference, if one did.
     fn odd_cluster(&self) -> Option<u32> {
         let clusters = self
-            .findings
+            .outcomes
             .values()
             .filter_map(|found| found.check.cluster);
         clusters
@@ -396,16 +404,16 @@ impl<'p> Entry<'p> {
     }
 
     /// What came of the runs that are known, in short.
-    fn outcomes(&self) -> impl Iterator<Item = (Purpose, Result<Option<f64>, Status>)> {
-        let findings = self.findings.iter();
-        findings.map(|(&(purpose, _), finding)| (purpose, outcome(finding)))
+    fn summaries(&self) -> impl Iterator<Item = (Pass, Result<Option<f64>, Status>)> {
+        let outcomes = self.outcomes.iter();
+        outcomes.map(|(&(pass, _), outcome)| (pass, summary(outcome)))
     }
 
     /// Takes in what came of a run.
-    fn add(&mut self, purpose: Purpose, round: usize, finding: Finding) {
-        self.failure = self.failure.take().or_else(|| finding.failure.clone());
+    fn add(&mut self, pass: Pass, round: usize, outcome: RunOutcome) {
+        self.failure = self.failure.take().or_else(|| outcome.failure.clone());
         // The first of several warm-ups of one number is the one that set the algorithm up.
-        self.findings.entry((purpose, round)).or_insert(finding);
+        self.outcomes.entry((pass, round)).or_insert(outcome);
     }
 
     /// The cell, in which the runs had these places in their rounds; with the wavefronts of its run only
@@ -427,25 +435,25 @@ impl<'p> Entry<'p> {
             cell.message = Some("approximate: compared, but not held to the tolerance".to_owned());
         }
         let (mut samples, mut setup) = (Vec::new(), None);
-        for ((purpose, _), finding) in self.findings {
-            let observation = finding.observation;
-            if let Some(why) = finding.unchecked {
+        for ((pass, _), outcome) in self.outcomes {
+            let observation = outcome.observation;
+            if let Some(why) = outcome.unchecked {
                 cell.message = Some(format!("not checked: {why}"));
             }
             // The set-up of the counted run is apart from those of the timed ones.
             setup = setup.or(observation.setup_seconds);
-            match purpose {
-                Purpose::WarmUp => {}
-                Purpose::Time => samples.extend(observation.seconds),
-                Purpose::Count => {
+            match pass {
+                Pass::Warmup => {}
+                Pass::Time => samples.extend(observation.seconds),
+                Pass::Count => {
                     cell.counters = observation.counters.unwrap_or_default();
                     if with_wavefront {
                         cell.wavefront = observation.wavefront;
                     }
                 }
-                Purpose::Clock => cell.phases = observation.phases.unwrap_or_default(),
+                Pass::Profile => cell.phases = observation.phases.unwrap_or_default(),
             }
-            if matches!(purpose, Purpose::Clock | Purpose::Count) {
+            if matches!(pass, Pass::Profile | Pass::Count) {
                 // Ours are measured in the clocked run; those of outside programs come with what they count.
                 let Peaks { heap, rss } = observation.peaks;
                 cell.memory.heap_peak_bytes = cell.memory.heap_peak_bytes.or(heap);
@@ -470,18 +478,18 @@ impl<'p> Entry<'p> {
 
     /// The comparison that came out worst. A cell is checked if all its runs were.
     fn check(&self) -> Check {
-        let findings = || self.findings.values();
+        let outcomes = || self.outcomes.values();
         let badness = |check: &Check| match check.reference {
             Some(_) => check.max_rel.unwrap_or(f64::INFINITY),
             None => -1.0,
         };
-        let worst = findings()
-            .map(|finding| &finding.check)
+        let worst = outcomes()
+            .map(|outcome| &outcome.check)
             .max_by(|a, b| badness(a).total_cmp(&badness(b)));
-        let unreachable = findings()
+        let unreachable = outcomes()
             .rev()
-            .find_map(|finding| finding.check.unreachable);
-        if findings().any(|finding| finding.unchecked.is_some()) {
+            .find_map(|outcome| outcome.check.unreachable);
+        if outcomes().any(|outcome| outcome.unchecked.is_some()) {
             return Check {
                 unreachable,
                 cluster: worst.and_then(|check| check.cluster),
@@ -496,10 +504,10 @@ impl<'p> Entry<'p> {
 }
 
 /// What came of a run, in short: how it failed, or the seconds that it took if it was timed.
-fn outcome(finding: &Finding) -> Result<Option<f64>, Status> {
-    match &finding.failure {
+fn summary(outcome: &RunOutcome) -> Result<Option<f64>, Status> {
+    match &outcome.failure {
         Some(failure) => Err(failure.status),
-        None => Ok(finding.observation.seconds),
+        None => Ok(outcome.observation.seconds),
     }
 }
 

@@ -20,13 +20,45 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use crate::exec::Purpose;
-use crate::run::ledger::{Finding, Ledger, RunId};
+use crate::exec::{Failure, Observation, Pass};
 use crate::schema::plan_record::PlanRecord;
-use crate::schema::{InstructionCount, ModelRecord, SCHEMA, Session, Tool, difference};
+use crate::schema::{
+    Check, InstructionCount, ModelRecord, SCHEMA, SessionRecord, Tool, difference,
+};
 
 #[cfg(test)]
 mod tests;
+
+/// A run of a cell: what makes it a different one from all others of a plan.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct RunId {
+    /// Name of the group; none if that has none.
+    pub group: Option<String>,
+    /// Name of the model.
+    pub model: String,
+    /// The source vertex.
+    pub source: u32,
+    /// Label of the algorithm.
+    pub algorithm: String,
+    /// What it is for.
+    #[serde(rename = "purpose")]
+    pub pass: Pass,
+    /// Which of the runs for that purpose, from 0.
+    pub round: usize,
+}
+
+/// What came of a run, once its answer has been compared: everything that the cell needs of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RunOutcome {
+    /// The figures, without the distances.
+    pub observation: Observation,
+    /// How the distances compared with the reference.
+    pub check: Check,
+    /// Why there was nothing to compare them with, although there should have been.
+    pub unchecked: Option<String>,
+    /// Why the cell fails by this run, if it does.
+    pub failure: Option<Failure>,
+}
 
 /// An open journal, which no other process can open meanwhile.
 #[derive(Debug)]
@@ -35,9 +67,9 @@ pub struct Journal {
     file: File,
     /// Bytes of the lines that are whole.
     length: u64,
-    sessions: Vec<Session>,
+    sessions: Vec<SessionRecord>,
     models: HashMap<String, ModelRecord>,
-    findings: HashMap<RunId, Finding>,
+    outcomes: HashMap<RunId, RunOutcome>,
     instructions: HashMap<RunId, InstructionCount>,
 }
 
@@ -124,7 +156,11 @@ impl Journal {
     ///
     /// When the file cannot be written, is in use, is not a journal, belongs to another run or is
     /// damaged. It is then as it was.
-    pub fn open(path: &Path, header: &Header, session: &Session) -> Result<Self, JournalError> {
+    pub fn open(
+        path: &Path,
+        header: &Header,
+        session: &SessionRecord,
+    ) -> Result<Self, JournalError> {
         let fail = |action| {
             move |error| JournalError::Io {
                 path: path.to_owned(),
@@ -160,7 +196,7 @@ impl Journal {
             length: 0,
             sessions: Vec::new(),
             models: HashMap::new(),
-            findings: HashMap::new(),
+            outcomes: HashMap::new(),
             instructions: HashMap::new(),
         };
         let mut bytes = Vec::new();
@@ -186,13 +222,13 @@ impl Journal {
     }
 
     /// The processes that worked on it so far, this one last.
-    pub fn sessions(&self) -> &[Session] {
+    pub fn sessions(&self) -> &[SessionRecord] {
         &self.sessions
     }
 
     /// Number of runs that are in it.
     pub fn runs(&self) -> usize {
-        self.findings.len()
+        self.outcomes.len()
     }
 
     /// Writes the first line, and sees to it that the file is there after a crash of the system.
@@ -263,12 +299,12 @@ impl Journal {
 
     /// Remembers what came of a run. Of several warm-ups of one number the first counts, which is the one
     /// that set the algorithm up, unless a later one failed.
-    fn note(&mut self, id: RunId, found: Finding) -> Result<(), String> {
-        match self.findings.get_mut(&id) {
+    fn note(&mut self, id: RunId, found: RunOutcome) -> Result<(), String> {
+        match self.outcomes.get_mut(&id) {
             None => {
-                self.findings.insert(id, found);
+                self.outcomes.insert(id, found);
             }
-            Some(known) if id.purpose == Purpose::WarmUp => {
+            Some(known) if id.pass == Pass::Warmup => {
                 if known.failure.is_none() && found.failure.is_some() {
                     *known = found;
                 }
@@ -315,20 +351,33 @@ impl Journal {
     }
 }
 
-impl Ledger for Journal {
-    fn model(&self, name: &str) -> Option<&ModelRecord> {
+impl Journal {
+    /// What is known about a model.
+    pub(super) fn model(&self, name: &str) -> Option<&ModelRecord> {
         self.models.get(name)
     }
 
-    fn finding(&self, run: &RunId) -> Option<&Finding> {
-        self.findings.get(run)
+    /// What came of a run, if it has been made.
+    pub(super) fn outcome(&self, run: &RunId) -> Option<&RunOutcome> {
+        self.outcomes.get(run)
     }
 
-    fn instructions(&self, run: &RunId) -> Option<&InstructionCount> {
+    /// How many instructions the solve of a cell took, named by the run that counts it, if that is
+    /// known.
+    pub(super) fn instructions(&self, run: &RunId) -> Option<&InstructionCount> {
         self.instructions.get(run)
     }
 
-    fn keep_instructions(&mut self, id: RunId, found: &InstructionCount) -> anyhow::Result<()> {
+    /// Keeps how many instructions the solve of a cell took.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be kept, which ends the benchmark.
+    pub(super) fn keep_instructions(
+        &mut self,
+        id: RunId,
+        found: &InstructionCount,
+    ) -> anyhow::Result<()> {
         self.keep_line(&Line::Instructions {
             id: id.clone(),
             found: found.clone(),
@@ -337,14 +386,24 @@ impl Ledger for Journal {
         Ok(())
     }
 
-    fn keep_model(&mut self, model: &ModelRecord) -> anyhow::Result<()> {
+    /// Keeps what is known about a model.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be kept, which ends the benchmark.
+    pub(super) fn keep_model(&mut self, model: &ModelRecord) -> anyhow::Result<()> {
         self.keep_line(&Line::Model(model.clone()))?;
         self.models.insert(model.name.clone(), model.clone());
         Ok(())
     }
 
-    fn keep(&mut self, id: RunId, finding: &Finding) -> anyhow::Result<()> {
-        let found = finding.clone();
+    /// Keeps what came of a run, before the next one starts.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be kept, which ends the benchmark.
+    pub(super) fn keep(&mut self, id: RunId, outcome: &RunOutcome) -> anyhow::Result<()> {
+        let found = outcome.clone();
         self.keep_line(&Line::Run {
             id: id.clone(),
             found: found.clone(),
@@ -403,17 +462,17 @@ impl Header {
         if group.models.iter().all(|model| model.name != run.model) {
             return Err(format!("there is no model `{}` in the plan", run.model));
         }
-        let is_reference = group.reference == run.algorithm && run.purpose == Purpose::WarmUp;
+        let is_reference = group.reference == run.algorithm && run.pass == Pass::Warmup;
         if !is_reference && group.algorithms.iter().all(|a| a.label != run.algorithm) {
             return Err(format!(
                 "there is no algorithm `{}` in the plan",
                 run.algorithm
             ));
         }
-        let rounds = match run.purpose {
-            Purpose::WarmUp => group.warmup.max(1),
-            Purpose::Time => group.repeat,
-            Purpose::Count | Purpose::Clock => 1,
+        let rounds = match run.pass {
+            Pass::Warmup => group.warmup.max(1),
+            Pass::Time => group.repeat,
+            Pass::Count | Pass::Profile => 1,
         };
         if run.round >= rounds {
             return Err(format!("there is no round {} in the plan", run.round));
@@ -428,7 +487,7 @@ impl Header {
 #[expect(clippy::large_enum_variant, reason = "there is but one at a time")]
 enum Line {
     /// A process began to work.
-    Session(Session),
+    Session(SessionRecord),
     /// A model was loaded for the first time.
     Model(ModelRecord),
     /// The instructions of a cell were counted.
@@ -444,6 +503,6 @@ enum Line {
         /// Which.
         id: RunId,
         /// What came of it.
-        found: Finding,
+        found: RunOutcome,
     },
 }

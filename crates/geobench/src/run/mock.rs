@@ -1,10 +1,9 @@
 //! Plans, runs and result files for tests, over [`mock`](crate::exec::mock).
 
-use super::ledger::NoLedger;
-use super::{Outcome, run};
+use super::{Records, run};
 use crate::exec::Listener;
 use crate::exec::limits::Limits;
-use crate::exec::mock::Rehearsal;
+use crate::exec::mock::MockBackend;
 use crate::exec::model::ModelRef;
 use crate::plan::{Plan, Reference};
 use crate::registry;
@@ -29,23 +28,23 @@ pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
         warmup: 1,
         tolerance: 1e-9,
         seed: 1,
-        share: None,
+        shard_range: None,
         limits: Limits::USUAL,
     }
 }
 
 /// Listens to nothing.
-pub(crate) struct Deaf;
+pub(crate) struct NullListener;
 
-impl Listener for Deaf {}
+impl Listener for NullListener {}
 
 /// Carries out `plan` with `rehearsal`.
-pub(crate) fn rehearse(plan: &Plan, rehearsal: &mut Rehearsal) -> Outcome {
-    run(plan, rehearsal, &mut NoLedger, &mut Deaf).unwrap()
+pub(crate) fn run_mock(plan: &Plan, backend: &mut MockBackend) -> Records {
+    run(plan, backend, None, &mut NullListener).unwrap()
 }
 
 /// The result file of a made-up run.
-pub(crate) fn result(outcome: Outcome) -> ResultFile {
+pub(crate) fn result(records: Records) -> ResultFile {
     ResultFile {
         schema: SCHEMA.into(),
         tool: Tool {
@@ -70,8 +69,8 @@ pub(crate) fn result(outcome: Outcome) -> ResultFile {
         finished: "2025-01-01T00:00:01Z".into(),
         isolation: None,
         groups: Vec::new(),
-        models: outcome.models,
-        cells: outcome.cells,
+        models: records.models,
+        cells: records.cells,
         pairing: None,
         conditions: None,
         plan: None,

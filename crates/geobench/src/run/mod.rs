@@ -5,7 +5,6 @@ pub mod agreement;
 pub mod check;
 mod group;
 pub mod journal;
-pub mod ledger;
 #[cfg(test)]
 pub(crate) mod mock;
 mod order;
@@ -16,44 +15,44 @@ mod tests;
 use anyhow::bail;
 use geobench_mesh::VertexId;
 
-use crate::exec::{Executor, Listener, Purpose, Workplace};
+use crate::exec::{Backend, Listener, Pass, Session};
 use crate::plan::Plan;
 use crate::plan::source::{SourceError, SourceSpec};
 use crate::run::group::Group;
-use crate::run::ledger::{Ledger, RunId};
+use crate::run::journal::{Journal, RunId};
 use crate::schema::{Cell, ModelRecord, Status};
 
 /// The records of a run.
 #[derive(Clone, Debug, Default)]
-pub struct Outcome {
+pub struct Records {
     /// One for each model of the plan, unless somebody asked to stop.
     pub models: Vec<ModelRecord>,
     /// One for each cell of the plan, unless somebody asked to stop.
     pub cells: Vec<Cell>,
 }
 
-impl Outcome {
+impl Records {
     /// Whether some cell has this status.
     pub fn has(&self, status: Status) -> bool {
         self.cells.iter().any(|cell| cell.status == status)
     }
 }
 
-/// Carries out `plan`, model by model, without the runs that `ledger` knows already. A model of
+/// Carries out `plan`, model by model, without the runs that `journal` knows already. A model of
 /// which it knows all is not even loaded. Where the listener says that somebody asked to stop, the
 /// outcome is what has been done until then.
 ///
 /// # Errors
 ///
-/// Those of the ledger and of the listener, and when a model is not the one that the ledger knows.
+/// Those of the journal and of the listener, and when a model is not the one that the journal knows.
 /// Whatever else happens to a cell is in its record.
 pub fn run(
     plan: &Plan,
-    workplace: &mut dyn Workplace,
-    ledger: &mut dyn Ledger,
+    backend: &mut dyn Backend,
+    mut journal: Option<&mut Journal>,
     listener: &mut dyn Listener,
-) -> anyhow::Result<Outcome> {
-    let mut outcome = Outcome::default();
+) -> anyhow::Result<Records> {
+    let mut records = Records::default();
     for place in 0..plan.models.len() {
         if plan.units_of_model(place) == 0 || listener.interrupted() {
             continue;
@@ -61,22 +60,22 @@ pub fn run(
         let mut benchmark = Benchmark {
             plan,
             place,
-            ledger: &mut *ledger,
+            journal: journal.as_deref_mut(),
             listener: &mut *listener,
         };
-        let (model, mut cells) = benchmark.run(workplace)?;
+        let (model, mut cells) = benchmark.run(backend)?;
         for cell in &mut cells {
-            cell.shard = plan.share.map(|share| share.shard.index);
+            cell.shard = plan.shard_range.map(|shard_range| shard_range.shard.index);
             benchmark.count_instructions(&model, cell)?;
         }
         if listener.interrupted() && cells.is_empty() {
             break;
         }
         listener.model_done(&model, &cells)?;
-        outcome.models.push(model);
-        outcome.cells.append(&mut cells);
+        records.models.push(model);
+        records.cells.append(&mut cells);
     }
-    Ok(outcome)
+    Ok(records)
 }
 
 /// The work on one model of a plan.
@@ -84,12 +83,12 @@ struct Benchmark<'b> {
     plan: &'b Plan,
     /// Place of the model in the plan.
     place: usize,
-    ledger: &'b mut dyn Ledger,
+    journal: Option<&'b mut Journal>,
     listener: &'b mut dyn Listener,
 }
 
 impl Benchmark<'_> {
-    fn run(&mut self, workplace: &mut dyn Workplace) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
+    fn run(&mut self, backend: &mut dyn Backend) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
         let model = &self.plan.models[self.place];
         if let Some((known, cells)) = self.known() {
             self.listener.skipped(self.plan.runs_of_model(self.place));
@@ -97,8 +96,8 @@ impl Benchmark<'_> {
         }
         self.listener.loading(&model.name);
         let mut result = Ok((ModelRecord::default(), Vec::new()));
-        let done = workplace.with_model(model, &mut |found, executor| {
-            result = self.run_loaded(found, executor);
+        let done = backend.with_model(model, &mut |found, session| {
+            result = self.run_loaded(found, session);
         });
         match done {
             Ok(()) => result,
@@ -112,7 +111,7 @@ impl Benchmark<'_> {
         }
     }
 
-    /// Adds the instructions of a cell, from the ledger or counted now.
+    /// Adds the instructions of a cell, from the journal or counted now.
     fn count_instructions(&mut self, model: &ModelRecord, cell: &mut Cell) -> anyhow::Result<()> {
         let (Status::Ok, Some(source)) = (cell.status, cell.source) else {
             return Ok(());
@@ -122,14 +121,17 @@ impl Benchmark<'_> {
             model: cell.model.clone(),
             source,
             algorithm: cell.algorithm.clone(),
-            purpose: Purpose::Count,
+            pass: Pass::Count,
             round: 0,
         };
-        let mut found = self.ledger.instructions(&run).cloned();
+        let mut found = self
+            .journal
+            .as_deref()
+            .and_then(|journal| journal.instructions(&run).cloned());
         if found.is_none() && !self.listener.interrupted() {
             found = self.listener.count_instructions(model, cell);
-            if let Some(found) = &found {
-                self.ledger.keep_instructions(run, found)?;
+            if let (Some(found), Some(journal)) = (&found, &mut self.journal) {
+                journal.keep_instructions(run, found)?;
             }
         }
         if let Some(found) = found {
@@ -139,14 +141,15 @@ impl Benchmark<'_> {
         Ok(())
     }
 
-    /// All cells of the model, if the ledger knows every run of them.
+    /// All cells of the model, if the journal knows every run of them.
     fn known(&self) -> Option<(ModelRecord, Vec<Cell>)> {
-        let model = self.ledger.model(&self.plan.models[self.place].name)?;
+        let journal = self.journal.as_deref()?;
+        let model = journal.model(&self.plan.models[self.place].name)?;
         let groups: Vec<Group<'_>> = self
             .sources(model)
             .ok()?
             .into_iter()
-            .map(|source| Group::new(self.plan, model, source, self.ledger))
+            .map(|source| Group::new(self.plan, model, source, Some(journal)))
             .collect();
         groups.iter().all(Group::is_complete).then(|| {
             let cells = groups.into_iter().flat_map(Group::cells).collect();
@@ -157,9 +160,9 @@ impl Benchmark<'_> {
     fn run_loaded(
         &mut self,
         found: &ModelRecord,
-        executor: &mut dyn Executor,
+        session: &mut dyn Session,
     ) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
-        let model = match self.ledger.model(&found.name) {
+        let model = match self.journal.as_deref().and_then(|j| j.model(&found.name)) {
             Some(known) if known.sha256 != found.sha256 => bail!(
                 "{}: the model is not the one that the journal holds results of: its SHA-256 is {}, \
                  and was {}",
@@ -169,7 +172,9 @@ impl Benchmark<'_> {
             ),
             Some(known) => known.clone(),
             None => {
-                self.ledger.keep_model(found)?;
+                if let Some(journal) = &mut self.journal {
+                    journal.keep_model(found)?;
+                }
                 found.clone()
             }
         };
@@ -177,8 +182,8 @@ impl Benchmark<'_> {
         match self.sources(&model) {
             Ok(sources) => {
                 for source in sources {
-                    let mut group = Group::new(self.plan, &model, source, self.ledger);
-                    group.run(executor, self.ledger, self.listener)?;
+                    let mut group = Group::new(self.plan, &model, source, self.journal.as_deref());
+                    group.run(session, self.journal.as_deref_mut(), self.listener)?;
                     cells.extend(group.cells());
                 }
             }

@@ -7,7 +7,7 @@ use crate::schema::{Check, Status};
 
 /// What answers must agree with, or why there is nothing.
 #[derive(Debug, Default)]
-pub(super) struct Yardstick {
+pub(super) struct ReferenceCheck {
     /// The expected answer.
     pub(super) answer: Option<Answer>,
     /// Why there is no expected answer although one is wanted.
@@ -35,7 +35,7 @@ impl Answer {
     }
 }
 
-impl Yardstick {
+impl ReferenceCheck {
     /// Compares an answer with the expected one; says how they compare and why the cell fails, if
     /// it does. An answer that is not held to the tolerance belongs to no cluster.
     pub(super) fn judge(

@@ -1,11 +1,10 @@
 //! What the runner does, with made-up runs.
 
-use crate::exec::mock::{Rehearsal, crash_ich, spoil_vtp};
+use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
 use crate::exec::{Listener, Step};
 use crate::plan::Reference;
 use crate::registry;
-use crate::run::ledger::NoLedger;
-use crate::run::mock::{plan, rehearse};
+use crate::run::mock::{plan, run_mock};
 use crate::run::run;
 use crate::schema::{Cell, Status};
 
@@ -17,10 +16,10 @@ fn cell<'c>(cells: &'c [Cell], algorithm: &str) -> &'c Cell {
 fn runs_are_interleaved_and_the_reference_goes_first() {
     let mut plan = plan(&["horse"], "vtp,mmp", "0");
     plan.repeat = 2;
-    let mut rehearsal = Rehearsal::default();
-    let outcome = rehearse(&plan, &mut rehearsal);
+    let mut backend = MockBackend::default();
+    let records = run_mock(&plan, &mut backend);
     assert_eq!(
-        rehearsal.log,
+        backend.log,
         [
             "warm mmp 0",
             "warm vtp 0",
@@ -34,9 +33,9 @@ fn runs_are_interleaved_and_the_reference_goes_first() {
             "count mmp 0",
         ]
     );
-    assert_eq!(plan.runs(), rehearsal.log.len());
-    assert_eq!(cell(&outcome.cells, "vtp").time.places, [0, 1]);
-    assert_eq!(cell(&outcome.cells, "mmp").time.places, [1, 0]);
+    assert_eq!(plan.runs(), backend.log.len());
+    assert_eq!(cell(&records.cells, "vtp").time.places, [0, 1]);
+    assert_eq!(cell(&records.cells, "mmp").time.places, [1, 0]);
 }
 
 #[test]
@@ -45,24 +44,24 @@ fn a_reference_that_is_not_measured_runs_once() {
     plan.reference = Reference::Algorithm(registry::select_one("ich").unwrap());
     plan.warmup = 0;
     plan.repeat = 1;
-    let mut rehearsal = Rehearsal::default();
-    let outcome = rehearse(&plan, &mut rehearsal);
+    let mut backend = MockBackend::default();
+    let records = run_mock(&plan, &mut backend);
     assert_eq!(
-        rehearsal.log,
+        backend.log,
         ["warm ich 0", "time vtp 0", "clock vtp 0", "count vtp 0"]
     );
-    assert_eq!(outcome.cells.len(), 1);
-    assert_eq!(outcome.cells[0].check.reference.as_deref(), Some("ich"));
+    assert_eq!(records.cells.len(), 1);
+    assert_eq!(records.cells[0].check.reference.as_deref(), Some("ich"));
 }
 
 #[test]
 fn a_wrong_answer_is_a_failed_cell_and_never_a_time() {
-    let mut rehearsal = Rehearsal {
+    let mut backend = MockBackend {
         alter: Some(spoil_vtp),
-        ..Rehearsal::default()
+        ..MockBackend::default()
     };
-    let outcome = rehearse(&plan(&["horse"], "mmp,vtp", "0"), &mut rehearsal);
-    let wrong = cell(&outcome.cells, "vtp");
+    let records = run_mock(&plan(&["horse"], "mmp,vtp", "0"), &mut backend);
+    let wrong = cell(&records.cells, "vtp");
     assert_eq!(wrong.status, Status::Wrong);
     assert_eq!(wrong.time.median, None);
     assert!(wrong.time.samples.is_empty());
@@ -74,8 +73,8 @@ fn a_wrong_answer_is_a_failed_cell_and_never_a_time() {
          1 of 4 vertices differ by more than 1e-9 relative; 2 algorithms: 1 with the reference's answer, \
          1 with this one, no majority"
     );
-    assert_eq!(cell(&outcome.cells, "mmp").status, Status::Ok);
-    let vtp_runs = rehearsal.log.iter().filter(|l| l.contains("vtp")).count();
+    assert_eq!(cell(&records.cells, "mmp").status, Status::Ok);
+    let vtp_runs = backend.log.iter().filter(|l| l.contains("vtp")).count();
     assert_eq!(
         vtp_runs, 2,
         "nothing more is asked of an algorithm that was wrong"
@@ -84,15 +83,15 @@ fn a_wrong_answer_is_a_failed_cell_and_never_a_time() {
 
 #[test]
 fn a_crash_costs_one_cell() {
-    let mut rehearsal = Rehearsal {
+    let mut backend = MockBackend {
         alter: Some(crash_ich),
-        ..Rehearsal::default()
+        ..MockBackend::default()
     };
-    let outcome = rehearse(&plan(&["horse", "cow"], "mmp,ich,vtp", "0"), &mut rehearsal);
-    let statuses: Vec<_> = outcome.cells.iter().map(|c| c.status.name()).collect();
+    let records = run_mock(&plan(&["horse", "cow"], "mmp,ich,vtp", "0"), &mut backend);
+    let statuses: Vec<_> = records.cells.iter().map(|c| c.status.name()).collect();
     assert_eq!(statuses, ["ok", "crashed", "ok", "ok", "crashed", "ok"]);
     assert!(
-        outcome.cells[1]
+        records.cells[1]
             .message
             .as_deref()
             .unwrap()
@@ -102,7 +101,7 @@ fn a_crash_costs_one_cell() {
 
 #[test]
 fn a_reference_that_crashes_leaves_the_others_unchecked_and_says_so() {
-    let mut rehearsal = Rehearsal {
+    let mut backend = MockBackend {
         alter: Some(|step, _| match step.algorithm.label() {
             "mmp" => Some(crate::exec::Failure {
                 status: Status::Crashed,
@@ -110,11 +109,11 @@ fn a_reference_that_crashes_leaves_the_others_unchecked_and_says_so() {
             }),
             _ => None,
         }),
-        ..Rehearsal::default()
+        ..MockBackend::default()
     };
-    let outcome = rehearse(&plan(&["horse"], "mmp,vtp", "0"), &mut rehearsal);
-    assert_eq!(outcome.cells[0].status, Status::Crashed);
-    let unchecked = &outcome.cells[1];
+    let records = run_mock(&plan(&["horse"], "mmp,vtp", "0"), &mut backend);
+    assert_eq!(records.cells[0].status, Status::Crashed);
+    let unchecked = &records.cells[1];
     assert_eq!(unchecked.status, Status::Ok);
     assert_eq!(unchecked.check.reference, None);
     assert_eq!(
@@ -125,27 +124,27 @@ fn a_reference_that_crashes_leaves_the_others_unchecked_and_says_so() {
 
 #[test]
 fn a_refused_model_has_its_cells_and_the_others_run() {
-    let mut rehearsal = Rehearsal {
+    let mut backend = MockBackend {
         refuse: vec!["broken"],
-        ..Rehearsal::default()
+        ..MockBackend::default()
     };
-    let outcome = rehearse(&plan(&["broken", "cow"], "mmp,vtp", "0"), &mut rehearsal);
-    let statuses: Vec<_> = outcome.cells.iter().map(|c| c.status.name()).collect();
+    let records = run_mock(&plan(&["broken", "cow"], "mmp,vtp", "0"), &mut backend);
+    let statuses: Vec<_> = records.cells.iter().map(|c| c.status.name()).collect();
     assert_eq!(statuses, ["refused", "refused", "ok", "ok"]);
-    assert_eq!(outcome.models[0].vertices, None);
+    assert_eq!(records.models[0].vertices, None);
     assert_eq!(
-        outcome.cells[0].message.as_deref(),
+        records.cells[0].message.as_deref(),
         Some("broken.obj: edge 3-7 has 3 faces")
     );
 }
 
 #[test]
 fn a_source_that_does_not_exist_is_refused() {
-    let outcome = rehearse(&plan(&["cow"], "vtp", "2,4"), &mut Rehearsal::default());
-    assert_eq!(outcome.cells.len(), 2);
-    assert!(outcome.cells.iter().all(|c| c.status == Status::Refused));
+    let records = run_mock(&plan(&["cow"], "vtp", "2,4"), &mut MockBackend::default());
+    assert_eq!(records.cells.len(), 2);
+    assert!(records.cells.iter().all(|c| c.status == Status::Refused));
     assert_eq!(
-        outcome.cells[0].message.as_deref(),
+        records.cells[0].message.as_deref(),
         Some("cow.obj: source vertex 4 does not exist: the model has 4 vertices, numbered from 0")
     );
 }
@@ -153,10 +152,10 @@ fn a_source_that_does_not_exist_is_refused() {
 #[test]
 fn any_number_of_random_sources_is_refused_at_once() {
     let plan = plan(&["cow"], "mmp,vtp", "random:999999999999999");
-    let outcome = rehearse(&plan, &mut Rehearsal::default());
-    assert_eq!(outcome.cells.len(), 2);
+    let records = run_mock(&plan, &mut MockBackend::default());
+    assert_eq!(records.cells.len(), 2);
     assert!(
-        outcome
+        records
             .cells
             .iter()
             .all(|c| c.status == Status::Refused && c.source.is_none())
@@ -165,8 +164,8 @@ fn any_number_of_random_sources_is_refused_at_once() {
 
 #[test]
 fn figures_come_from_the_runs_that_are_meant_for_them() {
-    let outcome = rehearse(&plan(&["cow"], "mmp,vtp", "0"), &mut Rehearsal::default());
-    let (mmp, vtp) = (&outcome.cells[0], &outcome.cells[1]);
+    let records = run_mock(&plan(&["cow"], "mmp,vtp", "0"), &mut MockBackend::default());
+    let (mmp, vtp) = (&records.cells[0], &records.cells[1]);
     assert_eq!(mmp.time.samples.len(), 5);
     assert_eq!(mmp.time.setup, Some(0.125));
     assert_eq!(
@@ -188,20 +187,17 @@ fn figures_come_from_the_runs_that_are_meant_for_them() {
 fn without_a_check_only_what_is_no_number_is_wrong() {
     let mut plan = plan(&["cow"], "vtp", "0");
     plan.reference = Reference::None;
-    let outcome = rehearse(&plan, &mut Rehearsal::default());
-    assert_eq!(outcome.cells[0].status, Status::Ok);
-    assert_eq!(outcome.cells[0].check.reference, None);
-    let mut rehearsal = Rehearsal {
+    let records = run_mock(&plan, &mut MockBackend::default());
+    assert_eq!(records.cells[0].status, Status::Ok);
+    assert_eq!(records.cells[0].check.reference, None);
+    let mut backend = MockBackend {
         alter: Some(|_, observation| {
             observation.distances[1] = f64::NAN;
             None
         }),
-        ..Rehearsal::default()
+        ..MockBackend::default()
     };
-    assert_eq!(
-        rehearse(&plan, &mut rehearsal).cells[0].status,
-        Status::Wrong
-    );
+    assert_eq!(run_mock(&plan, &mut backend).cells[0].status, Status::Wrong);
 }
 
 /// Asks to stop after a number of runs.
@@ -221,18 +217,18 @@ impl Listener for Impatient {
 fn who_asks_to_stop_gets_what_is_done() {
     let plan = plan(&["cow", "horse"], "mmp,ich,vtp", "0");
     let stopped_after = |runs| {
-        let mut rehearsal = Rehearsal {
+        let mut backend = MockBackend {
             alter: Some(crash_ich),
-            ..Rehearsal::default()
+            ..MockBackend::default()
         };
         let mut listener = Impatient(runs);
-        let outcome = run(&plan, &mut rehearsal, &mut NoLedger, &mut listener).unwrap();
-        assert_eq!(rehearsal.log.len(), runs);
-        let cells = outcome.cells.iter();
+        let records = run(&plan, &mut backend, None, &mut listener).unwrap();
+        assert_eq!(backend.log.len(), runs);
+        let cells = records.cells.iter();
         let cells: Vec<String> = cells
             .map(|cell| format!("{} {} {}", cell.model, cell.algorithm, cell.status.name()))
             .collect();
-        (outcome.models.len(), cells.join(", "))
+        (records.models.len(), cells.join(", "))
     };
     let cow = "cow mmp ok, cow ich crashed, cow vtp ok";
     // Three warm-ups, one round of three, four rounds of two, two runs to count and two to clock.

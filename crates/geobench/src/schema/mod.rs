@@ -56,12 +56,12 @@ pub struct ResultFile {
     /// The processes that measured, in order: one, unless a run was interrupted and resumed, or the
     /// parts of one were merged.
     #[serde(default)]
-    pub sessions: Vec<Session>,
+    pub sessions: Vec<SessionRecord>,
 }
 
 /// A process that measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Session {
+pub struct SessionRecord {
     /// The part of the plan that it worked on; null if all of it.
     pub shard: Option<Shard>,
     /// The machine.

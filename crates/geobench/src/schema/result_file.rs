@@ -127,7 +127,7 @@ fn negative_time(file: &ResultFile) -> Option<(String, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exec::mock::Rehearsal;
+    use crate::exec::mock::MockBackend;
     use crate::run::mock::{self};
 
     fn refused(text: &str) -> String {
@@ -152,9 +152,9 @@ mod tests {
     }
 
     /// The text of a made-up result file.
-    fn rehearsed() -> String {
+    fn mock_result() -> String {
         let plan = mock::plan(&["cow"], "mmp,vtp", "0");
-        let file = mock::result(mock::rehearse(&plan, &mut Rehearsal::default()));
+        let file = mock::result(mock::run_mock(&plan, &mut MockBackend::default()));
         serde_json::to_string(&file).unwrap()
     }
 
@@ -167,7 +167,7 @@ mod tests {
             error.starts_with("r.json: field `tool.commit`: invalid type: integer `3`"),
             "{error}"
         );
-        let mut file: serde_json::Value = serde_json::from_str(&rehearsed()).unwrap();
+        let mut file: serde_json::Value = serde_json::from_str(&mock_result()).unwrap();
         file["cells"][1]["time"]["samples"][2] = (-0.5).into();
         assert_eq!(
             refused(&file.to_string()),

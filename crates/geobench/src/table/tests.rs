@@ -1,22 +1,22 @@
 //! Every form of results, from made-up runs.
 
 use super::{Format, Look};
-use crate::exec::mock::{Rehearsal, crash_ich, spoil_vtp};
-use crate::run::mock::{plan, rehearse, result};
+use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
+use crate::run::mock::{plan, result, run_mock};
 use crate::schema::{GroupRecord, ResultFile};
 
 /// Two models, one of them with a wrong answer, and a refused one.
 fn mixed() -> ResultFile {
-    let mut good = rehearse(
+    let mut good = run_mock(
         &plan(&["horse"], "mmp,ich,vtp", "0"),
-        &mut Rehearsal::default(),
+        &mut MockBackend::default(),
     );
-    let mut spoilt = Rehearsal {
+    let mut spoilt = MockBackend {
         alter: Some(spoil_vtp),
         refuse: vec!["broken_mesh"],
-        ..Rehearsal::default()
+        ..MockBackend::default()
     };
-    let bad = rehearse(
+    let bad = run_mock(
         &plan(&["cow|2", "broken_mesh"], "mmp,ich,vtp", "3"),
         &mut spoilt,
     );
@@ -137,8 +137,8 @@ fn csv() {
 #[test]
 #[allow(clippy::too_many_lines)] // A whole file is shown.
 fn json() {
-    let outcome = rehearse(&plan(&["horse"], "vtp", "0"), &mut Rehearsal::default());
-    insta::assert_snapshot!(Format::Json.render(&result(outcome)).unwrap(), @r#"
+    let records = run_mock(&plan(&["horse"], "vtp", "0"), &mut MockBackend::default());
+    insta::assert_snapshot!(Format::Json.render(&result(records)).unwrap(), @r#"
     {
       "schema": "geobench/1",
       "tool": {
@@ -276,11 +276,11 @@ fn json() {
 
 #[test]
 fn several_sources_are_shown_by_their_median() {
-    let outcome = rehearse(
+    let records = run_mock(
         &plan(&["horse"], "mmp,vtp", "0,1,2"),
-        &mut Rehearsal::default(),
+        &mut MockBackend::default(),
     );
-    insta::assert_snapshot!(Format::Table.render(&result(outcome)).unwrap(), @r#"
+    insta::assert_snapshot!(Format::Table.render(&result(records)).unwrap(), @r#"
     horse  (V: 4, F: 96,966)  median of 3 sources
     ┌─────────────────────────────────┬─────────────┬────────┐
     │                                 ┆         mmp ┆    vtp │
@@ -300,9 +300,9 @@ fn several_sources_are_shown_by_their_median() {
 
 #[test]
 fn a_check_against_a_file_of_some_vertices_says_so() {
-    let mut file = result(rehearse(
+    let mut file = result(run_mock(
         &plan(&["horse"], "mmp,vtp", "0,1"),
-        &mut Rehearsal::default(),
+        &mut MockBackend::default(),
     ));
     assert!(file.cells.iter().all(|c| c.check.compared == Some(4)));
     file.cells.last_mut().unwrap().check.compared = Some(3);
@@ -315,12 +315,12 @@ fn a_check_against_a_file_of_some_vertices_says_so() {
 
 #[test]
 fn one_failed_source_spoils_the_column() {
-    let mut rehearsal = Rehearsal {
+    let mut backend = MockBackend {
         alter: Some(crash_ich),
-        ..Rehearsal::default()
+        ..MockBackend::default()
     };
-    let outcome = rehearse(&plan(&["horse"], "mmp,ich", "0,1"), &mut rehearsal);
-    insta::assert_snapshot!(Format::Table.render(&result(outcome)).unwrap(), @r#"
+    let records = run_mock(&plan(&["horse"], "mmp,ich", "0,1"), &mut backend);
+    insta::assert_snapshot!(Format::Table.render(&result(records)).unwrap(), @r#"
     horse  (V: 4, F: 96,966)  median of 2 sources
     ┌─────────────────────────────────┬───────────┬─────────┐
     │                                 ┆       mmp ┆     ich │
@@ -375,7 +375,7 @@ fn ratios_of_times_are_those_of_pairs() {
     let mut plan = plan(&["horse", "cow"], "mmp,ich,vtp", "0,1");
     plan.group.ratios_to = Some("vtp".into());
     let group = plan.group.clone();
-    let mut result = result(rehearse(&plan, &mut Rehearsal::default()));
+    let mut result = result(run_mock(&plan, &mut MockBackend::default()));
     result.groups.push(group);
     // The machine slows down; mmp always takes three times as long as vtp.
     for source in [0, 1] {
@@ -403,7 +403,7 @@ fn what_times_are_worth_is_said() {
     plan.group.ratios_to = Some("vtp".into());
     plan.repeat = 3;
     let group = plan.group.clone();
-    let mut few = result(rehearse(&plan, &mut Rehearsal::default()));
+    let mut few = result(run_mock(&plan, &mut MockBackend::default()));
     few.groups.push(group.clone());
     let mut outlier = few.clone();
     for cell in &mut outlier.cells {
@@ -417,9 +417,9 @@ fn what_times_are_worth_is_said() {
 
 #[test]
 fn instructions_that_are_counted_in_different_ways_are_named() {
-    let mut file = result(rehearse(
+    let mut file = result(run_mock(
         &plan(&["horse"], "mmp,vtp", "0,1"),
-        &mut Rehearsal::default(),
+        &mut MockBackend::default(),
     ));
     for cell in &mut file.cells {
         cell.instructions = Some(7);

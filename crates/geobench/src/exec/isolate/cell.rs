@@ -12,8 +12,8 @@ use crate::exec::affinity;
 use crate::exec::in_process::InProcess;
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
-use crate::exec::protocol::{Order, Reply};
-use crate::exec::{Executor, Failure, Observation, Purpose, Step, Workplace};
+use crate::exec::protocol::{Reply, Request};
+use crate::exec::{Backend, Failure, Observation, Pass, Session, Step};
 use crate::measure::memory;
 use crate::registry;
 use crate::schema::Status;
@@ -28,20 +28,20 @@ static PANIC: Mutex<Option<String>> = Mutex::new(None);
 /// When it is not understood or cannot answer.
 pub(crate) fn cell(model: &OsStr) -> io::Result<()> {
     system::die_with_parent();
-    system::call_this_process_a_cell();
-    system::no_core_files();
+    system::name_this_process();
+    system::disable_core_dumps();
     std::panic::set_hook(Box::new(|panic| {
         let mut place = PANIC.lock().unwrap_or_else(PoisonError::into_inner);
         *place = panic.location().map(ToString::to_string);
     }));
-    let mut orders = io::stdin().lock().lines();
-    let Some(Order::Load {
+    let mut requests = io::stdin().lock().lines();
+    let Some(Request::Load {
         name,
         parent,
         cpus,
         memory_limit,
         max_decompressed,
-    }) = next(&mut orders)?
+    }) = next(&mut requests)?
     else {
         return Ok(());
     };
@@ -49,12 +49,12 @@ pub(crate) fn cell(model: &OsStr) -> io::Result<()> {
         return Ok(());
     }
     if let Some(bytes) = memory_limit {
-        system::bound_data(bytes.saturating_mul(2));
+        system::limit_data(bytes.saturating_mul(2));
     }
     if !cpus.is_empty() {
         affinity::pin(&cpus)?;
     }
-    system::volunteer_when_memory_is_out(true);
+    system::raise_oom_score(true);
     let model = match ModelRef::named_by(model, name) {
         Ok(model) => model,
         Err(error) => return answer(&Reply::Refused(error.to_string())),
@@ -63,10 +63,10 @@ pub(crate) fn cell(model: &OsStr) -> io::Result<()> {
     let mut backend = InProcess {
         decompressed: DecompressionLimit(max_decompressed),
     };
-    let loaded = backend.with_model(&model, &mut |record, executor| {
+    let loaded = backend.with_model(&model, &mut |record, session| {
         memory::give_back_clean_pages();
         done = answer(&Reply::Loaded(Box::new(record.clone())))
-            .and_then(|()| obey(&mut orders, &record.name, executor));
+            .and_then(|()| serve(&mut requests, &record.name, session));
     });
     match loaded {
         Ok(()) => done,
@@ -75,23 +75,23 @@ pub(crate) fn cell(model: &OsStr) -> io::Result<()> {
 }
 
 /// Carries out runs until no more are asked for.
-fn obey(
-    orders: &mut impl Iterator<Item = io::Result<String>>,
+fn serve(
+    requests: &mut impl Iterator<Item = io::Result<String>>,
     model: &str,
-    executor: &mut dyn Executor,
+    session: &mut dyn Session,
 ) -> io::Result<()> {
     let mut sent = None;
     loop {
-        system::volunteer_when_memory_is_out(false);
-        let Some(order) = next(orders)? else {
+        system::raise_oom_score(false);
+        let Some(request) = next(requests)? else {
             return Ok(());
         };
-        system::volunteer_when_memory_is_out(true);
-        let Order::Run {
+        system::raise_oom_score(true);
+        let Request::Run {
             algorithm,
             source,
-            purpose,
-        } = order
+            pass,
+        } = request
         else {
             return Err(io::ErrorKind::InvalidInput.into());
         };
@@ -100,13 +100,13 @@ fn obey(
             model,
             algorithm: &algorithm,
             source: VertexId::new(source),
-            purpose,
+            pass,
         };
-        if purpose == Purpose::Clock {
+        if pass == Pass::Profile {
             // What the run needs of it comes back, and counts.
             memory::give_back_clean_pages();
         }
-        let reply = match executor.execute(&step) {
+        let reply = match session.execute(&step) {
             Ok(observation) => {
                 let digest = Some(digest(&observation.distances));
                 if sent == digest {
@@ -126,8 +126,8 @@ fn obey(
 }
 
 /// The next order; nothing if the parent has closed its end.
-fn next(orders: &mut impl Iterator<Item = io::Result<String>>) -> io::Result<Option<Order>> {
-    match orders.next() {
+fn next(requests: &mut impl Iterator<Item = io::Result<String>>) -> io::Result<Option<Request>> {
+    match requests.next() {
         Some(line) => Ok(Some(serde_json::from_str(&line?)?)),
         None => Ok(None),
     }

@@ -11,15 +11,15 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 
-use super::error::{Ending, Trouble};
+use super::error::{ChildError, ExitReport};
 use super::orphans::Descendants;
 use super::system;
 use crate::exec::interrupt;
 use crate::exec::limits::Limits;
-use crate::exec::protocol::{Order, Reply};
+use crate::exec::protocol::{Reply, Request};
 
 /// Time between two looks at the memory of a child that has a limit of it. What it can take
-/// meanwhile is bounded by the system: see [`system::bound_data`].
+/// meanwhile is bounded by the system: see [`system::limit_data`].
 const LOOK: Duration = Duration::from_millis(10);
 
 /// Time that a child has to end after it has closed its standard output.
@@ -28,20 +28,20 @@ const GRACE: Duration = Duration::from_secs(1);
 /// A process that waits for orders. It is the leader of a process group of its own, which ends
 /// with this value whatever it is at.
 #[derive(Debug)]
-pub(crate) struct Child {
+pub(crate) struct ChildProcess {
     process: process::Child,
     descendants: Descendants,
-    orders: ChildStdin,
+    requests: ChildStdin,
     replies: ChildStdout,
     errors: Option<ChildStderr>,
     /// What of the next answer has arrived.
     received: Vec<u8>,
-    last_words: Tail,
+    stderr_tail: Tail,
     /// How it ended, once that is known.
     status: Option<ExitStatus>,
 }
 
-impl Child {
+impl ChildProcess {
     /// Starts `command`.
     pub(crate) fn start(mut command: Command) -> io::Result<Self> {
         command
@@ -50,22 +50,22 @@ impl Child {
             .stderr(Stdio::piped())
             .process_group(0);
         let (mut process, descendants) = Descendants::of(&mut command)?;
-        let (orders, replies, errors) = (
+        let (requests, replies, errors) = (
             process.stdin.take(),
             process.stdout.take(),
             process.stderr.take(),
         );
-        let (Some(orders), Some(replies), Some(errors)) = (orders, replies, errors) else {
+        let (Some(requests), Some(replies), Some(errors)) = (requests, replies, errors) else {
             return Err(io::ErrorKind::BrokenPipe.into());
         };
         let child = Self {
             process,
             descendants,
-            orders,
+            requests,
             replies,
             errors: Some(errors),
             received: Vec::new(),
-            last_words: Tail::default(),
+            stderr_tail: Tail::default(),
             status: None,
         };
         rustix::io::ioctl_fionbio(&child.replies, true)?;
@@ -90,48 +90,49 @@ impl Child {
     /// meanwhile, except that a child with a limit of memory is looked at now and then.
     pub(super) fn ask(
         &mut self,
-        order: &Order,
+        request: &Request,
         limits: &Limits,
         longest: usize,
-    ) -> Result<Reply, Trouble> {
-        let mut line = serde_json::to_vec(order).map_err(|error| Trouble::Pipe(error.into()))?;
+    ) -> Result<Reply, ChildError> {
+        let mut line =
+            serde_json::to_vec(request).map_err(|error| ChildError::Pipe(error.into()))?;
         line.push(b'\n');
         let answer = self.ask_line(&line, limits, longest)?;
         serde_json::from_slice(&answer).map_err(|_| {
             self.kill();
-            Trouble::garbage(&answer)
+            ChildError::garbage(&answer)
         })
     }
 
     /// Sends `order`, if it is not empty, and waits for a line of at most `longest` bytes.
     pub(crate) fn ask_line(
         &mut self,
-        order: &[u8],
+        request: &[u8],
         limits: &Limits,
         longest: usize,
-    ) -> Result<Vec<u8>, Trouble> {
+    ) -> Result<Vec<u8>, ChildError> {
         let kills = system::kernel_out_of_memory_kills();
-        let answer = self.converse(order, limits, longest);
+        let answer = self.converse(request, limits, longest);
         match answer {
             Ok(Some(line)) => Ok(line),
             // The pipe has come to its end.
             Ok(None) => {
                 let Some(status) = self.wait_for_end() else {
                     self.kill();
-                    return Err(Trouble::Closed);
+                    return Err(ChildError::Closed);
                 };
                 if !self.received.is_empty() {
-                    return Err(Trouble::garbage(&self.received));
+                    return Err(ChildError::garbage(&self.received));
                 }
-                Err(Trouble::Ended(Ending {
+                Err(ChildError::Ended(ExitReport {
                     status,
-                    last_words: self.last_words.to_string(),
+                    stderr_tail: self.stderr_tail.to_string(),
                     kernel_out_of_memory: kills < system::kernel_out_of_memory_kills(),
                 }))
             }
-            Err(trouble) => {
+            Err(error) => {
                 self.kill();
-                Err(trouble)
+                Err(error)
             }
         }
     }
@@ -139,16 +140,16 @@ impl Child {
     /// The line that answers an order, or nothing if the pipe ends before it does.
     fn converse(
         &mut self,
-        order: &[u8],
+        request: &[u8],
         limits: &Limits,
         longest: usize,
-    ) -> Result<Option<Vec<u8>>, Trouble> {
+    ) -> Result<Option<Vec<u8>>, ChildError> {
         let start = Instant::now();
         let deadline = limits.timeout.0.and_then(|time| start.checked_add(time));
-        match self.orders.write_all(order) {
+        match self.requests.write_all(request) {
             // It is gone; why, is found below.
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {}
-            done => done.map_err(Trouble::Pipe)?,
+            done => done.map_err(ChildError::Pipe)?,
         }
         let mut searched = 0;
         loop {
@@ -158,25 +159,25 @@ impl Child {
             }
             searched = self.received.len();
             if searched > longest {
-                return Err(Trouble::garbage(&self.received));
+                return Err(ChildError::garbage(&self.received));
             }
             if interrupt::requested() {
-                return Err(Trouble::Interrupted);
+                return Err(ChildError::Interrupted);
             }
             let left = deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
             if left.is_some_and(|left| left.is_zero()) {
-                return Err(Trouble::Timeout);
+                return Err(ChildError::Timeout);
             }
             if let Some(most) = limits.memory.0
                 && let Some(bytes) = self.resident().filter(|bytes| *bytes > most)
             {
-                return Err(Trouble::Memory(bytes));
+                return Err(ChildError::Memory(bytes));
             }
             let look = limits.memory.0.map(|_| LOOK);
             self.sleep([left, look].into_iter().flatten().min())
-                .map_err(Trouble::Pipe)?;
+                .map_err(ChildError::Pipe)?;
             self.listen_to_errors();
-            if !self.receive().map_err(Trouble::Pipe)? {
+            if !self.receive().map_err(ChildError::Pipe)? {
                 return Ok(None);
             }
         }
@@ -217,7 +218,7 @@ impl Child {
         let mut block = [0; 1 << 12];
         while let Some(errors) = &mut self.errors {
             match errors.read(&mut block) {
-                Ok(count @ 1..) => self.last_words.push(&block[..count]),
+                Ok(count @ 1..) => self.stderr_tail.push(&block[..count]),
                 Err(error) if is_temporary(&error) => return,
                 Ok(0) | Err(_) => self.errors = None,
             }
@@ -265,7 +266,7 @@ impl Child {
     }
 }
 
-impl Drop for Child {
+impl Drop for ChildProcess {
     fn drop(&mut self) {
         self.kill();
     }

@@ -13,7 +13,7 @@ use crate::schema::Status;
 
 /// Why there is no answer. The child is gone in every case.
 #[derive(Debug)]
-pub(crate) enum Trouble {
+pub(crate) enum ChildError {
     /// Somebody asked to stop.
     Interrupted,
     /// It took longer than it may.
@@ -25,7 +25,7 @@ pub(crate) enum Trouble {
     /// It closed its end of the pipe, and had not ended some time later.
     Closed,
     /// It ended by itself.
-    Ended(Ending),
+    Ended(ExitReport),
     /// It could not be started.
     Start(io::Error),
     /// It could not be talked to.
@@ -34,16 +34,16 @@ pub(crate) enum Trouble {
 
 /// How a process ended.
 #[derive(Debug)]
-pub(crate) struct Ending {
+pub(crate) struct ExitReport {
     /// What it left to its parent.
     pub(crate) status: ExitStatus,
     /// The last that it wrote to standard error.
-    pub(crate) last_words: String,
+    pub(crate) stderr_tail: String,
     /// Whether the kernel has ended a process for want of memory meanwhile.
     pub(crate) kernel_out_of_memory: bool,
 }
 
-impl Trouble {
+impl ChildError {
     /// It wrote this line, which is no answer.
     pub(crate) fn garbage(line: &[u8]) -> Self {
         const MOST: usize = 60;
@@ -79,14 +79,14 @@ impl Trouble {
                 Status::Crashed,
                 "closed its standard output without an answer".to_owned(),
             ),
-            Self::Ended(ending) => ending.meaning(),
+            Self::Ended(report) => report.meaning(),
             Self::Start(error) => (
                 Status::Crashed,
                 format!("its process cannot be started: {error}"),
             ),
             Self::Pipe(error) => (
                 Status::Crashed,
-                format!("its process cannot be talked to: {error}"),
+                format!("cannot communicate with the child process: {error}"),
             ),
         };
         Failure {
@@ -96,7 +96,7 @@ impl Trouble {
     }
 }
 
-impl Ending {
+impl ExitReport {
     fn meaning(&self) -> (Status, String) {
         let signal = self.status.signal();
         if signal == Some(SIGABRT)
@@ -116,22 +116,22 @@ impl Ending {
             (None, Some(code)) => format!("ended with exit status {code} without an answer"),
             (None, None) => format!("ended without an answer: {}", self.status),
         };
-        let message = if self.last_words.is_empty() {
+        let message = if self.stderr_tail.is_empty() {
             how
         } else {
-            format!("{how}, last words: {}", self.last_words)
+            format!("{how}, stderr: {}", self.stderr_tail)
         };
         (Status::Crashed, message)
     }
 
     /// What the runtime says before it aborts because an allocation failed.
     fn failed_allocation(&self) -> Option<&str> {
-        let start = self.last_words.rfind("memory allocation of ")?;
-        let (words, _) = self.last_words[start..].split_once(" failed")?;
+        let start = self.stderr_tail.rfind("memory allocation of ")?;
+        let (words, _) = self.stderr_tail[start..].split_once(" failed")?;
         let bytes = words.strip_prefix("memory allocation of ")?;
         let number = bytes.strip_suffix(" bytes")?;
         number.parse::<u128>().ok()?;
-        Some(&self.last_words[start..start + words.len() + " failed".len()])
+        Some(&self.stderr_tail[start..start + words.len() + " failed".len()])
     }
 }
 
@@ -139,10 +139,10 @@ impl Ending {
 mod tests {
     use super::*;
 
-    fn ended(wait_status: i32, last_words: &str, kernel_out_of_memory: bool) -> (Status, String) {
-        Ending {
+    fn ended(wait_status: i32, stderr_tail: &str, kernel_out_of_memory: bool) -> (Status, String) {
+        ExitReport {
             status: ExitStatus::from_raw(wait_status),
-            last_words: last_words.to_owned(),
+            stderr_tail: stderr_tail.to_owned(),
             kernel_out_of_memory,
         }
         .meaning()
@@ -170,7 +170,7 @@ mod tests {
                 "what a pity",
                 false,
                 Status::Crashed,
-                "was killed by signal 11 (SIGSEGV), last words: what a pity",
+                "was killed by signal 11 (SIGSEGV), stderr: what a pity",
             ),
             (
                 6,
@@ -184,7 +184,7 @@ mod tests {
                 "memory allocation of errors failed",
                 false,
                 Status::Crashed,
-                "was killed by signal 6 (SIGABRT), last words: memory allocation of errors failed",
+                "was killed by signal 6 (SIGABRT), stderr: memory allocation of errors failed",
             ),
             (
                 9,

@@ -45,16 +45,16 @@ use std::path::PathBuf;
 use std::process::Command;
 
 pub(crate) use cell::cell;
-pub(crate) use child::Child;
-pub(crate) use error::Trouble;
+pub(crate) use child::ChildProcess;
+pub(crate) use error::ChildError;
 pub(crate) use orphans::adopt as adopt_orphans;
 
 use crate::exec::affinity::CpuList;
 use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
-use crate::exec::{Executor, Refusal, Workplace};
+use crate::exec::{Backend, Refusal, Session};
 use crate::schema::{ModelRecord, Status};
-use pool::Crew;
+use pool::ChildPool;
 
 /// The first argument of a child; its model is the second and last.
 const COMMAND: &str = "__cell";
@@ -154,20 +154,20 @@ impl Isolated {
     }
 }
 
-impl Workplace for Isolated {
+impl Backend for Isolated {
     fn with_model(
         &mut self,
         model: &ModelRef,
-        work: &mut dyn FnMut(&ModelRecord, &mut dyn Executor),
+        work: &mut dyn FnMut(&ModelRecord, &mut dyn Session),
     ) -> Result<(), Refusal> {
-        let mut crew = Crew::new(self, model);
-        let record = crew.survey().map_err(|failure| Refusal {
+        let mut pool = ChildPool::new(self, model);
+        let record = pool.load_model().map_err(|failure| Refusal {
             message: match failure.status {
                 Status::Refused => failure.message,
                 _ => format!("{}: {}", model.path, failure.message),
             },
         })?;
-        work(&record, &mut crew);
+        work(&record, &mut pool);
         Ok(())
     }
 }

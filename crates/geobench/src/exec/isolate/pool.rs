@@ -2,12 +2,12 @@
 
 use geobench_mesh::VertexId;
 
-use super::child::Child;
-use super::error::Trouble;
+use super::child::ChildProcess;
+use super::error::ChildError;
 use super::{Isolated, Sharing};
 use crate::exec::model::ModelRef;
-use crate::exec::protocol::{Order, Reply};
-use crate::exec::{Executor, Failure, Observation, Purpose, Step};
+use crate::exec::protocol::{Reply, Request};
+use crate::exec::{Failure, Observation, Pass, Session, Step};
 use crate::measure::host::kibibytes;
 use crate::schema::{ModelRecord, Status};
 
@@ -15,16 +15,16 @@ use crate::schema::{ModelRecord, Status};
 const LONGEST: usize = 1 << 20;
 
 /// The children that work on one model.
-pub(super) struct Crew<'w> {
+pub(super) struct ChildPool<'w> {
     place: &'w Isolated,
     model: &'w ModelRef,
     /// What the first child found; the others must find the same.
     record: Option<ModelRecord>,
     /// The source under way.
     source: Option<VertexId>,
-    workers: Vec<Worker>,
+    children: Vec<Child>,
     /// The first child until it has a cell.
-    spare: Option<Worker>,
+    spare: Option<Child>,
     /// Cells whose child had to end because all held too much memory.
     evicted: Vec<String>,
     /// Most bytes that all hold between runs.
@@ -32,15 +32,15 @@ pub(super) struct Crew<'w> {
 }
 
 /// A child that has loaded the model.
-struct Worker {
-    child: Child,
+struct Child {
+    process: ChildProcess,
     /// Label of the algorithm of its cell.
     cell: String,
     /// The distances that it has sent last.
     distances: Vec<f64>,
 }
 
-impl<'w> Crew<'w> {
+impl<'w> ChildPool<'w> {
     pub(super) fn new(place: &'w Isolated, model: &'w ModelRef) -> Self {
         let half_of_memory = || kibibytes("/proc/meminfo", "MemAvailable").map(|bytes| bytes / 2);
         Self {
@@ -48,7 +48,7 @@ impl<'w> Crew<'w> {
             model,
             record: None,
             source: None,
-            workers: Vec::new(),
+            children: Vec::new(),
             spare: None,
             evicted: Vec::new(),
             budget: place.budget.or_else(half_of_memory).unwrap_or(u64::MAX),
@@ -56,19 +56,19 @@ impl<'w> Crew<'w> {
     }
 
     /// Lets a first child load the model.
-    pub(super) fn survey(&mut self) -> Result<ModelRecord, Failure> {
-        let (worker, record) = self.load()?;
-        self.spare = Some(worker);
+    pub(super) fn load_model(&mut self) -> Result<ModelRecord, Failure> {
+        let (child, record) = self.load()?;
+        self.spare = Some(child);
         self.record = Some(record.clone());
         Ok(record)
     }
 
     /// A child that has loaded the model, and what it found.
-    fn load(&self) -> Result<(Worker, ModelRecord), Failure> {
-        let trouble = |trouble: &Trouble| trouble.failure(&self.place.limits, "loading the model");
-        let mut child = Child::start(self.place.command_for(self.model))
-            .map_err(|error| trouble(&Trouble::Start(error)))?;
-        let order = Order::Load {
+    fn load(&self) -> Result<(Child, ModelRecord), Failure> {
+        let failure = |error: &ChildError| error.failure(&self.place.limits, "loading the model");
+        let mut process = ChildProcess::start(self.place.command_for(self.model))
+            .map_err(|error| failure(&ChildError::Start(error)))?;
+        let request = Request::Load {
             name: self.model.name.clone(),
             parent: std::process::id(),
             cpus: self
@@ -79,10 +79,10 @@ impl<'w> Crew<'w> {
             memory_limit: self.place.limits.memory.0,
             max_decompressed: self.place.limits.decompressed.0,
         };
-        match child.ask(&order, &self.place.limits, LONGEST) {
+        match process.ask(&request, &self.place.limits, LONGEST) {
             Ok(Reply::Loaded(record)) => Ok((
-                Worker {
-                    child,
+                Child {
+                    process,
                     cell: String::new(),
                     distances: Vec::new(),
                 },
@@ -92,17 +92,17 @@ impl<'w> Crew<'w> {
                 status: Status::Refused,
                 message,
             }),
-            Ok(other) => Err(trouble(&out_of_turn(&other))),
-            Err(error) => Err(trouble(&error)),
+            Ok(other) => Err(failure(&out_of_turn(&other))),
+            Err(error) => Err(failure(&error)),
         }
     }
 
     /// A new child for `cell`.
-    fn hire(&mut self, cell: &str) -> Result<Worker, Failure> {
-        let worker = if let Some(spare) = self.spare.take() {
+    fn child_for(&mut self, cell: &str) -> Result<Child, Failure> {
+        let child = if let Some(spare) = self.spare.take() {
             spare
         } else {
-            let (worker, found) = self.load()?;
+            let (child, found) = self.load()?;
             let hash = |record: &ModelRecord| record.sha256.clone();
             if self.record.as_ref().map(hash) != Some(hash(&found)) {
                 return Err(Failure {
@@ -110,32 +110,32 @@ impl<'w> Crew<'w> {
                     message: format!("{} has changed since the run began", self.model.path),
                 });
             }
-            worker
+            child
         };
-        Ok(Worker {
+        Ok(Child {
             cell: cell.to_owned(),
-            ..worker
+            ..child
         })
     }
 
-    /// Ends `worker` if all together hold too much, else keeps it for its next run.
-    fn keep(&mut self, worker: Worker) {
-        self.workers.push(worker);
-        let workers = self.workers.iter();
-        let held: u64 = workers.filter_map(|w| w.child.resident()).sum();
-        if held > self.budget && self.workers.len() > 1 {
+    /// Ends `child` if all together hold too much, else keeps it for its next run.
+    fn keep(&mut self, child: Child) {
+        self.children.push(child);
+        let children = self.children.iter();
+        let held: u64 = children.filter_map(|w| w.process.resident()).sum();
+        if held > self.budget && self.children.len() > 1 {
             self.evicted
-                .extend(self.workers.pop().map(|worker| worker.cell));
+                .extend(self.children.pop().map(|child| child.cell));
         }
     }
 }
 
-impl Executor for Crew<'_> {
+impl Session for ChildPool<'_> {
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
         let cell = match self.place.sharing {
             Sharing::None => {
                 if self.source != Some(step.source) {
-                    self.workers.clear();
+                    self.children.clear();
                     self.evicted.clear();
                 }
                 step.algorithm.label()
@@ -143,46 +143,46 @@ impl Executor for Crew<'_> {
             Sharing::All => "",
         };
         self.source = Some(step.source);
-        let known = self.workers.iter().position(|worker| worker.cell == cell);
-        let mut worker = match known {
-            Some(place) => self.workers.swap_remove(place),
-            None => self.hire(cell)?,
+        let known = self.children.iter().position(|child| child.cell == cell);
+        let mut child = match known {
+            Some(place) => self.children.swap_remove(place),
+            None => self.child_for(cell)?,
         };
         let vertices = self.record.as_ref().and_then(|record| record.vertices);
         // 8 bytes take 11 characters of base64 at most.
         let longest = LONGEST + 11 * vertices.unwrap_or(0) as usize;
         if let Some(place) = self.evicted.iter().position(|evicted| evicted == cell) {
             self.evicted.swap_remove(place);
-            if step.purpose == Purpose::Time {
-                let purpose = Purpose::WarmUp;
-                worker.execute(self.place, longest, &Step { purpose, ..*step })?;
+            if step.pass == Pass::Time {
+                let pass = Pass::Warmup;
+                child.execute(self.place, longest, &Step { pass, ..*step })?;
             }
         }
-        let observation = worker.execute(self.place, longest, step)?;
-        self.keep(worker);
+        let observation = child.execute(self.place, longest, step)?;
+        self.keep(child);
         Ok(observation)
     }
 }
 
-impl Worker {
+impl Child {
     fn execute(
         &mut self,
         place: &Isolated,
         longest: usize,
         step: &Step<'_>,
     ) -> Result<Observation, Failure> {
-        let order = Order::Run {
+        let request = Request::Run {
             algorithm: step.algorithm.spelled(),
             source: step.source.raw(),
-            purpose: step.purpose,
+            pass: step.pass,
         };
-        let doing = match step.purpose {
-            Purpose::WarmUp => "warming up",
-            Purpose::Time => "being timed",
-            Purpose::Count => "being counted",
-            Purpose::Clock => "having its phases clocked",
+        let doing = match step.pass {
+            Pass::Warmup => "warming up",
+            Pass::Time => "being timed",
+            Pass::Count => "being counted",
+            Pass::Profile => "having its phases clocked",
         };
-        match self.child.ask(&order, &place.limits, longest) {
+        match self.process.ask(&request, &place.limits, longest) {
             Ok(Reply::Ran(observation)) => {
                 self.distances.clone_from(&observation.distances);
                 Ok(*observation)
@@ -193,14 +193,14 @@ impl Worker {
             }),
             Ok(Reply::Failed(failure)) => Err(failure),
             Ok(other) => Err(out_of_turn(&other).failure(&place.limits, doing)),
-            Err(trouble) => Err(trouble.failure(&place.limits, doing)),
+            Err(error) => Err(error.failure(&place.limits, doing)),
         }
     }
 }
 
 /// An answer to another question than was asked.
-fn out_of_turn(reply: &Reply) -> Trouble {
+fn out_of_turn(reply: &Reply) -> ChildError {
     let mut text = format!("{reply:?}");
     text.truncate(text.find(['(', '{']).unwrap_or(text.len()));
-    Trouble::Garbage(text)
+    ChildError::Garbage(text)
 }

@@ -27,13 +27,13 @@ pub(super) fn is_parent(parent: u32) -> bool {
 }
 
 /// Gives this process a name that tools show.
-pub(super) fn call_this_process_a_cell() {
+pub(super) fn name_this_process() {
     #[cfg(target_os = "linux")]
     let _ = rustix::thread::set_name(c"geobench-cell");
 }
 
 /// Keeps a crash from writing an image of the memory, which takes long and nobody reads.
-pub(super) fn no_core_files() {
+pub(super) fn disable_core_dumps() {
     let none = Rlimit {
         current: Some(0),
         maximum: Some(0),
@@ -42,7 +42,7 @@ pub(super) fn no_core_files() {
 }
 
 /// Lets allocations fail that would take this process's own data beyond `bytes`, touched or not.
-pub(super) fn bound_data(bytes: u64) {
+pub(super) fn limit_data(bytes: u64) {
     let bound = Rlimit {
         current: Some(bytes),
         maximum: Some(bytes),
@@ -52,7 +52,7 @@ pub(super) fn bound_data(bytes: u64) {
 
 /// Tells the kernel whom to end first should it run out of memory: whoever is at work, rather
 /// than a neighbour that waits or the parent, which has all results.
-pub(super) fn volunteer_when_memory_is_out(at_work: bool) {
+pub(super) fn raise_oom_score(at_work: bool) {
     let _ = fs::write(
         "/proc/self/oom_score_adj",
         if at_work { "1000" } else { "500" },

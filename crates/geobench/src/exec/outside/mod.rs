@@ -3,13 +3,13 @@
 //! A table `[ext.NAME]` in a TOML file (`file`) says how a program, or more often a small adapter
 //! around a library, is called. It loads the model itself, is asked for one solve after another,
 //! times each by its own clock and writes the distances to a file; `bench-configs/PEERS.md`
-//! describes the protocol (`message` and `worker` are our side of it). To the rest of the program it is an
+//! describes the protocol (`message` and `process` are our side of it). To the rest of the program it is an
 //! algorithm: its runs take their turns with those of the others, its answers are checked like
 //! theirs, and what becomes of it stands in the same rows.
 //!
 //! An outside program always has a process of its own, within the same limits of time and memory as the
 //! processes of [`crate::exec::isolate`], wherever the algorithms of the suite run: [`WithPrograms`] is a
-//! workplace around theirs.
+//! backend around theirs.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -18,27 +18,27 @@ use std::sync::Arc;
 use geobench_mesh::{VertexId, io as mesh_io};
 use tempfile::TempDir;
 
-use self::process::{Task, Worker};
+use self::process::{ProgramProcess, Task};
 use crate::exec::affinity::CpuList;
 use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
-use crate::exec::{Executor, Failure, Observation, Purpose, Refusal, Step, Workplace};
+use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::host::kibibytes;
 use crate::registry::{Keeping, Program};
 use crate::schema::{ModelRecord, Status};
 
 mod process;
 
-/// A workplace for the algorithms of the suite, and processes for outside programs.
+/// A backend for the algorithms of the suite, and processes for outside programs.
 pub struct WithPrograms {
-    inner: Box<dyn Workplace>,
+    inner: Box<dyn Backend>,
     limits: Limits,
     cpus: Option<CpuList>,
 }
 
 impl WithPrograms {
     /// `inner`, and beside it processes with these limits, pinned to these processors.
-    pub fn new(inner: Box<dyn Workplace>, limits: Limits, cpus: Option<CpuList>) -> Self {
+    pub fn new(inner: Box<dyn Backend>, limits: Limits, cpus: Option<CpuList>) -> Self {
         Self {
             inner,
             limits,
@@ -47,15 +47,15 @@ impl WithPrograms {
     }
 }
 
-impl Workplace for WithPrograms {
+impl Backend for WithPrograms {
     fn with_model(
         &mut self,
         model: &ModelRef,
-        work: &mut dyn FnMut(&ModelRecord, &mut dyn Executor),
+        work: &mut dyn FnMut(&ModelRecord, &mut dyn Session),
     ) -> Result<(), Refusal> {
         let (limits, cpus) = (&self.limits, self.cpus.as_ref());
         self.inner.with_model(model, &mut |record, inner| {
-            let mut bench = Bench {
+            let mut session = ProgramSession {
                 inner,
                 model,
                 vertices: record.vertices.unwrap_or(0) as usize,
@@ -63,17 +63,17 @@ impl Workplace for WithPrograms {
                 cpus,
                 handover: None,
                 source: None,
-                workers: BTreeMap::new(),
+                processes: BTreeMap::new(),
                 last: BTreeMap::new(),
             };
-            work(record, &mut bench);
+            work(record, &mut session);
         })
     }
 }
 
 /// The processes that work on a model.
-struct Bench<'b> {
-    inner: &'b mut dyn Executor,
+struct ProgramSession<'b> {
+    inner: &'b mut dyn Session,
     model: &'b ModelRef,
     vertices: usize,
     limits: &'b Limits,
@@ -82,7 +82,7 @@ struct Bench<'b> {
     /// The source under way.
     source: Option<VertexId>,
     /// Programs that are kept, by name, for this source.
-    workers: BTreeMap<String, Worker>,
+    processes: BTreeMap<String, ProgramProcess>,
     /// What each program delivered last, for this source.
     last: BTreeMap<String, Observation>,
 }
@@ -115,10 +115,10 @@ impl Handover {
     }
 }
 
-impl Executor for Bench<'_> {
+impl Session for ProgramSession<'_> {
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
         if self.source != Some(step.source) {
-            self.workers.clear();
+            self.processes.clear();
             self.last.clear();
         }
         self.source = Some(step.source);
@@ -126,22 +126,22 @@ impl Executor for Bench<'_> {
             return self.inner.execute(step);
         };
         // What it counts it tells with each run; and nobody can clock its phases.
-        let last = match step.purpose {
-            Purpose::WarmUp | Purpose::Time => None,
-            Purpose::Count | Purpose::Clock => self.last.get(&program.name).cloned(),
+        let last = match step.pass {
+            Pass::Warmup | Pass::Time => None,
+            Pass::Count | Pass::Profile => self.last.get(&program.name).cloned(),
         };
         let done = match last {
             Some(last) => last,
             None => self.solve(program, step.source.raw(), step.algorithm.threads())?,
         };
-        Ok(match step.purpose {
-            Purpose::WarmUp | Purpose::Time => done,
-            Purpose::Count => Observation {
+        Ok(match step.pass {
+            Pass::Warmup | Pass::Time => done,
+            Pass::Count => Observation {
                 seconds: None,
                 setup_seconds: None,
                 ..done
             },
-            Purpose::Clock => Observation {
+            Pass::Profile => Observation {
                 distances: done.distances,
                 ..Observation::default()
             },
@@ -149,7 +149,7 @@ impl Executor for Bench<'_> {
     }
 }
 
-impl Bench<'_> {
+impl ProgramSession<'_> {
     fn solve(
         &mut self,
         program: &Arc<Program>,
@@ -171,25 +171,25 @@ impl Bench<'_> {
             limits: self.limits,
             cpus: self.cpus,
         };
-        let mut worker = if let Some(worker) = self.workers.remove(name) {
-            worker
+        let mut process = if let Some(process) = self.processes.remove(name) {
+            process
         } else {
             let output = handover.folder.path().join(format!("{name}.csv"));
-            Worker::start(program, output, &task)?
+            ProgramProcess::start(program, output, &task)?
         };
-        let done = worker.solve(&task)?;
-        if program.keeping == Keeping::Session && self.has_room_for(&worker) {
-            self.workers.insert(name.clone(), worker);
+        let done = process.solve(&task)?;
+        if program.keeping == Keeping::Session && self.has_room_for(&process) {
+            self.processes.insert(name.clone(), process);
         }
         self.last.insert(name.clone(), done.clone());
         Ok(done)
     }
 
-    /// Whether `worker` may wait for its next run: all that wait leave half of the memory that
+    /// Whether `process` may wait for its next run: all that wait leave half of the memory that
     /// there is without them to others. One that may not ends, and loads the model anew.
-    fn has_room_for(&self, worker: &Worker) -> bool {
-        let waiting = self.workers.values().filter_map(Worker::resident);
-        let held: u64 = waiting.chain(worker.resident()).sum();
+    fn has_room_for(&self, process: &ProgramProcess) -> bool {
+        let waiting = self.processes.values().filter_map(ProgramProcess::resident);
+        let held: u64 = waiting.chain(process.resident()).sum();
         let free = kibibytes("/proc/meminfo", "MemAvailable");
         free.is_none_or(|free| held <= free)
     }

@@ -12,7 +12,7 @@ use rustix::fs::OFlags;
 use serde::Deserialize;
 
 use crate::exec::affinity::{self, CpuList};
-use crate::exec::isolate::{Child, Trouble};
+use crate::exec::isolate::{ChildError, ChildProcess};
 use crate::exec::limits::Limits;
 use crate::exec::{Failure, Observation, expected, protocol};
 use crate::measure::memory::Peaks;
@@ -27,8 +27,8 @@ const SOLVE: &[u8] = b"solve\n";
 
 /// A process of an outside program, which has loaded the model if it is kept.
 #[derive(Debug)]
-pub(super) struct Worker {
-    child: Child,
+pub(super) struct ProgramProcess {
+    child: ChildProcess,
     program: Arc<Program>,
     output: PathBuf,
 }
@@ -50,7 +50,7 @@ pub(super) struct Task<'t> {
     pub(super) cpus: Option<&'t CpuList>,
 }
 
-impl Worker {
+impl ProgramProcess {
     /// Starts `program`; one that is kept has loaded the model then.
     pub(super) fn start(
         program: &Arc<Program>,
@@ -65,28 +65,28 @@ impl Worker {
             output: &output,
         });
         let name = command.get_program().display().to_string();
-        let failure = |trouble: &Trouble| trouble.failure(task.limits, DOING);
+        let failure = |error: &ChildError| error.failure(task.limits, DOING);
         forget(&output);
-        let child = Child::start(command).map_err(|error| Failure {
+        let child = ChildProcess::start(command).map_err(|error| Failure {
             status: Status::Crashed,
             message: format!("{name} cannot be started: {error}"),
         })?;
         if let Some(cpus) = task.cpus {
             affinity::pin_process(child.id(), cpus.numbers())
-                .map_err(|error| failure(&Trouble::Start(error)))?;
+                .map_err(|error| failure(&ChildError::Start(error)))?;
         }
-        let mut worker = Self {
+        let mut process = Self {
             child,
             program: program.clone(),
             output,
         };
         if program.keeping == Keeping::Session {
-            let line = worker.ask(b"", task, DOING)?;
+            let line = process.ask(b"", task, DOING)?;
             if !line.ready {
-                return Err(failure(&Trouble::Garbage("not \"ready\": true".into())));
+                return Err(failure(&ChildError::Garbage("not \"ready\": true".into())));
             }
         }
-        Ok(worker)
+        Ok(process)
     }
 
     /// Has it solve once.
@@ -98,7 +98,7 @@ impl Worker {
             .timeout
             .0
             .and_then(|time| start.checked_add(time));
-        let order = match self.program.keeping {
+        let request = match self.program.keeping {
             Keeping::Session => {
                 forget(&self.output);
                 SOLVE
@@ -106,13 +106,13 @@ impl Worker {
             // It has been at work since its start.
             Keeping::Once => b"",
         };
-        let mut line = self.ask(order, task, DOING)?;
+        let mut line = self.ask(request, task, DOING)?;
         if line.ready && self.program.keeping == Keeping::Once {
             line = self.ask(b"", task, DOING)?;
         }
         if line.seconds.is_none() {
-            let trouble = Trouble::Garbage("no \"seconds\"".into());
-            return Err(trouble.failure(task.limits, DOING));
+            let error = ChildError::Garbage("no \"seconds\"".into());
+            return Err(error.failure(task.limits, DOING));
         }
         let distances = read_distances(&self.output, task.vertices, task.limits, deadline)?;
         Ok(line.observation(distances))
@@ -123,12 +123,12 @@ impl Worker {
         self.child.resident()
     }
 
-    fn ask(&mut self, order: &[u8], task: &Task<'_>, doing: &str) -> Result<Line, Failure> {
-        let failure = |trouble: Trouble| trouble.failure(task.limits, doing);
-        let answer = self.child.ask_line(order, task.limits, LONGEST);
+    fn ask(&mut self, request: &[u8], task: &Task<'_>, doing: &str) -> Result<Line, Failure> {
+        let failure = |error: ChildError| error.failure(task.limits, doing);
+        let answer = self.child.ask_line(request, task.limits, LONGEST);
         let bytes = answer.map_err(failure)?;
         let Some(line) = Line::parse(&bytes) else {
-            return Err(failure(Trouble::garbage(&bytes)));
+            return Err(failure(ChildError::garbage(&bytes)));
         };
         match line.refused {
             Some(why) => Err(Failure {
@@ -225,7 +225,7 @@ fn read_distances(
     let mut bytes = Vec::new();
     loop {
         if is_over() {
-            return Err(Trouble::Timeout.failure(limits, "having its distances read"));
+            return Err(ChildError::Timeout.failure(limits, "having its distances read"));
         }
         let block = (&file).take(BLOCK).read_to_end(&mut bytes);
         let block = block.map_err(|error| unusable(format!("{}: {error}", path.display())))?;

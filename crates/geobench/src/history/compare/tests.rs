@@ -3,14 +3,14 @@
 use geobench_window::Counter;
 
 use super::*;
-use crate::exec::mock::Rehearsal;
-use crate::run::mock::{plan, rehearse, result};
+use crate::exec::mock::MockBackend;
+use crate::run::mock::{plan, result, run_mock};
 use crate::table::ComparisonFormat;
 
 /// Two models and three algorithms, five samples each.
 fn file() -> ResultFile {
     let plan = plan(&["cow|2", "horse"], "mmp,ich,vtp", "0");
-    let mut file = result(rehearse(&plan, &mut Rehearsal::default()));
+    let mut file = result(run_mock(&plan, &mut MockBackend::default()));
     for (place, model) in file.models.iter_mut().enumerate() {
         model.sha256 = Some(format!("{place:064}"));
     }

@@ -307,7 +307,7 @@ fn plan(
         reference: reference.unwrap_or_else(|| Reference::usual(&algorithms)),
         tolerance: settings.tolerance.unwrap_or(1e-9),
         seed: settings.seed.unwrap_or(DEFAULT_SEED),
-        share: None,
+        shard_range: None,
         limits: Limits {
             timeout: settings.timeout.unwrap_or(Timeout::USUAL),
             memory: settings.memory_limit.unwrap_or_default(),

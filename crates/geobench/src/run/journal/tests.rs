@@ -6,14 +6,14 @@ use std::thread;
 use std::time::Duration;
 
 use super::{Header, Journal, JournalError};
-use crate::exec::mock::{Rehearsal, crash_ich, spoil_vtp};
-use crate::exec::{Failure, Listener, Purpose};
+use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
+use crate::exec::{Failure, Listener, Pass};
 use crate::plan::{Plan, Reference};
 use crate::registry;
-use crate::run::mock::{Deaf, plan};
-use crate::run::{Outcome, run};
+use crate::run::mock::{NullListener, plan};
+use crate::run::{Records, run};
 use crate::schema::{
-    Cell, Host, InstructionCount, IsolationRecord, ModelRecord, Session, Status, Tool,
+    Cell, Host, InstructionCount, IsolationRecord, ModelRecord, SessionRecord, Status, Tool,
 };
 use tempfile::TempDir;
 
@@ -42,9 +42,9 @@ impl Desk {
     }
 
     /// Opens the journal and carries out the plan.
-    fn run(&self, plan: &Plan, rehearsal: &mut Rehearsal) -> Outcome {
+    fn run(&self, plan: &Plan, backend: &mut MockBackend) -> Records {
         let mut journal = self.open(plan).unwrap();
-        run(plan, rehearsal, &mut journal, &mut Deaf).unwrap()
+        run(plan, backend, Some(&mut journal), &mut NullListener).unwrap()
     }
 
     /// The message with which the journal is refused, in which the path is `J`.
@@ -81,8 +81,8 @@ fn header(plan: &Plan) -> Header {
     )
 }
 
-fn session() -> Session {
-    Session {
+fn session() -> SessionRecord {
+    SessionRecord {
         shard: None,
         host: Host {
             cpu: None,
@@ -106,9 +106,9 @@ fn small() -> Plan {
 }
 
 /// All but the times.
-fn essence(outcome: &Outcome) -> String {
-    let mut outcome = outcome.clone();
-    for cell in &mut outcome.cells {
+fn essence(records: &Records) -> String {
+    let mut records = records.clone();
+    for cell in &mut records.cells {
         let count = cell.time.samples.len();
         cell.time = crate::schema::Time {
             samples: vec![0.0; count],
@@ -116,21 +116,21 @@ fn essence(outcome: &Outcome) -> String {
             ..Default::default()
         };
     }
-    serde_json::to_string(&outcome.cells).unwrap()
+    serde_json::to_string(&records.cells).unwrap()
 }
 
 #[test]
 fn what_is_complete_is_not_repeated_and_not_even_loaded() {
     let desk = Desk::new();
-    let mut first = Rehearsal::default();
+    let mut first = MockBackend::default();
     let whole = desk.run(&small(), &mut first);
     let lines = desk.text().lines().count();
     // A header, a session, two models, and every run.
     assert_eq!(lines, 2 + 2 + first.log.len());
 
-    let mut second = Rehearsal {
+    let mut second = MockBackend {
         refuse: vec!["horse", "cow"],
-        ..Rehearsal::default()
+        ..MockBackend::default()
     };
     let again = desk.run(&small(), &mut second);
     assert_eq!(second.log, [""; 0]);
@@ -146,12 +146,12 @@ fn what_is_complete_is_not_repeated_and_not_even_loaded() {
 #[test]
 fn wherever_a_run_is_killed_it_goes_on_to_the_same_result() {
     for alter in [None, Some(spoil_vtp as _), Some(crash_ich as _)] {
-        let rehearsal = || Rehearsal {
+        let backend = || MockBackend {
             alter,
-            ..Rehearsal::default()
+            ..MockBackend::default()
         };
         let desk = Desk::new();
-        let mut undisturbed = rehearsal();
+        let mut undisturbed = backend();
         let whole = essence(&desk.run(&small(), &mut undisturbed));
         let text = desk.text();
         let lines: Vec<&str> = text.split_inclusive('\n').collect();
@@ -161,7 +161,7 @@ fn wherever_a_run_is_killed_it_goes_on_to_the_same_result() {
                 part.push_str(&next[..(kept * 37) % next.len()]);
             }
             fs::write(desk.path(), &part).unwrap();
-            let mut rest = rehearsal();
+            let mut rest = backend();
             assert_eq!(essence(&desk.run(&small(), &mut rest)), whole, "{kept}");
             let runs_kept = kept.saturating_sub(2);
             let timed = |log: &[String]| log.iter().filter(|l| !l.starts_with("warm")).count();
@@ -200,8 +200,8 @@ fn instructions_are_counted_once() {
     let desk = Desk::new();
     let go = |listener: &mut Counting| {
         let mut journal = desk.open(&small()).unwrap();
-        let mut workplace = Rehearsal::default();
-        run(&small(), &mut workplace, &mut journal, listener).unwrap()
+        let mut backend = MockBackend::default();
+        run(&small(), &mut backend, Some(&mut journal), listener).unwrap()
     };
     let mut first = Counting::default();
     let whole = go(&mut first);
@@ -216,9 +216,9 @@ fn instructions_are_counted_once() {
 fn a_cell_that_failed_is_not_tried_again() {
     let desk = Desk::new();
     let plan = plan(&["horse"], "mmp,vtp,ich", "0,3");
-    let mut crashing = Rehearsal {
+    let mut crashing = MockBackend {
         alter: Some(crash_ich),
-        ..Rehearsal::default()
+        ..MockBackend::default()
     };
     desk.run(&plan, &mut crashing);
     // Killed after ich has failed in the first round.
@@ -226,12 +226,12 @@ fn a_cell_that_failed_is_not_tried_again() {
     let end = text.find("crashed").unwrap();
     let end = end + text[end..].find('\n').unwrap() + 1;
     fs::write(desk.path(), &text[..end]).unwrap();
-    let mut rest = Rehearsal::default();
-    let outcome = desk.run(&plan, &mut rest);
+    let mut rest = MockBackend::default();
+    let records = desk.run(&plan, &mut rest);
     assert!(!rest.log.contains(&"time ich 0".to_owned()));
     assert!(!rest.log.contains(&"warm ich 0".to_owned()));
     assert!(rest.log.contains(&"time ich 3".to_owned()));
-    let statuses: Vec<Status> = outcome.cells.iter().map(|c| c.status).collect();
+    let statuses: Vec<Status> = records.cells.iter().map(|c| c.status).collect();
     assert_eq!(statuses[2], Status::Crashed);
     assert!(statuses[3..].iter().all(|&s| s == Status::Ok));
 }
@@ -241,25 +241,25 @@ fn a_reference_that_failed_is_not_tried_again() {
     let desk = Desk::new();
     let mut plan = plan(&["horse"], "vtp,ich", "0");
     plan.reference = Reference::Algorithm(registry::select_one("mmp").unwrap());
-    let mut failing = Rehearsal {
+    let mut failing = MockBackend {
         alter: Some(|step, _| {
             (step.algorithm.label() == "mmp").then(|| Failure {
                 status: Status::Timeout,
                 message: "too long".into(),
             })
         }),
-        ..Rehearsal::default()
+        ..MockBackend::default()
     };
     let whole = desk.run(&plan, &mut failing);
     let text = desk.text();
     let some: Vec<&str> = text.split_inclusive('\n').take(8).collect();
     fs::write(desk.path(), some.concat()).unwrap();
-    let mut rest = Rehearsal::default();
-    let outcome = desk.run(&plan, &mut rest);
+    let mut rest = MockBackend::default();
+    let records = desk.run(&plan, &mut rest);
     assert!(rest.log.iter().all(|line| !line.contains("mmp")));
-    assert_eq!(essence(&outcome), essence(&whole));
+    assert_eq!(essence(&records), essence(&whole));
     assert_eq!(
-        outcome.cells[1].message.as_deref(),
+        records.cells[1].message.as_deref(),
         Some("not checked: the reference mmp failed: too long")
     );
 }
@@ -267,7 +267,7 @@ fn a_reference_that_failed_is_not_tried_again() {
 #[test]
 fn a_journal_of_another_run_is_refused_and_says_what_differs() {
     let desk = Desk::new();
-    desk.run(&small(), &mut Rehearsal::default());
+    desk.run(&small(), &mut MockBackend::default());
     let refused = |change: fn(&mut Plan)| {
         let mut plan = small();
         change(&mut plan);
@@ -328,12 +328,18 @@ fn a_journal_of_another_run_is_refused_and_says_what_differs() {
 #[test]
 fn a_model_that_has_changed_is_refused() {
     let desk = Desk::new();
-    desk.run(&small(), &mut Rehearsal::default());
+    desk.run(&small(), &mut MockBackend::default());
     let text = desk.text().replace("00ff", "beef");
     let cut = text.rfind("{\"run\"").unwrap();
     fs::write(desk.path(), &text[..cut]).unwrap();
     let mut journal = desk.open(&small()).unwrap();
-    let error = run(&small(), &mut Rehearsal::default(), &mut journal, &mut Deaf).unwrap_err();
+    let error = run(
+        &small(),
+        &mut MockBackend::default(),
+        Some(&mut journal),
+        &mut NullListener,
+    )
+    .unwrap_err();
     assert_eq!(
         error.to_string(),
         "cow.obj: the model is not the one that the journal holds results of: its SHA-256 is 00ff, and was beef"
@@ -343,7 +349,7 @@ fn a_model_that_has_changed_is_refused() {
 #[test]
 fn only_the_last_line_may_be_torn() {
     let desk = Desk::new();
-    desk.run(&small(), &mut Rehearsal::default());
+    desk.run(&small(), &mut MockBackend::default());
     let text = desk.text();
     let lines: Vec<&str> = text.split_inclusive('\n').collect();
     let with = |line: usize, replacement: &str| {
@@ -419,11 +425,11 @@ fn a_journal_that_is_let_go_of_soon_is_waited_for() {
 #[test]
 fn findings_are_read_as_they_were_written() {
     let desk = Desk::new();
-    desk.run(&small(), &mut Rehearsal::default());
+    desk.run(&small(), &mut MockBackend::default());
     let text = desk.text();
     for line in text.lines().skip(1) {
         let read: super::Line = serde_json::from_str(line).unwrap();
         assert_eq!(serde_json::to_string(&read).unwrap(), line);
     }
-    assert!(Purpose::WarmUp < Purpose::Time && Purpose::Time < Purpose::Count);
+    assert!(Pass::Warmup < Pass::Time && Pass::Time < Pass::Count);
 }

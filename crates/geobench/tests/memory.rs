@@ -82,7 +82,8 @@ fn solvers_of_the_timed_runs_are_no_part_of_the_peak() {
     assert!(more < heap / 8, "{more} bytes more than {fresh:?}");
 }
 
-/// Levels are kept in counted runs, in maps, which once made lists of windows look half as large again.
+/// Levels are kept in counted runs, in maps, which once made lists of windows look half as large
+/// again.
 #[test]
 fn what_is_kept_for_the_counts_is_no_memory_of_the_algorithm() {
     let model = "gen:torus,faces=5000,bump=0.1,seed=7";

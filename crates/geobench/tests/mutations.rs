@@ -1,5 +1,5 @@
-//! Damaged suites, result files, journals and files of distances: any answer will do, but there must
-//! be one, soon. What can still be read goes through everything that shows or joins it.
+//! Damaged suites, result files, journals and files of distances: any answer will do, but there
+//! must be one, soon. What can still be read goes through everything that shows or joins it.
 
 #[path = "cli/support.rs"]
 #[allow(dead_code, reason = "the tests of the command line use all of it")]

@@ -446,8 +446,9 @@ mod trusted_reference {
     }
 }
 
-/// A solve with an instruction that Valgrind does not know, as `vtp-fast` on `gen:holes`, ended with
-/// SIGILL. Its instructions were missing, and the gate passed by them. These tests need Valgrind.
+/// A solve with an instruction that Valgrind does not know, as `vtp-fast` on `gen:holes`, ended
+/// with SIGILL. Its instructions were missing, and the gate passed by them. These tests need
+/// Valgrind.
 mod missing_instructions {
     use serde_json::Value;
 

@@ -69,7 +69,8 @@ struct Task {
     output: OutputFile,
 }
 
-/// A field for each of `sources`, which are different, in a file of its own that is called after `path`.
+/// A field for each of `sources`, which are different, in a file of its own that is called after
+/// `path`.
 fn one_by_one(sources: Vec<VertexId>, path: &Path) -> anyhow::Result<Vec<Task>> {
     let task = |source: VertexId| {
         let path = path_of_source(path, source);
@@ -102,10 +103,11 @@ struct Request<'a> {
 }
 
 impl Request<'_> {
-    /// Carries out all `tasks`, as many at a time as there are threads, and says for each what came of it.
+    /// Carries out all `tasks`, as many at a time as there are threads, and says for each what came
+    /// of it.
     ///
-    /// Each thread has a solver of its own. That is worth more than several threads for one source, so a parallel
-    /// algorithm gets those that are left over.
+    /// Each thread has a solver of its own. That is worth more than several threads for one source,
+    /// so a parallel algorithm gets those that are left over.
     fn carry_out(&self, tasks: &[Task]) -> anyhow::Result<Vec<String>> {
         let threads = self.options.threads as usize;
         let workers = threads.min(tasks.len()).max(1);

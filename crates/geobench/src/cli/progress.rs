@@ -14,8 +14,9 @@ const LINES_LEFT: usize = 4;
 /// Letters within the bar.
 const BAR: usize = 30;
 
-/// A live table of the model that is being worked on, and a bar over all runs below it. They have no clock of
-/// their own and change between runs, so that nothing is drawn while a run is being timed.
+/// A live table of the model that is being worked on, and a bar over all runs below it. They have
+/// no clock of their own and change between runs, so that nothing is drawn while a run is being
+/// timed.
 #[derive(Debug)]
 pub(super) struct Progress {
     /// Where it stands, if it is shown.
@@ -135,8 +136,8 @@ impl View {
         self.table = true;
     }
 
-    /// The lines of it on a terminal of this many columns and lines: the bar, and above it the table if there is
-    /// room.
+    /// The lines of it on a terminal of this many columns and lines: the bar, and above it the
+    /// table if there is room.
     fn lines(&self, [columns, lines]: [usize; 2]) -> Vec<String> {
         // The last column stays free: some terminals would begin a new line.
         let columns = columns.saturating_sub(1);

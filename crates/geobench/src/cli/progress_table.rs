@@ -32,7 +32,8 @@ struct Row {
 }
 
 impl ProgressTable {
-    /// A board for a plan whose ratios are to `ratios_to`, or to `vtp`, its reference or its first algorithm.
+    /// A board for a plan whose ratios are to `ratios_to`, or to `vtp`, its reference or its first
+    /// algorithm.
     pub(super) fn new(plan: &Plan) -> Self {
         let labels: Vec<&str> = plan.algorithms.iter().map(Selection::label).collect();
         let reference = match &plan.reference {
@@ -135,8 +136,8 @@ impl<W: Write> RedrawnLines<W> {
         Self { out, drawn: 0 }
     }
 
-    /// Puts `lines` in the place of those that stand there. A line that fills the width of the terminal may
-    /// break, and its first half would stay: see [`cut`].
+    /// Puts `lines` in the place of those that stand there. A line that fills the width of the
+    /// terminal may break, and its first half would stay: see [`cut`].
     pub(super) fn draw(&mut self, lines: &[String]) {
         let text = format!("{}{}", self.way_back(), lines.join("\r\n"));
         self.drawn = lines.len();
@@ -166,7 +167,8 @@ impl<W: Write> RedrawnLines<W> {
     }
 }
 
-/// As much of `text` as fits on `columns` of a terminal. Characters that would steer it are replaced.
+/// As much of `text` as fits on `columns` of a terminal. Characters that would steer it are
+/// replaced.
 pub(super) fn cut(text: &str, columns: usize) -> String {
     let mut used = 0;
     text.chars()

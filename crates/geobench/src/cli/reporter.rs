@@ -66,8 +66,8 @@ impl Reporter {
         Ok(())
     }
 
-    /// Writes what is known so far to all files that can be written again. One that cannot be written
-    /// now can be at the end, and does not stop the run.
+    /// Writes what is known so far to all files that can be written again. One that cannot be
+    /// written now can be at the end, and does not stop the run.
     fn store(&mut self) -> anyhow::Result<()> {
         self.note_time();
         for (format, file) in self.outputs.iter().filter(|(_, file)| file.is_replaced()) {

@@ -103,8 +103,8 @@ impl InProcessSession<'_> {
         self.solvers.retain(|(label, _)| label != algorithm);
     }
 
-    /// A run with a solver of its own, so that its memory is measured from nothing. That of the counted run would include
-    /// what is kept for the counts alone.
+    /// A run with a solver of its own, so that its memory is measured from nothing. That of the
+    /// counted run would include what is kept for the counts alone.
     fn clock(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
         // What is set up for the timed runs is no part of it.
         self.dismiss(step.algorithm.label());

@@ -13,7 +13,8 @@ use std::sync::{Arc, LazyLock, OnceLock};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::{flag, low_level};
 
-/// Exit status of a command that was interrupted: 128 and the number of `SIGINT`, as shells have it.
+/// Exit status of a command that was interrupted: 128 and the number of `SIGINT`, as shells have
+/// it.
 pub const EXIT_STATUS: u8 = 130;
 
 static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);

@@ -129,8 +129,8 @@ pub trait Listener {
         let _ = step;
     }
 
-    /// A run has ended, now or before the benchmark was interrupted: it failed so, or took so many seconds if it
-    /// was timed.
+    /// A run has ended, now or before the benchmark was interrupted: it failed so, or took so many
+    /// seconds if it was timed.
     fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
         let _ = (step, outcome);
     }
@@ -141,8 +141,8 @@ pub trait Listener {
         false
     }
 
-    /// Counts the instructions of the solve of a cell that ended well, if that is asked for and can be
-    /// done.
+    /// Counts the instructions of the solve of a cell that ended well, if that is asked for and can
+    /// be done.
     fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<InstructionCount> {
         let _ = (model, cell);
         None

@@ -190,8 +190,8 @@ impl ModelRef {
         })
     }
 
-    /// The model of a file with every face split into four so many times. It is called by the file and how many
-    /// times as many faces it has.
+    /// The model of a file with every face split into four so many times. It is called by the file
+    /// and how many times as many faces it has.
     ///
     /// # Errors
     ///
@@ -254,8 +254,8 @@ impl ModelRef {
         }
     }
 
-    /// SHA-256 of the file that it is read from, or that its generator starts from; none if there is
-    /// no such file or it cannot be read.
+    /// SHA-256 of the file that it is read from, or that its generator starts from; none if there
+    /// is no such file or it cannot be read.
     pub fn file_sha256(&self) -> Option<String> {
         let path = match &self.origin {
             Origin::File(path) => path,
@@ -293,8 +293,8 @@ impl ModelRef {
         }
     }
 
-    /// Reads or generates the model, checks it and builds its mesh. A compressed file may decompress
-    /// to the usual number of bytes.
+    /// Reads or generates the model, checks it and builds its mesh. A compressed file may
+    /// decompress to the usual number of bytes.
     ///
     /// # Errors
     ///

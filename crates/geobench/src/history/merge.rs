@@ -1,8 +1,8 @@
 //! Joining the parts of one benchmark that ran on different machines, or one after the other.
 //!
-//! The cells of the whole come in the order of the run that was not split: by group, model, source and
-//! algorithm. Which part has which of them follows from the plan (`shard`), which every part holds
-//! whole; so a part that is missing, or that was interrupted, is found and named.
+//! The cells of the whole come in the order of the run that was not split: by group, model, source
+//! and algorithm. Which part has which of them follows from the plan (`shard`), which every part
+//! holds whole; so a part that is missing, or that was interrupted, is found and named.
 
 use serde_json::json;
 

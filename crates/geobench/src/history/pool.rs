@@ -29,8 +29,8 @@ pub enum PoolError {
 
 /// Joins `rounds`, each with the name of its file, in the order in which they were run. Samples of
 /// the same cell follow each other. A cell that failed in one round has failed; counts are those of
-/// the first round, peaks of memory the largest, set-up and phases the medians, and the conditions of
-/// the machine the worst.
+/// the first round, peaks of memory the largest, set-up and phases the medians, and the conditions
+/// of the machine the worst.
 ///
 /// # Errors
 ///

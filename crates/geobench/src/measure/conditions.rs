@@ -1,8 +1,9 @@
 //! What the machine did besides measuring: other programs, frequency, swapping, throttling.
 //!
-//! The system is asked before the first run and after the last one, never while something is timed. What it
-//! does not tell (it tells most on Linux, and less in a virtual machine) is absent. Times that such a
-//! disturbance may have spoilt stay in the file; the file says so, and so does the end of the run.
+//! The system is asked before the first run and after the last one, never while something is timed.
+//! What it does not tell (it tells most on Linux, and less in a virtual machine) is absent. Times
+//! that such a disturbance may have spoilt stay in the file; the file says so, and so does the end
+//! of the run.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,7 +20,8 @@ const OTHER_LOAD_LIMIT: f64 = 0.1;
 /// From which share of its time that a virtual machine did not get a run counts as disturbed.
 const STOLEN_LIMIT: f64 = 0.01;
 
-/// The frequency at the end, as a share of that at the start, below which something slowed the processor down.
+/// The frequency at the end, as a share of that at the start, below which something slowed the
+/// processor down.
 const FREQUENCY_LIMIT: f64 = 0.9;
 
 /// The governor that keeps the frequency where it is.
@@ -260,8 +262,8 @@ fn most_kilohertz(files: &[PathBuf]) -> Option<u64> {
     all.max()?.checked_mul(1000)
 }
 
-/// The first line of `/proc/stat`: user, nice, system, idle, iowait, irq, softirq, steal; what follows is
-/// counted in user and nice already.
+/// The first line of `/proc/stat`: user, nice, system, idle, iowait, irq, softirq, steal; what
+/// follows is counted in user and nice already.
 fn ticks(root: &Path) -> Option<Ticks> {
     let text = text(&root.join("proc/stat"))?;
     let mut lines = text.lines().filter(|line| line.starts_with("cpu"));
@@ -280,8 +282,8 @@ fn ticks(root: &Path) -> Option<Ticks> {
     })
 }
 
-/// The fields utime, stime, cutime and cstime of `/proc/self/stat`. The name of the program, which may
-/// hold anything, ends at the last parenthesis.
+/// The fields utime, stime, cutime and cstime of `/proc/self/stat`. The name of the program, which
+/// may hold anything, ends at the last parenthesis.
 fn own_ticks(root: &Path) -> Option<u64> {
     let text = text(&root.join("proc/self/stat"))?;
     let (_, fields) = text.rsplit_once(')')?;
@@ -306,8 +308,9 @@ fn swapped(root: &Path) -> Option<u64> {
     Some(value::<u64>(&text, "pswpin")? + value::<u64>(&text, "pswpout")?)
 }
 
-/// How many times the control group of this process was throttled, and for how many seconds. In a container the
-/// path in `/proc/self/cgroup` may be that of the host; the group is then the root of what is seen.
+/// How many times the control group of this process was throttled, and for how many seconds. In a
+/// container the path in `/proc/self/cgroup` may be that of the host; the group is then the root of
+/// what is seen.
 fn cgroup(root: &Path) -> (Option<u64>, Option<f64>) {
     let mounted = root.join("sys/fs/cgroup");
     let mut places = Vec::new();

@@ -1,15 +1,15 @@
 //! Instructions of a solve, counted by Valgrind.
 //!
-//! Times on a shared machine vary by 10 % and more; the number of instructions hardly varies at all, and a
-//! gate can hold it to a per cent or two. It is no time: it knows nothing of caches, branches and the
-//! width of vectors. The program starts itself under callgrind, which counts only while it is inside
-//! `counted_solve`, so that loading the model and setting the algorithm up do not dilute the
-//! figure.
+//! Times on a shared machine vary by 10 % and more; the number of instructions hardly varies at
+//! all, and a gate can hold it to a per cent or two. It is no time: it knows nothing of caches,
+//! branches and the width of vectors. The program starts itself under callgrind, which counts only
+//! while it is inside `counted_solve`, so that loading the model and setting the algorithm up do
+//! not dilute the figure.
 //!
-//! Valgrind emulates a processor of its own. Version 3.19 has AVX2 and no AVX-512, and it does not know
-//! every encoding of AVX2: `vmovq` between two registers in the form that stores (`c5 79 d6 e9`) ends
-//! a solve with SIGILL. Such a solve is counted again with narrower instructions, and the count says
-//! with which it was made.
+//! Valgrind emulates a processor of its own. Version 3.19 has AVX2 and no AVX-512, and it does not
+//! know every encoding of AVX2: `vmovq` between two registers in the form that stores (`c5 79 d6
+//! e9`) ends a solve with SIGILL. Such a solve is counted again with narrower instructions, and the
+//! count says with which it was made.
 
 use std::fs;
 use std::io;
@@ -26,8 +26,8 @@ use crate::schema::InstructionCount;
 /// The hidden command that does one solve under callgrind.
 pub const COMMAND: &str = "count-one-solve";
 
-/// The function in which instructions are counted, as callgrind's patterns find it whether or not the
-/// name is mangled.
+/// The function in which instructions are counted, as callgrind's patterns find it whether or not
+/// the name is mangled.
 const COUNTED: &str = "*instructions*counted_solve*";
 
 /// What the line starts with in which [`COMMAND`] says which instructions it uses.
@@ -66,8 +66,9 @@ pub fn check_valgrind() -> Result<(), InstructionsError> {
     status.map(drop).map_err(InstructionsError::NoValgrind)
 }
 
-/// Counts the instructions of one solve, the first after the set-up, in a process of its own; some fifty
-/// times as slow as the solve itself. Where Valgrind does not know an instruction, narrower ones are used.
+/// Counts the instructions of one solve, the first after the set-up, in a process of its own; some
+/// fifty times as slow as the solve itself. Where Valgrind does not know an instruction, narrower
+/// ones are used.
 ///
 /// # Errors
 ///

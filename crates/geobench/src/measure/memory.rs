@@ -1,15 +1,17 @@
 //! How much memory a run takes at its peak.
 //!
 //! Two figures: bytes that the program holds on the heap, counted by the allocator that the binary
-//! installs, and memory that the whole process occupies, as Linux accounts for it. The second includes the mesh and the code
-//! that the run needs; a cell gives back the code that ran before, to read the model or for an earlier run.
+//! installs, and memory that the whole process occupies, as Linux accounts for it. The second
+//! includes the mesh and the code that the run needs; a cell gives back the code that ran before,
+//! to read the model or for an earlier run.
 //!
-//! The allocator counts in timed runs too, since a program has but one. What that costs was measured
-//! with Valgrind, as instructions of a solve of `gen:torus,faces=5000,bump=0.1,seed=7` in two builds
-//! that differ in nothing else: mmp{turn=window} 0.29 %, fwp-mmp{turn=window} 0.26 %, vtp 0.04 %, ich and fwp-ch 0.001 %
-//! more than without it. The least of 360 times of each, of alternating calls of both builds with
-//! 2,000 faces, is between 2.7 % less and 2.0 % more with it, less for four of the five: noise.
-//! The solvers allocate seldom, because their buffers live on from run to run.
+//! The allocator counts in timed runs too, since a program has but one. What that costs was
+//! measured with Valgrind, as instructions of a solve of `gen:torus,faces=5000,bump=0.1,seed=7` in
+//! two builds that differ in nothing else: mmp{turn=window} 0.29 %, fwp-mmp{turn=window} 0.26 %,
+//! vtp 0.04 %, ich and fwp-ch 0.001 % more than without it. The least of 360 times of each, of
+//! alternating calls of both builds with 2,000 faces, is between 2.7 % less and 2.0 % more with it,
+//! less for four of the five: noise. The solvers allocate seldom, because their buffers live on
+//! from run to run.
 
 #![allow(unsafe_code)]
 
@@ -64,21 +66,23 @@ impl PeakMemory {
 
 /// Gives the system back all unchanged pages of mapped files, most of them code.
 ///
-/// Reading models, JSON and the registry touch some megabytes of code before a run begins (Linux maps
-/// 64 KB around each page that is needed): more than a model of 6,000 faces and its algorithm take
-/// together. Pages that the run needs come back on the next access, in some microseconds, and count.
+/// Reading models, JSON and the registry touch some megabytes of code before a run begins (Linux
+/// maps 64 KB around each page that is needed): more than a model of 6,000 faces and its algorithm
+/// take together. Pages that the run needs come back on the next access, in some microseconds, and
+/// count.
 ///
-/// Only for a process in which nothing maps and unmaps files meanwhile, such as a cell. Does nothing
-/// where the system does not list the mappings.
+/// Only for a process in which nothing maps and unmaps files meanwhile, such as a cell. Does
+/// nothing where the system does not list the mappings.
 #[cfg(target_os = "linux")]
 pub(crate) fn give_back_clean_pages() {
     let Ok(smaps) = std::fs::read_to_string("/proc/self/smaps") else {
         return;
     };
     for Range { start, end } in unchanged(&smaps) {
-        // SAFETY: the kernel has just said that the range is a private mapping of a file, not writable, of which no page is
-        // this process's own. So every page in it is as in the file, and is read from there again if it is touched.
-        // Only cells come here, in which nothing maps files as it goes, so that nothing else can have come to lie there since.
+        // SAFETY: the kernel has just said that the range is a private mapping of a file, not
+        // writable, of which no page is this process's own. So every page in it is as in the file,
+        // and is read from there again if it is touched. Only cells come here, in which nothing
+        // maps files as it goes, so that nothing else can have come to lie there since.
         let _ = unsafe {
             rustix::mm::madvise(
                 std::ptr::without_provenance_mut(start),
@@ -93,8 +97,9 @@ pub(crate) fn give_back_clean_pages() {
 #[cfg(not(target_os = "linux"))]
 pub(crate) fn give_back_clean_pages() {}
 
-/// The ranges of addresses in a text like `/proc/self/smaps` that are private mappings of files, not writable, and without a page that the
-/// process has made its own. What the dynamic linker changed before it took away the right to write has such pages.
+/// The ranges of addresses in a text like `/proc/self/smaps` that are private mappings of files,
+/// not writable, and without a page that the process has made its own. What the dynamic linker
+/// changed before it took away the right to write has such pages.
 #[cfg_attr(not(target_os = "linux"), allow(dead_code))]
 fn unchanged(smaps: &str) -> Vec<Range<usize>> {
     let mut ranges = Vec::new();
@@ -112,7 +117,8 @@ fn unchanged(smaps: &str) -> Vec<Range<usize>> {
     ranges
 }
 
-/// The range of a mapping, and whether it is a private one of a file that nobody may write to; nothing if `line` is not the first of a mapping.
+/// The range of a mapping, and whether it is a private one of a file that nobody may write to;
+/// nothing if `line` is not the first of a mapping.
 fn mapping(line: &str) -> Option<(Range<usize>, bool)> {
     let mut fields = line.split_ascii_whitespace();
     let (start, end) = fields.next()?.split_once('-')?;
@@ -174,7 +180,8 @@ Anonymous:             0 kB
         assert_eq!(unchanged(cut_short), []);
     }
 
-    /// Other tests of this process may run code at the same time that was not there: hence more than one trial.
+    /// Other tests of this process may run code at the same time that was not there: hence more
+    /// than one trial.
     #[test]
     #[cfg(target_os = "linux")]
     fn code_is_given_back_and_comes_again() {

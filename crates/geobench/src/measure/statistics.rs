@@ -1,9 +1,10 @@
 //! What is reported of repeated times: robust figures, never the mean alone.
 //!
 //! * One set of samples: [`summarise`], median, deviation, interval and outliers.
-//! * Two sets that were taken in turns: [`paired_ratio`], which a drifting machine does not disturb.
-//! * Two sets that were not: [`unpaired_ratio`] for the size of the difference, [`mann_whitney()`] for
-//!   whether there is one.
+//! * Two sets that were taken in turns: [`paired_ratio`], which a drifting machine does not
+//!   disturb.
+//! * Two sets that were not: [`unpaired_ratio`] for the size of the difference, [`mann_whitney()`]
+//!   for whether there is one.
 //!
 //! Intervals come from the percentile bootstrap of Efron (1979) with a fixed seed, so that the same
 //! samples always give the same interval.
@@ -132,8 +133,8 @@ const NORMAL_MEAN_DEVIATION: f64 = 0.797_884_560_802_865_4;
 /// Median absolute deviation of the standard normal distribution, its 75th percentile.
 const NORMAL_MEDIAN_DEVIATION: f64 = 0.674_489_750_196_081_7;
 
-/// The places of the samples whose modified z-score (Iglewicz and Hoaglin 1993),
-/// 0.6745 |x - median| / MAD, is above [`OUTLIER_SCORE`]. If more than half of the samples are equal, so that
+/// The places of the samples whose modified z-score (Iglewicz and Hoaglin 1993), 0.6745 |x -
+/// median| / MAD, is above [`OUTLIER_SCORE`]. If more than half of the samples are equal, so that
 /// their median absolute deviation is 0, the mean absolute deviation takes its place.
 pub fn outliers(samples: &[f64]) -> Vec<usize> {
     let Some(median) = median(samples) else {
@@ -217,7 +218,8 @@ pub struct MannWhitney {
     /// Pairs of a sample of the first set and one of the second in which the first is the larger;
     /// equal ones count one half.
     pub u: f64,
-    /// How likely so uneven a `u` or a more uneven one is if nothing distinguishes the sets, two-sided.
+    /// How likely so uneven a `u` or a more uneven one is if nothing distinguishes the sets,
+    /// two-sided.
     pub p: f64,
 }
 
@@ -225,8 +227,8 @@ pub struct MannWhitney {
 /// than those of the other. None if a set is empty or has a sample that is no number.
 ///
 /// The probability is exact from up to fifty samples without ties, else that of the normal
-/// distribution, corrected for ties (Lehmann 1975, section 1.4) and for continuity. O(n³ log n) for the
-/// exact one, of at most fifty; else O(n log n).
+/// distribution, corrected for ties (Lehmann 1975, section 1.4) and for continuity. O(n³ log n) for
+/// the exact one, of at most fifty; else O(n log n).
 ///
 /// Written out because `statrs` 0.19 returns the exact probability of the other tail wherever the
 /// first set is not the larger one.

@@ -272,9 +272,9 @@ fn algorithm(selection: &Selection) -> PlannedAlgorithm {
 ///
 /// A *unit* is one model with one source of one group: the cells that are compared with each other
 /// and whose runs are interleaved. Units are numbered from 0 through the groups, the models of each
-/// and the sources of each, in the order of the plan; unit `u` belongs to shard `u mod N + 1` of `N`.
-/// The plan alone decides, so every machine splits it alike without loading a model. Neighbours,
-/// often alike in size, go to different shards.
+/// and the sources of each, in the order of the plan; unit `u` belongs to shard `u mod N + 1` of
+/// `N`. The plan alone decides, so every machine splits it alike without loading a model.
+/// Neighbours, often alike in size, go to different shards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShardRange {
     /// Which part.

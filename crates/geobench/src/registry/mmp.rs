@@ -36,7 +36,8 @@ pub(super) fn filter(values: &Values) -> VertexFilter {
     }
 }
 
-/// The same where `turn` may be `window`: one at a time windows are never filtered, as in the papers.
+/// The same where `turn` may be `window`: one at a time windows are never filtered, as in the
+/// papers.
 pub(super) const LIST_FILTER: Parameter = FILTER.only_with(TURN.name, "list");
 
 /// What is propagated at a time.

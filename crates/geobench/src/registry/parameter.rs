@@ -148,7 +148,8 @@ impl Parameter {
         self
     }
 
-    /// The same, but it does nothing unless the parameter of this name has this value, one of its words.
+    /// The same, but it does nothing unless the parameter of this name has this value, one of its
+    /// words.
     #[must_use]
     pub const fn only_with(mut self, name: &'static str, word: &'static str) -> Self {
         self.only_with = Some((name, word));
@@ -273,7 +274,8 @@ impl Values {
             .map_or(parameter.default, |(_, value)| *value)
     }
 
-    /// What one of `parameters` [goes only with](Parameter::only_with), as it is written, if that is not so here.
+    /// What one of `parameters` [goes only with](Parameter::only_with), as it is written, if that
+    /// is not so here.
     pub(super) fn missing_for(
         &self,
         parameters: &[Parameter],

@@ -37,8 +37,8 @@ fn narrower(a: Instructions, b: Instructions) -> Instructions {
 }
 
 impl Values {
-    /// The same, but the solver uses no wider instructions than `widest`. This is no parameter: it does
-    /// not show in labels.
+    /// The same, but the solver uses no wider instructions than `widest`. This is no parameter: it
+    /// does not show in labels.
     pub(super) fn at_most(mut self, widest: Instructions) -> Self {
         self.widest = Some(widest);
         self

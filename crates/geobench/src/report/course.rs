@@ -1,5 +1,5 @@
-//! The plots of wavefronts: how many windows wait, how far apart they are and how many a round takes,
-//! in the course of a run.
+//! The plots of wavefronts: how many windows wait, how far apart they are and how many a round
+//! takes, in the course of a run.
 
 use super::chart::{Axis, Chart, Lines, Series, Value};
 use super::document::{Plot, slug};

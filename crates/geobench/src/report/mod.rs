@@ -5,9 +5,9 @@
 //! listed as numbers. `html`, `files` and `tex` write the document down: as one page that needs
 //! nothing else, or as a file for each table and plot.
 //!
-//! What tables show is decided in `export::view`, so that a report says the same as the tables in the
-//! terminal. The SVG is written here and not by a crate, because the page needs what those that were
-//! looked at do not give: text as text, ink in the colour of the page, whatever that is,
+//! What tables show is decided in `export::view`, so that a report says the same as the tables in
+//! the terminal. The SVG is written here and not by a crate, because the page needs what those that
+//! were looked at do not give: text as text, ink in the colour of the page, whatever that is,
 //! descriptions for those who do not see, and patterns beside colours.
 
 // Places, sizes and counts are never negative here, and a page is not written in a hot loop.
@@ -59,8 +59,8 @@ pub struct Input {
 /// What a report is to hold.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The algorithm to which all are compared; if none, the one that a group names, else `vtp`, else the
-    /// reference of the checks.
+    /// The algorithm to which all are compared; if none, the one that a group names, else `vtp`,
+    /// else the reference of the checks.
     pub ratio_to: Option<String>,
     /// The picture.
     pub picture: Wanted,

@@ -28,8 +28,8 @@ pub(crate) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
     plots
 }
 
-/// A lane for each algorithm on each model, with what `value` finds there; where that takes figures of `base` too
-/// and this failed, it is what is said to be missing.
+/// A lane for each algorithm on each model, with what `value` finds there; where that takes figures
+/// of `base` too and this failed, it is what is said to be missing.
 fn bands(
     group: &Group<'_>,
     setting: Setting<'_>,

@@ -1,5 +1,5 @@
-//! Tables and plots in LaTeX: booktabs and pgfplots, with the numbers in the source, so that a paper can set them
-//! in its own type.
+//! Tables and plots in LaTeX: booktabs and pgfplots, with the numbers in the source, so that a
+//! paper can set them in its own type.
 
 use std::borrow::Cow;
 use std::fmt::Write;

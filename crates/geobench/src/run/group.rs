@@ -141,7 +141,8 @@ impl<'p> Group<'p> {
                 self.step(place, Pass::Time, round, stage)?;
             }
         }
-        // What is kept for the counts leaves the heap in pieces, after which memory could not be measured.
+        // What is kept for the counts leaves the heap in pieces, after which memory could not be
+        // measured.
         for pass in [Pass::Profile, Pass::Count] {
             for place in all.clone() {
                 self.step(place, pass, 0, stage)?;
@@ -416,8 +417,8 @@ impl<'p> Entry<'p> {
         self.outcomes.entry((pass, round)).or_insert(outcome);
     }
 
-    /// The cell, in which the runs had these places in their rounds; with the wavefronts of its run only
-    /// if so wanted.
+    /// The cell, in which the runs had these places in their rounds; with the wavefronts of its run
+    /// only if so wanted.
     fn finish(self, run: RunId, places: Vec<usize>, with_wavefront: bool) -> Cell {
         let mut cell = Cell {
             group: run.group,
@@ -454,7 +455,8 @@ impl<'p> Entry<'p> {
                 Pass::Profile => cell.phases = observation.phases.unwrap_or_default(),
             }
             if matches!(pass, Pass::Profile | Pass::Count) {
-                // Ours are measured in the clocked run; those of outside programs come with what they count.
+                // Ours are measured in the clocked run; those of outside programs come with what
+                // they count.
                 let Peaks { heap, rss } = observation.peaks;
                 cell.memory.heap_peak_bytes = cell.memory.heap_peak_bytes.or(heap);
                 cell.memory.rss_peak_bytes = cell.memory.rss_peak_bytes.or(rss);

@@ -1,15 +1,16 @@
-//! The journal of a run: what came of every run of a cell, on the disk before the next one starts, so
-//! that a benchmark that is killed at any moment loses the run that it was making and nothing else.
+//! The journal of a run: what came of every run of a cell, on the disk before the next one starts,
+//! so that a benchmark that is killed at any moment loses the run that it was making and nothing
+//! else.
 //!
 //! A journal is a text file of JSON lines. The first says which program made it and what was to be
-//! run ([`Header`]); a journal is continued by the same program with the same plan only. Each of the
-//! others holds a session, a model or a run (`line`). A last line without its end is what a process
-//! was writing when it was killed: it is cut off. Any other line that is not understood is an error,
-//! because then it is not known what else is wrong with the file.
+//! run ([`Header`]); a journal is continued by the same program with the same plan only. Each of
+//! the others holds a session, a model or a run (`line`). A last line without its end is what a
+//! process was writing when it was killed: it is cut off. Any other line that is not understood is
+//! an error, because then it is not known what else is wrong with the file.
 //!
 //! A run has one line. Only warm-ups can have several: they are made again, by a process that comes
-//! later, before runs that are to be timed, and so is the run of the reference, whose answer is needed
-//! for the checks and too large to be kept.
+//! later, before runs that are to be timed, and so is the run of the reference, whose answer is
+//! needed for the checks and too large to be kept.
 
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -136,8 +137,8 @@ const PAUSE: Duration = Duration::from_millis(10);
 
 /// Locks a journal, if no other process holds it for long.
 ///
-/// A process that is killed while it starts one for a cell leaves its lock with that until it is there; whoever
-/// goes on with the journal at once must not be refused for that.
+/// A process that is killed while it starts one for a cell leaves its lock with that until it is
+/// there; whoever goes on with the journal at once must not be refused for that.
 fn lock(file: &File) -> Result<(), TryLockError> {
     let deadline = Instant::now() + PATIENCE;
     loop {
@@ -149,8 +150,8 @@ fn lock(file: &File) -> Result<(), TryLockError> {
 }
 
 impl Journal {
-    /// Opens the journal of the run that `header` describes, or starts it if there is no such file or
-    /// an empty one, and notes that `session` goes on with it.
+    /// Opens the journal of the run that `header` describes, or starts it if there is no such file
+    /// or an empty one, and notes that `session` goes on with it.
     ///
     /// # Errors
     ///
@@ -297,8 +298,8 @@ impl Journal {
         Ok(())
     }
 
-    /// Remembers what came of a run. Of several warm-ups of one number the first counts, which is the one
-    /// that set the algorithm up, unless a later one failed.
+    /// Remembers what came of a run. Of several warm-ups of one number the first counts, which is
+    /// the one that set the algorithm up, unless a later one failed.
     fn note(&mut self, id: RunId, found: RunOutcome) -> Result<(), String> {
         match self.outcomes.get_mut(&id) {
             None => {

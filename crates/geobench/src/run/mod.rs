@@ -44,8 +44,8 @@ impl Records {
 ///
 /// # Errors
 ///
-/// Those of the journal and of the listener, and when a model is not the one that the journal knows.
-/// Whatever else happens to a cell is in its record.
+/// Those of the journal and of the listener, and when a model is not the one that the journal
+/// knows. Whatever else happens to a cell is in its record.
 pub fn run(
     plan: &Plan,
     backend: &mut dyn Backend,

@@ -23,7 +23,8 @@ impl Turns {
     /// The order of `algorithms` algorithms in a model from a source.
     pub(crate) fn new(seed: u64, model: &str, source: u32, algorithms: usize) -> Self {
         let mut random = SplitMix64::of(seed, model, source);
-        // An odd number of algorithms cannot be balanced by a square, but by one and its mirror image.
+        // An odd number of algorithms cannot be balanced by a square, but by one and its mirror
+        // image.
         let rows = algorithms * (1 + algorithms % 2);
         Self {
             parts: shuffled(algorithms, &mut random),

@@ -83,7 +83,8 @@ pub struct Tool {
     pub commit: Option<String>,
     /// Compiler it was built with.
     pub rustc: Option<String>,
-    /// Flags that it was given from outside, as by `RUSTFLAGS`; empty if none were, absent in files of older programs.
+    /// Flags that it was given from outside, as by `RUSTFLAGS`; empty if none were, absent in files
+    /// of older programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rustflags: Option<String>,
     /// `release` or `debug`.
@@ -107,8 +108,9 @@ pub struct Host {
     pub kernel: Option<String>,
     /// Load average over one minute when the run started.
     pub load_start: Option<f64>,
-    /// The widest vector instructions that it has and the program uses, `avx512`, `avx2` or `scalar`. An
-    /// algorithm with a parameter `simd` takes these unless its label names others, and never wider ones.
+    /// The widest vector instructions that it has and the program uses, `avx512`, `avx2` or
+    /// `scalar`. An algorithm with a parameter `simd` takes these unless its label names others,
+    /// and never wider ones.
     #[serde(default)]
     pub simd: Option<String>,
 }
@@ -222,20 +224,20 @@ pub struct Cell {
     /// Name of the group; null if that has none.
     #[serde(default)]
     pub group: Option<String>,
-    /// Instructions of the solve, the first after the set-up, as Valgrind's callgrind counts them; null unless
-    /// they were asked for.
+    /// Instructions of the solve, the first after the set-up, as Valgrind's callgrind counts them;
+    /// null unless they were asked for.
     #[serde(default)]
     pub instructions: Option<u64>,
-    /// The widest vector instructions that the counted solve may have used, `avx512`, `avx2` or `scalar`:
-    /// narrower than in the timed runs where Valgrind does not know those. Null if nothing was counted, and
-    /// in files of older programs.
+    /// The widest vector instructions that the counted solve may have used, `avx512`, `avx2` or
+    /// `scalar`: narrower than in the timed runs where Valgrind does not know those. Null if
+    /// nothing was counted, and in files of older programs.
     #[serde(default)]
     pub instructions_simd: Option<String>,
     /// The part of the plan that it belongs to; null if the plan was not split.
     #[serde(default)]
     pub shard: Option<u32>,
-    /// The wavefront at even intervals of the counted run; absent unless it was asked for, or if the
-    /// algorithm does not show it.
+    /// The wavefront at even intervals of the counted run; absent unless it was asked for, or if
+    /// the algorithm does not show it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub wavefront: Vec<WavefrontSample>,
 }
@@ -436,11 +438,12 @@ pub struct Check {
     pub max_rel: Option<f64>,
     /// Vertices that no path reaches.
     pub unreachable: Option<u64>,
-    /// Vertices that were compared, which are not all if the reference is a file that holds some only;
-    /// null if nothing was compared.
+    /// Vertices that were compared, which are not all if the reference is a file that holds some
+    /// only; null if nothing was compared.
     #[serde(default)]
     pub compared: Option<u64>,
-    /// The vertex with the largest relative difference; null if the answer agrees with the reference.
+    /// The vertex with the largest relative difference; null if the answer agrees with the
+    /// reference.
     #[serde(default)]
     pub worst_vertex: Option<u64>,
     /// Answers to the same model and source with the same number agree with each other; 0 is the

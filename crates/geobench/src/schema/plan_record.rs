@@ -1,6 +1,6 @@
 //! A plan as files hold it: in result files, so that a run can be repeated, and at the top of
-//! journals, so that one is not continued with another plan. Everything that may change a result is in
-//! it, and nothing else.
+//! journals, so that one is not continued with another plan. Everything that may change a result is
+//! in it, and nothing else.
 
 use std::collections::BTreeMap;
 use std::fmt;

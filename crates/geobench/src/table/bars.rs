@@ -27,9 +27,9 @@ const SHORTEST: usize = 8;
 /// Longest label; longer ones lose their ends.
 const LONGEST_LABEL: usize = 32;
 
-/// One line for each algorithm, no wider than `width`: its time, how many times that of `base` it is,
-/// and a bar, the length of which is the time on a scale that the longest fills. In a narrow terminal first the
-/// bars go, then the notes.
+/// One line for each algorithm, no wider than `width`: its time, how many times that of `base` it
+/// is, and a bar, the length of which is the time on a scale that the longest fills. In a narrow
+/// terminal first the bars go, then the notes.
 pub fn lines(bars: &[Bar], base: Option<&str>, width: usize) -> Vec<String> {
     let known = || bars.iter().filter_map(|bar| bar.seconds);
     let longest = known().fold(0.0, f64::max);
@@ -85,8 +85,8 @@ pub fn lines(bars: &[Bar], base: Option<&str>, width: usize) -> Vec<String> {
         .collect()
 }
 
-/// The times of all algorithms on one model as bars, under a line that says what they are, and followed by
-/// an empty one; empty if there are not two of them. `cells` are those of the model.
+/// The times of all algorithms on one model as bars, under a line that says what they are, and
+/// followed by an empty one; empty if there are not two of them. `cells` are those of the model.
 pub fn model_bars(group: &GroupRecord, cells: &[Cell], width: usize) -> String {
     let cells: Vec<&Cell> = cells.iter().collect();
     let names = algorithms(cells.iter().copied());

@@ -1,6 +1,6 @@
 //! One row per cell. A column is named after its place in the JSON file, joined by `_`; `null` is
-//! an empty field, and a list is joined by `;`. A text that a spreadsheet would take for a formula has
-//! an apostrophe before it.
+//! an empty field, and a list is joined by `;`. A text that a spreadsheet would take for a formula
+//! has an apostrophe before it.
 
 use std::fmt::Display;
 

@@ -1,11 +1,11 @@
-//! Text from elsewhere, such as names of models and messages of programs, made harmless for the form
-//! it is written in. JSON holds it as it is.
+//! Text from elsewhere, such as names of models and messages of programs, made harmless for the
+//! form it is written in. JSON holds it as it is.
 
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// `text` in one line that cannot steer a terminal: line breaks and tabs become spaces, other control
-/// characters, and those that change the direction of text, their codes.
+/// `text` in one line that cannot steer a terminal: line breaks and tabs become spaces, other
+/// control characters, and those that change the direction of text, their codes.
 pub(crate) fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(steers) {
         return Cow::Borrowed(text);

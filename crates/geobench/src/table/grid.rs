@@ -49,8 +49,8 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// For the terminal: what is set off is coloured if it is to be, else marked with a star. A table that is
-    /// too wide is cut into several, each with the texts at its left.
+    /// For the terminal: what is set off is coloured if it is to be, else marked with a star. A
+    /// table that is too wide is cut into several, each with the texts at its left.
     pub(super) fn terminal(&self, look: Look) -> String {
         let grid = self.printable();
         let parts = grid.parts(look.width);

@@ -60,7 +60,8 @@ impl OutputFile {
         &self.path
     }
 
-    /// Whether writing replaces what was written before; devices and pipes take one after the other.
+    /// Whether writing replaces what was written before; devices and pipes take one after the
+    /// other.
     pub const fn is_replaced(&self) -> bool {
         self.replace
     }

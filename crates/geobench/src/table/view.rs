@@ -144,8 +144,8 @@ impl ModelView<'_> {
     }
 }
 
-/// The figure of the cells of all sources in a model of so many vertices: the median, and none if one
-/// has failed.
+/// The figure of the cells of all sources in a model of so many vertices: the median, and none if
+/// one has failed.
 pub(crate) fn overall(figure: &Figure, cells: &[&Cell], vertices: Option<u64>) -> Option<f64> {
     let values: Option<Vec<f64>> = cells
         .iter()
@@ -373,8 +373,8 @@ pub(super) fn ratio_view<'r>(group: &GroupRecord, cells: &[&'r Cell]) -> Option<
     })
 }
 
-/// The algorithm to which ratios are taken: the one that the group names, else `vtp`, else the reference of
-/// the checks of `cells`, else the first. None if there is nothing to compare it with.
+/// The algorithm to which ratios are taken: the one that the group names, else `vtp`, else the
+/// reference of the checks of `cells`, else the first. None if there is nothing to compare it with.
 pub(crate) fn base<'r>(
     group: &'r GroupRecord,
     algorithms: &[&'r str],
@@ -402,9 +402,9 @@ fn models<'r>(cells: &[&'r Cell]) -> Vec<&'r str> {
     models
 }
 
-/// The row of a model's table with the ratios of the times to those of the algorithm that the group names, and
-/// what a reader must know of it; a column holds the cells of an algorithm. None if the group names none, or
-/// nothing can be compared.
+/// The row of a model's table with the ratios of the times to those of the algorithm that the group
+/// names, and what a reader must know of it; a column holds the cells of an algorithm. None if the
+/// group names none, or nothing can be compared.
 pub(super) fn ratio_times(
     group: &GroupRecord,
     algorithms: &[&str],
@@ -441,8 +441,8 @@ pub(super) fn ratio_times(
     Some((row, note))
 }
 
-/// The ratio of the times of the cells `over` to those of `under`, pairs of all sources together; none
-/// unless both ended well from the same sources.
+/// The ratio of the times of the cells `over` to those of `under`, pairs of all sources together;
+/// none unless both ended well from the same sources.
 fn paired(over: &[&Cell], under: &[&Cell]) -> Option<Ratio> {
     let (mut above, mut below) = (Vec::new(), Vec::new());
     if over.len() != under.len() {

@@ -9,28 +9,29 @@
 //! algorithms. So the child of a cell loads the model once, lives through all rounds of its group,
 //! carries out one run at a time, and ends when another source or model has its turn. Between its
 //! runs it sleeps, but it holds its mesh and its solver. All of them together may hold half of the
-//! memory that was available at the start; where they would hold more, a child that has just done its
-//! run ends, and is started anew, with one more untimed run to warm up, when its next one is due.
-//! The first child to load a model tells the parent what result files say about it, and goes on as
-//! that of the first cell. `verify`, which measures nothing, has one child for all algorithms
+//! memory that was available at the start; where they would hold more, a child that has just done
+//! its run ends, and is started anew, with one more untimed run to warm up, when its next one is
+//! due. The first child to load a model tells the parent what result files say about it, and goes
+//! on as that of the first cell. `verify`, which measures nothing, has one child for all algorithms
 //! ([`Sharing::All`]), and a new one after a failure.
 //!
-//! **Limits** ([`crate::exec::limits`]). The parent sleeps in `poll` until the answer, the end of the
-//! time or a signal. Only where there is a limit of memory does it wake every 10 ms, to look
-//! at the resident memory of the child and of what it has started: a read of two or three files of `/proc`
-//! that takes no lock of the child. Between two looks the system bounds the damage: a child
-//! cannot have more data than twice the limit (`RLIMIT_DATA`). The limit itself is not given to
-//! the system, because that counts memory that is asked for, not what is used, and a vector that
+//! **Limits** ([`crate::exec::limits`]). The parent sleeps in `poll` until the answer, the end of
+//! the time or a signal. Only where there is a limit of memory does it wake every 10 ms, to look at
+//! the resident memory of the child and of what it has started: a read of two or three files of
+//! `/proc` that takes no lock of the child. Between two looks the system bounds the damage: a child
+//! cannot have more data than twice the limit (`RLIMIT_DATA`). The limit itself is not given to the
+//! system, because that counts memory that is asked for, not what is used, and a vector that
 //! doubles asks for much that it never uses.
 //!
-//! **The end.** A child leads a process group of its own, which is killed as a whole, and with it what
-//! the child has started in other groups (`orphans`). It ends with
-//! its parent, however that ends: by `PR_SET_PDEATHSIG`, and by the end of its standard input.
-//! Where the kernel itself runs out of memory, the child at work has volunteered to go first
-//! (`oom_score_adj`), so that neither a neighbour nor the parent with all results is taken.
+//! **The end.** A child leads a process group of its own, which is killed as a whole, and with it
+//! what the child has started in other groups (`orphans`). It ends with its parent, however that
+//! ends: by `PR_SET_PDEATHSIG`, and by the end of its standard input. Where the kernel itself runs
+//! out of memory, the child at work has volunteered to go first (`oom_score_adj`), so that neither
+//! a neighbour nor the parent with all results is taken.
 //!
-//! **The clock** is read in the child, around the solve and nothing else ([`crate::exec::in_process`]);
-//! distances go through the pipe after that, and only if they differ from those sent last.
+//! **The clock** is read in the child, around the solve and nothing else
+//! ([`crate::exec::in_process`]); distances go through the pipe after that, and only if they differ
+//! from those sent last.
 
 mod cell;
 mod child;
@@ -59,14 +60,16 @@ use pool::ChildPool;
 /// The first argument of a child; its model is the second and last.
 const COMMAND: &str = "__cell";
 
-/// A variable for glibc: from how many bytes on a block has pages of its own, which the system gets back as soon as
-/// it is freed. This is the usual value; but left to itself, glibc raises it with every such block that is freed, and what
-/// loading and solvers of earlier runs have freed then lies between the blocks of the next run and is part of its
-/// peak: 2 to 10 MB on the horse, 0.3 to 1 MB on models of 6,000 faces. Times are the same within 3 % either way.
+/// A variable for glibc: from how many bytes on a block has pages of its own, which the system gets
+/// back as soon as it is freed. This is the usual value; but left to itself, glibc raises it with
+/// every such block that is freed, and what loading and solvers of earlier runs have freed then
+/// lies between the blocks of the next run and is part of its peak: 2 to 10 MB on the horse, 0.3 to
+/// 1 MB on models of 6,000 faces. Times are the same within 3 % either way.
 const OWN_PAGES: (&str, &str) = ("MALLOC_MMAP_THRESHOLD_", "131072");
 
-/// The model that a child with these arguments is to work on; none if the process is no child. The parser of the
-/// command line has no part in this: its code and its tables would count to the memory of every cell.
+/// The model that a child with these arguments is to work on; none if the process is no child. The
+/// parser of the command line has no part in this: its code and its tables would count to the
+/// memory of every cell.
 pub(crate) fn wanted(arguments: impl Iterator<Item = OsString>) -> Option<OsString> {
     let mut arguments = arguments.skip(1);
     let model = (arguments.next()? == COMMAND).then(|| arguments.next())?;

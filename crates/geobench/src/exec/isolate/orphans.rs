@@ -1,9 +1,9 @@
 //! Processes that a child has started and that outlive it.
 //!
-//! A process that calls `setsid` leaves the process group of the child that started it, and one whose
-//! parent has ended is no descendant of the child any more. The `geobench` command is therefore a
-//! child subreaper of Linux ([`adopt`]): the kernel makes it the parent of such orphans. An orphan
-//! ends with the child to which it belongs, which is told by
+//! A process that calls `setsid` leaves the process group of the child that started it, and one
+//! whose parent has ended is no descendant of the child any more. The `geobench` command is
+//! therefore a child subreaper of Linux ([`adopt`]): the kernel makes it the parent of such
+//! orphans. An orphan ends with the child to which it belongs, which is told by
 //!
 //! 1. the mark of the child in the environment, which descendants inherit, or
 //! 2. its place among the descendants of the child or of another of its orphans, found before these

@@ -201,14 +201,14 @@ const REST: u64 = 1 << 16;
 /// Bytes that are read between two looks at the clock.
 const BLOCK: u64 = 1 << 20;
 
-/// Reads the distances of all `vertices` from a file of lines `vertex,distance`, until `deadline` at
-/// most. The outside program made the file: links, pipes and devices are refused, neither followed
-/// nor waited for, and the size is bounded.
+/// Reads the distances of all `vertices` from a file of lines `vertex,distance`, until `deadline`
+/// at most. The outside program made the file: links, pipes and devices are refused, neither
+/// followed nor waited for, and the size is bounded.
 ///
 /// # Errors
 ///
-/// `crashed` if there is no such regular file, or it is too large or not understood, `timeout` after
-/// the deadline, `wrong` if a vertex has no distance or two.
+/// `crashed` if there is no such regular file, or it is too large or not understood, `timeout`
+/// after the deadline, `wrong` if a vertex has no distance or two.
 fn read_distances(
     path: &Path,
     vertices: usize,

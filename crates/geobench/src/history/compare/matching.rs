@@ -122,8 +122,8 @@ impl Key {
 }
 
 impl Key {
-    /// What a reader needs to find the cell among others: `horse, vtp, source 0`, after the group; group and
-    /// source only if they are asked for.
+    /// What a reader needs to find the cell among others: `horse, vtp, source 0`, after the group;
+    /// group and source only if they are asked for.
     pub fn among(&self, with_group: bool, with_source: bool) -> String {
         let group = match &self.group {
             Some(group) if with_group => format!("{group}: "),

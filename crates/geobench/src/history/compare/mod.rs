@@ -1,19 +1,19 @@
 //! Two result files side by side, and whether the newer one is worse.
 //!
-//! Cells are the same if model (by its hash), algorithm with parameters, source, threads and group are. What
-//! is compared how depends on what it is:
+//! Cells are the same if model (by its hash), algorithm with parameters, source, threads and group
+//! are. What is compared how depends on what it is:
 //!
-//! * Times vary, so a difference is only one if it is larger than they vary. Samples of runs that took
-//!   turns ([`ResultFile::pairing`]) are compared pair by pair; others by a bootstrap interval of the ratio of
-//!   their medians, with the test of Mann and Whitney beside it. A rule on time is broken if the
-//!   interval lies wholly beyond its limit.
-//! * Counts do not vary: any other count means that the algorithm does something else, be it more or
-//!   less. Instructions and memory are costs, of which less is never wrong.
-//! * A figure that a rule is on and that one of the files lacks breaks the rule: a gate must not fall silent
-//!   because there is nothing left to watch.
+//! * Times vary, so a difference is only one if it is larger than they vary. Samples of runs that
+//!   took turns ([`ResultFile::pairing`]) are compared pair by pair; others by a bootstrap interval
+//!   of the ratio of their medians, with the test of Mann and Whitney beside it. A rule on time is
+//!   broken if the interval lies wholly beyond its limit.
+//! * Counts do not vary: any other count means that the algorithm does something else, be it more
+//!   or less. Instructions and memory are costs, of which less is never wrong.
+//! * A figure that a rule is on and that one of the files lacks breaks the rule: a gate must not
+//!   fall silent because there is nothing left to watch.
 //! * A cell that was well and is not any more is a regression under any rules.
-//! * A cell that the new file lacks is one only under a rule on missing cells: to compare a part of a benchmark with
-//!   the whole is nothing unusual.
+//! * A cell that the new file lacks is one only under a rule on missing cells: to compare a part of
+//!   a benchmark with the whole is nothing unusual.
 
 use geobench_window::{Counter, Counters};
 use serde::{Serialize, Serializer};

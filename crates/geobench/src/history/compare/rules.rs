@@ -47,8 +47,8 @@ impl Subject {
 pub struct Rule {
     /// What.
     pub subject: Subject,
-    /// The largest change that passes, as a share of the old value; of missing cells, their largest share of all
-    /// that the old file has.
+    /// The largest change that passes, as a share of the old value; of missing cells, their largest
+    /// share of all that the old file has.
     pub limit: f64,
     /// Whether a change for the smaller passes, whatever its size.
     pub only_more: bool,

@@ -35,8 +35,8 @@ impl Library {
         &self.directory
     }
 
-    /// The first model that goes by one of these names, the first of which counts most: by the name of its file
-    /// without the ending, in which only letters and digits count, in any case.
+    /// The first model that goes by one of these names, the first of which counts most: by the name
+    /// of its file without the ending, in which only letters and digits count, in any case.
     pub fn find(&self, names: &[String]) -> Option<&ModelRef> {
         names.iter().find_map(|name| {
             let wanted = letters_and_digits(name);

@@ -162,8 +162,8 @@ pub struct Scale {
     pub library: Option<Library>,
 }
 
-/// The plans of `suite` in this `scale`, or a single one without it. What `asked` says holds for all
-/// groups, whatever the suite says.
+/// The plans of `suite` in this `scale`, or a single one without it. What `asked` says holds for
+/// all groups, whatever the suite says.
 ///
 /// # Errors
 ///

@@ -131,8 +131,8 @@ fn pairs(group: &Group<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair>
     pairs
 }
 
-/// The paper's models that are in the group too, with their names there: the one name is part of the other, and
-/// the numbers of faces are within one in a hundred.
+/// The paper's models that are in the group too, with their names there: the one name is part of
+/// the other, and the numbers of faces are within one in a hundred.
 fn same_models(group: &Group<'_>, pairs: &[Pair]) -> Vec<(String, String)> {
     let mut same: Vec<(String, String)> = Vec::new();
     for known in pairs.iter().flat_map(|pair| &pair.paper) {

@@ -1,7 +1,8 @@
 //! What the papers printed, and our ratios beside theirs.
 //!
-//! The numbers stand in `bench-configs/papers`, a file for each table; its README defines the columns.
-//! Times of other machines mean nothing here, so only ratios between the algorithms of a table are compared.
+//! The numbers stand in `bench-configs/papers`, a file for each table; its README defines the
+//! columns. Times of other machines mean nothing here, so only ratios between the algorithms of a
+//! table are compared.
 
 use crate::schema::Status;
 use crate::table::figures::{Figure, figure};

@@ -1,7 +1,8 @@
 //! A picture of a model, coloured by distance, with isolines.
 //!
-//! Drawn by a small rasteriser of our own: orthographic view, depth buffer, smooth shading, four samples per
-//! pixel. The picture's ground is transparent, so that it stands on light and dark pages alike.
+//! Drawn by a small rasteriser of our own: orthographic view, depth buffer, smooth shading, four
+//! samples per pixel. The picture's ground is transparent, so that it stands on light and dark
+//! pages alike.
 
 mod camera;
 pub(crate) mod plot;

@@ -408,8 +408,8 @@ fn a_journal_is_written_by_one_process_at_a_time() {
     assert_eq!(desk.open(&small()).unwrap().sessions().len(), 2);
 }
 
-/// The child of a process that was killed holds the lock for a moment. Whoever went on at once was refused then, once in some
-/// hundred times.
+/// The child of a process that was killed holds the lock for a moment. Whoever went on at once was
+/// refused then, once in some hundred times.
 #[test]
 fn a_journal_that_is_let_go_of_soon_is_waited_for() {
     let desk = Desk::new();

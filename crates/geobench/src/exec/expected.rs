@@ -1,4 +1,4 @@
-//! Stored distances to check against.
+//! Stored distances, as references for checks.
 
 use std::path::{Path, PathBuf};
 use std::{fmt, fs};
@@ -194,7 +194,7 @@ fn parse_line(line: &str, vertices: usize) -> Result<(usize, f64), String> {
     }
 }
 
-/// The start of a text, as much of it as belongs into a message.
+/// The start of a text, for messages.
 fn shown(text: &str) -> String {
     const MOST: usize = 40;
     match text.char_indices().nth(MOST) {

@@ -1,4 +1,4 @@
-//! Runs cells in this very process.
+//! Runs cells in this process.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -13,8 +13,8 @@ use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::PeakMemory;
 use crate::schema::{ModelRecord, Phases, Status};
 
-/// This process as a place to work in. A cell that panics is lost alone; one that never ends or
-/// takes all memory takes the program with it.
+/// Backend in this process. A panic costs its cell; an endless loop or a memory leak ends the
+/// program.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct InProcess {
     /// Bytes that a compressed model may decompress to.
@@ -41,8 +41,7 @@ impl Backend for InProcess {
     }
 }
 
-/// The algorithms that are set up for a mesh, by label. They stay set up for the next run, as they
-/// would in a program that asks for one source after another.
+/// The solvers of a mesh, by label. They are set up once and used for all later runs and sources.
 struct InProcessSession<'m> {
     mesh: &'m Mesh,
     solvers: Vec<(String, Box<dyn Solver + 'm>)>,
@@ -50,7 +49,7 @@ struct InProcessSession<'m> {
 
 impl Session for InProcessSession<'_> {
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
-        // What a panic leaves behind is dropped: see below.
+        // The solver is dropped after a panic: see below.
         let result = catch_unwind(AssertUnwindSafe(|| match step.pass {
             Pass::Warmup | Pass::Time => self.solve(step),
             Pass::Profile => self.clock(step),
@@ -74,7 +73,7 @@ impl Session for InProcessSession<'_> {
 }
 
 impl InProcessSession<'_> {
-    /// A run with the solver that is set up, or is set up now.
+    /// A run with the solver of the algorithm, set up on first use.
     fn solve(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
         let label = step.algorithm.label();
         let mut setup = None;
@@ -98,15 +97,15 @@ impl InProcessSession<'_> {
         })
     }
 
-    /// Ends the solver that is set up for an algorithm.
+    /// Drops the solver of an algorithm.
     fn dismiss(&mut self, algorithm: &str) {
         self.solvers.retain(|(label, _)| label != algorithm);
     }
 
-    /// A run with a solver of its own, so that its memory is measured from nothing. That of the
-    /// counted run would include what is kept for the counts alone.
+    /// A run with a new solver, so that its heap is measured from zero. Memory is not measured in
+    /// the counted run, which would include the storage of the counters.
     fn clock(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
-        // What is set up for the timed runs is no part of it.
+        // Memory of the solver of the timed runs does not count.
         self.dismiss(step.algorithm.label());
         let measure = PeakMemory::start();
         let result = step.algorithm.build(self.mesh).clock(&[step.source]);
@@ -124,7 +123,7 @@ impl InProcessSession<'_> {
         })
     }
 
-    /// A run with a solver of its own too, which is not kept.
+    /// A run with a new solver, which is dropped.
     fn count(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
         self.dismiss(step.algorithm.label());
         let (solution, mut counters) = step.algorithm.build(self.mesh).count(&[step.source])?;
@@ -204,7 +203,7 @@ mod tests {
             assert!(timed.seconds.is_some() && counted.seconds.is_none());
             assert!(counted.counters.is_some() && timed.counters.is_none());
             assert!(clocked.phases.is_some() && timed.phases.is_none());
-            // What is kept for the counts alone is no memory of the algorithm.
+            // The storage of the counters is not memory of the algorithm.
             assert_eq!(counted.peaks, Peaks::default());
             assert_eq!(clocked.peaks.rss.is_some(), cfg!(target_os = "linux"));
         });

@@ -1,8 +1,8 @@
-//! Ctrl-C and `SIGTERM`: the first asks a run to stop and keep what is done, the second ends the
-//! program at once.
+//! Ctrl-C and `SIGTERM`: the first signal stops a run and keeps the results so far, the second ends
+//! the program at once.
 //!
-//! A terminal sends Ctrl-C to the processes of the foreground group. The cells' processes are not
-//! in it ([`crate::exec::isolate`]), so that it reaches only the one that can keep their results.
+//! A terminal sends Ctrl-C to the foreground process group. Child processes are in groups of their
+//! own ([`crate::exec::isolate`]), so only the parent, which keeps the results, receives it.
 
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
@@ -22,18 +22,18 @@ static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 /// Becomes readable with the first signal.
 static WAKE: OnceLock<UnixStream> = OnceLock::new();
 
-/// Takes both signals over, from now until the program ends.
+/// Handles both signals from now on.
 ///
 /// # Errors
 ///
-/// When the system has no room for a handler or a socket.
+/// When no handler or socket can be created.
 pub fn listen() -> io::Result<()> {
     let (wake, signalled) = UnixStream::pair()?;
     if WAKE.set(wake).is_err() {
         return Ok(());
     }
     for signal in [SIGINT, SIGTERM] {
-        // In this order: what the first signal sets ends the program with the second.
+        // In this order: the flag set by the first signal makes the second end the program.
         let status = i32::from(EXIT_STATUS);
         flag::register_conditional_shutdown(signal, status, Arc::clone(&REQUESTED))?;
         flag::register(signal, Arc::clone(&REQUESTED))?;
@@ -42,12 +42,12 @@ pub fn listen() -> io::Result<()> {
     Ok(())
 }
 
-/// Whether somebody has asked to stop.
+/// Whether a signal has arrived.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::SeqCst)
 }
 
-/// What becomes readable when somebody asks to stop; nothing if nobody [listens](listen).
+/// Readable after a signal; `None` before [`listen`].
 pub(crate) fn wake() -> Option<BorrowedFd<'static>> {
     WAKE.get().map(AsFd::as_fd)
 }

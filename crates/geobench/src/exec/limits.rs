@@ -1,23 +1,23 @@
-//! How long a run may take and how much memory it may hold.
+//! Limits of a run: time, memory, size of decompressed models.
 
 use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// What a process that works on a cell may use.
+/// Limits of the process of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Limits {
-    /// Time for each single run: warm-up, repetition, counted or clocked run, its set-up
-    /// included; loading the model has the same time for itself.
+    /// Time of each run (warm-up, timed, counted or profiled), with its set-up. Loading the model
+    /// has the same limit.
     pub timeout: Timeout,
-    /// Memory that the process, with whatever processes it starts, may occupy.
+    /// Resident memory of the process and its descendants.
     pub memory: MemoryLimit,
     /// Bytes that a compressed model may decompress to.
     pub decompressed: DecompressionLimit,
 }
 
 impl Limits {
-    /// Those that hold where nothing else is said.
+    /// The defaults.
     pub const USUAL: Self = Self {
         timeout: Timeout::USUAL,
         memory: MemoryLimit(None),

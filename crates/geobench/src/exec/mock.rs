@@ -1,4 +1,4 @@
-//! A backend in which nothing is computed: every run delivers what a test has made up.
+//! A backend that computes nothing, for tests: results are made up.
 
 use geobench_window::{Counter, Counters};
 
@@ -10,7 +10,7 @@ use crate::schema::{ModelRecord, Phases, Status};
 /// Changes what a run delivers, or lets it fail.
 pub(crate) type Alter = fn(&Step<'_>, &mut Observation) -> Option<Failure>;
 
-/// Delivers made-up observations and remembers what was asked for.
+/// Returns made-up results and logs the steps.
 #[derive(Default)]
 pub(crate) struct MockBackend {
     /// Every run in order, such as `time mmp 0`.

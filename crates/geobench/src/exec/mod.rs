@@ -1,8 +1,8 @@
-//! What a benchmark needs of the world: places to run algorithms in, and somebody who listens.
+//! Where runs happen: in this process, in child processes, in outside programs or, for tests, not
+//! at all.
 //!
-//! A benchmark knows no algorithm and no clock. It asks a [`Backend`] for each model and the
-//! [`Session`] that it gets there for each single run, so that runs can happen in this process,
-//! in another one, or, for tests, nowhere at all.
+//! A benchmark knows no algorithm and no clock. It asks a [`Backend`] for a [`Session`] per model,
+//! and the session carries out single runs. A [`Listener`] hears of the progress.
 
 pub mod affinity;
 pub mod expected;
@@ -54,7 +54,7 @@ pub struct Step<'a> {
     pub pass: Pass,
 }
 
-/// What one run delivers; which figures there are depends on its purpose.
+/// Result of one run. Which figures are set depends on the [`Pass`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
     /// The answer.
@@ -76,33 +76,32 @@ pub struct Observation {
     pub phases: Option<Phases>,
 }
 
-/// Why a run delivered nothing.
+/// Why a run has no result.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
-    /// How the cell ends with it.
+    /// Status of the cell.
     pub status: Status,
     /// What happened, in one line.
     pub message: String,
 }
 
-/// Runs algorithms on the model that it was set up for.
+/// Runs algorithms on one loaded model.
 pub trait Session {
     /// Carries out one run.
     ///
     /// # Errors
     ///
-    /// When it does not end well.
+    /// When the run fails, with the status of its cell.
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure>;
 }
 
-/// Where models are brought to be worked on.
+/// Loads models and opens sessions.
 pub trait Backend {
-    /// Loads `model` and hands what is known about it to `work`, with an
-    /// session for it.
+    /// Loads `model` and calls `work` with its record and a session for it.
     ///
     /// # Errors
     ///
-    /// When the model cannot be used; `work` is then not called.
+    /// When the model cannot be used; then `work` is not called.
     fn with_model(
         &mut self,
         model: &ModelRef,
@@ -117,7 +116,7 @@ pub struct Refusal {
     pub message: String,
 }
 
-/// Hears of the progress of a run. Nothing here is called while a run is being timed.
+/// Receives progress. No method is called while a run is timed.
 pub trait Listener {
     /// A model is about to be loaded.
     fn loading(&mut self, model: &str) {
@@ -129,35 +128,34 @@ pub trait Listener {
         let _ = step;
     }
 
-    /// A run has ended, now or before the benchmark was interrupted: it failed so, or took so many
-    /// seconds if it was timed.
+    /// A run has ended, now or in an earlier process that wrote the journal: the status of a
+    /// failure, or the seconds of a timed run.
     fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
         let _ = (step, outcome);
     }
 
-    /// Whether to stop: nothing more is started, what is done is kept, and a run that failed
-    /// because of it is not blamed.
+    /// Whether to stop. Then no run starts, finished runs are kept, and a run that the interruption
+    /// ended does not count as failed.
     fn interrupted(&self) -> bool {
         false
     }
 
-    /// Counts the instructions of the solve of a cell that ended well, if that is asked for and can
-    /// be done.
+    /// Counts the instructions of the solve of a cell that ended well, if asked for and possible.
     fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<InstructionCount> {
         let _ = (model, cell);
         None
     }
 
-    /// Runs that were planned will not happen.
+    /// Planned runs that will not happen.
     fn skipped(&mut self, runs: usize) {
         let _ = runs;
     }
 
-    /// Everything about a model is known: its last cells are the `cells`.
+    /// All cells of a model are done; `cells` are the last of them.
     ///
     /// # Errors
     ///
-    /// Ends the run, with what it has.
+    /// Ends the benchmark with the results so far.
     fn model_done(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
         let _ = (model, cells);
         Ok(())

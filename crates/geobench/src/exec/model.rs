@@ -1,4 +1,4 @@
-//! Which models a command works on, and bringing them into memory.
+//! Models: what users name, and loading it.
 
 use std::collections::HashMap;
 use std::ffi::OsStr;
@@ -53,7 +53,7 @@ pub enum ModelError {
     Missing {
         /// The argument.
         path: String,
-        /// What is the matter with it.
+        /// What is wrong.
         problem: String,
     },
     /// The file's ending is none of those that are read.
@@ -230,7 +230,7 @@ impl ModelRef {
         Ok(Self { name, ..model })
     }
 
-    /// What says to another process which model it is, but for its name.
+    /// Identifies the model, except its name, to a child process.
     pub(crate) fn argument(&self) -> &OsStr {
         match &self.origin {
             Origin::File(path) => path.as_os_str(),

@@ -1,12 +1,11 @@
-//! How what a run delivers is written where JSON has no form of its own for it, or a bulky one.
+//! Messages between parent and child process, one line of JSON each, and the encoding of results.
 
 use serde::{Deserialize, Serialize};
 
 use crate::exec::{Failure, Observation, Pass};
 use crate::schema::ModelRecord;
 
-/// Distances as text: the bits of each, little-endian, in base64. A third of the size of digits,
-/// and infinite ones, which JSON does not know, come back as they were.
+/// Distances as base64 of little-endian f64: a third of the size of digits, exact, with infinity.
 pub(crate) mod distances {
     use base64::Engine;
     use base64::prelude::BASE64_STANDARD_NO_PAD;
@@ -36,7 +35,7 @@ pub(crate) mod distances {
     }
 }
 
-/// Counters that may be absent, else as in result files.
+/// Optional counters, as in result files.
 pub(crate) mod counters {
     use geobench_window::Counters;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -61,26 +60,26 @@ pub(crate) mod counters {
     }
 }
 
-/// What the parent asks for.
+/// Request of the parent.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Request {
-    /// Load the model of the command line; always the first. Answered by `Loaded` or `Refused`.
+    /// Load the model of the command line. Always first; answered by `Loaded` or `Refused`.
     Load {
-        /// What the model is called.
+        /// Name of the model.
         name: String,
-        /// The process that asks; without it, the child has nothing to do.
+        /// Process id of the parent; the child exits if it has gone.
         parent: u32,
-        /// Processors to work on; any if there are none.
+        /// Processors to pin to; none means any.
         cpus: Vec<usize>,
-        /// Most bytes that may be occupied, for the bound that the system keeps.
+        /// Memory limit in bytes, from which the data limit is set.
         memory_limit: Option<u64>,
-        /// Bytes that a compressed model may decompress to; the usual number if null.
+        /// Bytes that a compressed model may decompress to; the default limit if null.
         max_decompressed: Option<u64>,
     },
     /// Carry out one run. Answered by `Ran`, `RanAgain` or `Failed`.
     Run {
-        /// The algorithm, with all that tells it from others.
+        /// The algorithm with its parameters.
         algorithm: String,
         /// Number of the source vertex.
         source: u32,
@@ -89,7 +88,7 @@ pub(crate) enum Request {
     },
 }
 
-/// What a child answers.
+/// Reply of the child.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Reply {
@@ -97,11 +96,11 @@ pub(crate) enum Reply {
     Loaded(Box<ModelRecord>),
     /// The model cannot be used.
     Refused(String),
-    /// The run delivered this.
+    /// Result of the run.
     Ran(Box<Observation>),
-    /// The same, with the distances that were sent last: they are not sent again.
+    /// The same, without distances: they equal the last ones sent.
     RanAgain(Box<Observation>),
-    /// The run delivered nothing.
+    /// The run failed.
     Failed(Failure),
 }
 

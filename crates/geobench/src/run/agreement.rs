@@ -1,7 +1,7 @@
-//! Which algorithms agree with which, so that the reference is not trusted blindly.
+//! Which algorithms agree with each other, so that a wrong reference is found.
 //!
-//! The answers to one question, a model and a source, fall into clusters. An answer belongs to the
-//! first cluster whose first answer it agrees with. Cluster 0 is the reference's.
+//! The answers for one model and source fall into clusters. An answer belongs to the first cluster
+//! whose first answer it agrees with. Cluster 0 is that of the reference.
 
 use std::collections::BTreeMap;
 
@@ -9,15 +9,15 @@ use crate::registry;
 use crate::run::check::{self, Comparison};
 use crate::schema::Cell;
 
-/// The first answer of each cluster but the reference's, which is kept elsewhere.
+/// The first answer of each cluster, except that of the reference.
 #[derive(Debug, Default)]
 pub(crate) struct Clusters {
-    /// `None` where the answer was given before an interruption and cannot be had again.
+    /// `None` if the answer came before an interruption and cannot be restored.
     first: Vec<Option<Vec<f64>>>,
 }
 
 impl Clusters {
-    /// The cluster of an answer that does not agree with the reference; a new one if need be.
+    /// The cluster of an answer that disagrees with the reference; a new one if needed.
     pub(crate) fn place(&mut self, distances: &[f64], tolerance: f64) -> u32 {
         let known = self.find(|first| {
             check::compare(distances, first, tolerance).is_ok_and(|found| found.agrees())
@@ -54,7 +54,7 @@ impl Clusters {
     }
 }
 
-/// One answer, and where it belongs.
+/// One answer and its cluster.
 #[derive(Clone, Debug)]
 pub(crate) struct Vote {
     /// The algorithm or the file.
@@ -81,7 +81,7 @@ impl Vote {
         }
     }
 
-    /// Takes in how the answer compares with the reference.
+    /// Adds the comparison with the reference.
     pub(crate) fn compared(&mut self, comparison: &Comparison) {
         self.max_rel = Some(comparison.max_rel).filter(|size| size.is_finite());
         self.worst_vertex = comparison.worst.map(|worst| worst.vertex as u64);
@@ -91,13 +91,13 @@ impl Vote {
 /// The cluster of the reference.
 pub(crate) const REFERENCE: u32 = 0;
 
-/// The answers to one question.
+/// The answers for one model and source.
 struct Ballot<'v> {
     votes: &'v [Vote],
     clusters: BTreeMap<u32, Vec<&'v Vote>>,
 }
 
-/// Who agrees with whom, in one line; `None` if all do.
+/// Which answers agree, in one line; `None` if all do.
 pub(crate) fn summary(votes: &[Vote]) -> Option<String> {
     Ballot::of(votes).map(|ballot| ballot.summary())
 }
@@ -112,7 +112,7 @@ impl<'v> Ballot<'v> {
         (clusters.len() > 1).then_some(Self { votes, clusters })
     }
 
-    /// What is counted: a file is no algorithm.
+    /// Algorithms and files are counted apart.
     fn noun(&self) -> &'static str {
         if self.votes.iter().any(|vote| vote.is_file) {
             "answers"
@@ -214,7 +214,7 @@ impl<'v> Ballot<'v> {
         }
     }
 
-    /// By how much a cluster differs from the reference, and where.
+    /// Difference of a cluster from the reference, and the vertex.
     fn difference(&self, cluster: u32) -> Option<String> {
         self.reference()?;
         let size = |vote: &&&Vote| vote.max_rel.unwrap_or(f64::INFINITY);
@@ -227,7 +227,7 @@ impl<'v> Ballot<'v> {
         })
     }
 
-    /// What a cell of this cluster says of the others.
+    /// Message for a cell of this cluster about the others.
     fn remark(&self, cluster: u32) -> String {
         let (all, noun) = (self.votes.len(), self.noun());
         let this = format!("{} with this one", self.size(cluster));
@@ -288,8 +288,7 @@ fn votes(cells: &[Cell]) -> Vec<Vote> {
     votes
 }
 
-/// Adds to the messages of `cells`, all those of one model and source, who agrees with whom, if
-/// not all do.
+/// Adds to the messages of `cells`, of one model and source, which answers agree, unless all do.
 pub(crate) fn explain(cells: &mut [Cell]) {
     let votes = votes(cells);
     let Some(ballot) = Ballot::of(&votes) else {
@@ -310,7 +309,7 @@ pub(crate) fn explain(cells: &mut [Cell]) {
     }
 }
 
-/// Who agrees with whom in each model and source of `cells` in which not all do.
+/// Which answers agree, for each model and source of `cells` with disagreement.
 pub(crate) fn summaries(cells: &[Cell]) -> Vec<String> {
     let same = |a: &Cell, b: &Cell| (&a.model, a.source) == (&b.model, b.source);
     let summary = |cells: &[Cell]| {

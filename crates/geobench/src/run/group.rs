@@ -16,8 +16,8 @@ use crate::run::order::Turns;
 use crate::run::reference_check::{Answer, ReferenceCheck};
 use crate::schema::{Cell, Check, Memory, ModelRecord, Status, Time};
 
-/// The cells of one model and one source, whose runs are interleaved so that a drifting machine
-/// hurts all algorithms alike.
+/// The cells of one model and source. Their runs are interleaved, so that drift of the machine
+/// affects all algorithms alike.
 pub(crate) struct Group<'p> {
     plan: &'p Plan,
     model: &'p ModelRecord,
@@ -28,7 +28,7 @@ pub(crate) struct Group<'p> {
 }
 
 impl<'p> Group<'p> {
-    /// The cells of `plan` in `model` from `source`, with the runs that `journal` knows already.
+    /// The cells of `plan` in `model` from `source`, with the runs in `journal`.
     pub(crate) fn new(
         plan: &'p Plan,
         model: &'p ModelRecord,
@@ -43,7 +43,7 @@ impl<'p> Group<'p> {
             turns: Turns::new(plan.seed, &model.name, source.raw(), algorithms.len()),
             entries: algorithms.iter().map(Entry::new).collect(),
         };
-        // The reference has a first warm-up even if there are no others.
+        // The reference has one warm-up even if the plan has none.
         let warmups = (0..plan.warmup.max(1)).map(|round| (Pass::Warmup, round));
         let times = (0..plan.repeat).map(|round| (Pass::Time, round));
         let last = [(Pass::Profile, 0), (Pass::Count, 0)];
@@ -58,18 +58,18 @@ impl<'p> Group<'p> {
         group
     }
 
-    /// Whether there is nothing left to be done.
+    /// Whether all runs are done.
     pub(crate) fn is_complete(&self) -> bool {
         self.entries
             .iter()
             .all(|entry| entry.is_complete(self.plan))
     }
 
-    /// Carries out every run of these cells that is still to be made.
+    /// Carries out the runs that are missing.
     ///
     /// # Errors
     ///
-    /// When what came of a run cannot be kept.
+    /// When the journal cannot be written.
     pub(crate) fn run(
         &mut self,
         session: &mut dyn Session,
@@ -99,7 +99,7 @@ impl<'p> Group<'p> {
         Ok(())
     }
 
-    /// What became of the cells, of those that are done.
+    /// The records of the finished cells.
     pub(crate) fn cells(self) -> Vec<Cell> {
         let rounds: Vec<Vec<usize>> = (0..self.plan.repeat)
             .map(|round| self.turns.round(round))
@@ -141,8 +141,8 @@ impl<'p> Group<'p> {
                 self.step(place, Pass::Time, round, stage)?;
             }
         }
-        // What is kept for the counts leaves the heap in pieces, after which memory could not be
-        // measured.
+        // Profile before Count: the storage of the counters fragments the heap, and the memory of
+        // later runs could not be measured.
         for pass in [Pass::Profile, Pass::Count] {
             for place in all.clone() {
                 self.step(place, pass, 0, stage)?;
@@ -151,8 +151,8 @@ impl<'p> Group<'p> {
         Ok(())
     }
 
-    /// Finds the answer that all others must agree with. If this takes a run of an algorithm that
-    /// is measured too, the place of that one is returned: the run counts as its warm-up.
+    /// Determines the reference answer. If that takes a run of an algorithm of the plan, the run
+    /// counts as its warm-up and the index of its cell is returned.
     fn find_reference(&mut self, stage: &mut Stage<'_>) -> anyhow::Result<Option<usize>> {
         let reference = match &self.plan.reference {
             Reference::None => return Ok(None),
@@ -179,7 +179,7 @@ impl<'p> Group<'p> {
         };
         let known = stage.journal.as_deref().and_then(|j| j.outcome(&run));
         if let Some(failure) = known.and_then(|outcome| outcome.failure.as_ref()) {
-            // It is not tried again.
+            // Not tried again.
             stage.reference_check.unchecked = failed(failure);
             return Ok(None);
         }
@@ -199,19 +199,19 @@ impl<'p> Group<'p> {
             Some(place) if self.entries[place].lacks(self.plan, Pass::Warmup, 0) => {
                 self.take_in(place, Pass::Warmup, 0, done, stage)?;
             }
-            // It stands for no cell; that it fails is kept, so that it is not tried again.
+            // Not a cell of the plan. The journal keeps a failure, so that it is not tried again.
             None => {
                 let outcome = self.judge(reference, done, &mut stage.reference_check);
                 stage.keep(run, &outcome)?;
             }
-            // Its cell is done but for the counts, whatever became of the answer now.
+            // The timed runs of its cell are done, and the new answer changes nothing.
             Some(_) => {}
         }
         Ok(place)
     }
 
-    /// Asks again for the answers that differed from the reference before an interruption, so that
-    /// those to come can be compared with them.
+    /// Repeats runs whose answers differed from the reference before an interruption, so that later
+    /// answers can be compared with them.
     fn restore_clusters(&self, stage: &mut Stage<'_>) -> anyhow::Result<()> {
         let mut restored = Vec::new();
         for entry in &self.entries {
@@ -228,7 +228,7 @@ impl<'p> Group<'p> {
         Ok(())
     }
 
-    /// Makes a run, unless it has been made or its cell has failed.
+    /// Makes a run, unless it is done or its cell has failed.
     fn step(
         &mut self,
         place: usize,
@@ -244,7 +244,7 @@ impl<'p> Group<'p> {
         self.take_in(place, pass, round, done, stage)
     }
 
-    /// Checks what a run delivered, keeps it and adds it to its cell.
+    /// Checks the result of a run, writes it to the journal and adds it to its cell.
     fn take_in(
         &mut self,
         place: usize,
@@ -277,7 +277,7 @@ impl<'p> Group<'p> {
                 let is_approximate = algorithm.is_approximate();
                 let (check, failure) =
                     reference_check.judge(&distances, self.plan.tolerance, is_approximate);
-                // An approximation may differ, but not without bounds.
+                // An approximation may differ, but by a finite amount.
                 let failure = failure.filter(|_| !is_approximate || check.max_rel.is_none());
                 RunOutcome {
                     observation,
@@ -314,7 +314,7 @@ impl<'p> Group<'p> {
     }
 }
 
-/// What takes part in making a run.
+/// Everything that a run needs.
 struct Stage<'s> {
     session: &'s mut dyn Session,
     journal: Option<&'s mut Journal>,
@@ -322,13 +322,13 @@ struct Stage<'s> {
     reference_check: ReferenceCheck,
 }
 
-/// Somebody asked to stop.
+/// A signal arrived.
 #[derive(Debug, thiserror::Error)]
 #[error("interrupted")]
 struct Interrupted;
 
 impl Stage<'_> {
-    /// Writes what came of a run to the journal, if there is one.
+    /// Writes the outcome of a run to the journal, if there is one.
     fn keep(&mut self, run: RunId, outcome: &RunOutcome) -> anyhow::Result<()> {
         match &mut self.journal {
             Some(journal) => journal.keep(run, outcome),
@@ -336,7 +336,7 @@ impl Stage<'_> {
         }
     }
 
-    /// Makes a run, unless somebody asks to stop before it is done.
+    /// Makes a run, unless a signal arrives first.
     fn execute(&mut self, step: &Step<'_>) -> Result<Result<Observation, Failure>, Interrupted> {
         if self.listener.interrupted() {
             return Err(Interrupted);
@@ -350,14 +350,14 @@ impl Stage<'_> {
     }
 }
 
-/// What is known of a cell: what came of each of its runs.
+/// The outcomes of the runs of a cell.
 #[derive(Debug)]
 struct Entry<'p> {
     algorithm: &'p Selection,
     outcomes: BTreeMap<(Pass, usize), RunOutcome>,
-    /// Why it fails, if it does; no run is made any more then.
+    /// Failure of the cell; no further runs are made.
     failure: Option<Failure>,
-    /// Runs that were made now, and not before the benchmark was interrupted.
+    /// Runs of this process, without those from the journal.
     made: usize,
 }
 
@@ -375,8 +375,7 @@ impl<'p> Entry<'p> {
         self.failure.is_some()
     }
 
-    /// Whether a run is still to be made. Warm-ups are made again where there is something left to
-    /// be timed.
+    /// Whether a run is missing. Warm-ups are repeated if timed runs are missing.
     fn lacks(&self, plan: &Plan, pass: Pass, round: usize) -> bool {
         !self.has_failed()
             && match pass {
@@ -385,7 +384,7 @@ impl<'p> Entry<'p> {
             }
     }
 
-    /// Whether there is nothing left to be done.
+    /// Whether all runs are done.
     fn is_complete(&self, plan: &Plan) -> bool {
         self.has_failed()
             || (0..plan.repeat).all(|round| !self.lacks(plan, Pass::Time, round))
@@ -404,21 +403,20 @@ impl<'p> Entry<'p> {
             .filter(|&cluster| cluster != agreement::REFERENCE)
     }
 
-    /// What came of the runs that are known, in short.
+    /// Short outcomes of the known runs.
     fn summaries(&self) -> impl Iterator<Item = (Pass, Result<Option<f64>, Status>)> {
         let outcomes = self.outcomes.iter();
         outcomes.map(|(&(pass, _), outcome)| (pass, summary(outcome)))
     }
 
-    /// Takes in what came of a run.
+    /// Adds the outcome of a run.
     fn add(&mut self, pass: Pass, round: usize, outcome: RunOutcome) {
         self.failure = self.failure.take().or_else(|| outcome.failure.clone());
-        // The first of several warm-ups of one number is the one that set the algorithm up.
+        // Of repeated warm-ups the first set the algorithm up.
         self.outcomes.entry((pass, round)).or_insert(outcome);
     }
 
-    /// The cell, in which the runs had these places in their rounds; with the wavefronts of its run
-    /// only if so wanted.
+    /// The record of the cell. `places` are the places of its timed runs in their rounds.
     fn finish(self, run: RunId, places: Vec<usize>, with_wavefront: bool) -> Cell {
         let mut cell = Cell {
             group: run.group,
@@ -441,7 +439,7 @@ impl<'p> Entry<'p> {
             if let Some(why) = outcome.unchecked {
                 cell.message = Some(format!("not checked: {why}"));
             }
-            // The set-up of the counted run is apart from those of the timed ones.
+            // The set-up of the counted run is not that of the timed runs.
             setup = setup.or(observation.setup_seconds);
             match pass {
                 Pass::Warmup => {}
@@ -455,8 +453,8 @@ impl<'p> Entry<'p> {
                 Pass::Profile => cell.phases = observation.phases.unwrap_or_default(),
             }
             if matches!(pass, Pass::Profile | Pass::Count) {
-                // Ours are measured in the clocked run; those of outside programs come with what
-                // they count.
+                // Ours are measured in the profiled run; outside programs report them with the
+                // counts.
                 let Peaks { heap, rss } = observation.peaks;
                 cell.memory.heap_peak_bytes = cell.memory.heap_peak_bytes.or(heap);
                 cell.memory.rss_peak_bytes = cell.memory.rss_peak_bytes.or(rss);
@@ -478,7 +476,7 @@ impl<'p> Entry<'p> {
         cell
     }
 
-    /// The comparison that came out worst. A cell is checked if all its runs were.
+    /// The worst comparison. A cell is checked if all its runs were.
     fn check(&self) -> Check {
         let outcomes = || self.outcomes.values();
         let badness = |check: &Check| match check.reference {
@@ -505,7 +503,7 @@ impl<'p> Entry<'p> {
     }
 }
 
-/// What came of a run, in short: how it failed, or the seconds that it took if it was timed.
+/// A short outcome: the status of a failure, or the seconds of a timed run.
 fn summary(outcome: &RunOutcome) -> Result<Option<f64>, Status> {
     match &outcome.failure {
         Some(failure) => Err(failure.status),

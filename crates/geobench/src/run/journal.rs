@@ -1,16 +1,13 @@
-//! The journal of a run: what came of every run of a cell, on the disk before the next one starts,
-//! so that a benchmark that is killed at any moment loses the run that it was making and nothing
-//! else.
+//! The journal of a benchmark: the outcome of every run, synced to disk before the next one starts,
+//! so that a killed benchmark loses at most the run under way.
 //!
-//! A journal is a text file of JSON lines. The first says which program made it and what was to be
-//! run ([`Header`]); a journal is continued by the same program with the same plan only. Each of
-//! the others holds a session, a model or a run (`line`). A last line without its end is what a
-//! process was writing when it was killed: it is cut off. Any other line that is not understood is
-//! an error, because then it is not known what else is wrong with the file.
+//! A journal is a file of JSON lines. The first is the [`Header`] with program and plan; only the
+//! same program with the same plan continues a journal. The others hold a session, a model, an
+//! instruction count or a run. An incomplete last line is cut off. Any other malformed line is an
+//! error, because the rest of the file cannot be trusted then.
 //!
-//! A run has one line. Only warm-ups can have several: they are made again, by a process that comes
-//! later, before runs that are to be timed, and so is the run of the reference, whose answer is
-//! needed for the checks and too large to be kept.
+//! A run has one line, except warm-ups: a later process repeats them before its timed runs, and so
+//! the run of the reference, whose answer is needed for checks and too large to store.
 
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -30,7 +27,7 @@ use crate::schema::{
 #[cfg(test)]
 mod tests;
 
-/// A run of a cell: what makes it a different one from all others of a plan.
+/// Identifies a run within a plan.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct RunId {
     /// Name of the group; none if that has none.
@@ -44,29 +41,29 @@ pub struct RunId {
     /// What it is for.
     #[serde(rename = "purpose")]
     pub pass: Pass,
-    /// Which of the runs for that purpose, from 0.
+    /// Index among the runs of this pass.
     pub round: usize,
 }
 
-/// What came of a run, once its answer has been compared: everything that the cell needs of it.
+/// The outcome of a run, after the check of its answer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunOutcome {
     /// The figures, without the distances.
     pub observation: Observation,
-    /// How the distances compared with the reference.
+    /// Comparison of the distances with the reference.
     pub check: Check,
-    /// Why there was nothing to compare them with, although there should have been.
+    /// Why there was no reference although one is wanted.
     pub unchecked: Option<String>,
-    /// Why the cell fails by this run, if it does.
+    /// Failure of the run, which fails the cell.
     pub failure: Option<Failure>,
 }
 
-/// An open journal, which no other process can open meanwhile.
+/// An open, locked journal.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
     file: File,
-    /// Bytes of the lines that are whole.
+    /// Bytes of complete lines.
     length: u64,
     sessions: Vec<SessionRecord>,
     models: HashMap<String, ModelRecord>,
@@ -78,7 +75,7 @@ pub struct Journal {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum JournalError {
-    /// The system does not let us.
+    /// An error of the file system.
     #[error("journal {}: cannot be {action}: {error}", path.display())]
     Io {
         /// The file.
@@ -129,18 +126,18 @@ pub enum JournalError {
     },
 }
 
-/// How long to wait for another process to let go of a journal.
-const PATIENCE: Duration = Duration::from_secs(1);
+/// Time to wait for the lock.
+const LOCK_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// How often to ask whether it has.
+/// Interval of attempts.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// Locks a journal, if no other process holds it for long.
+/// Locks a journal, waiting up to [`LOCK_TIMEOUT`].
 ///
-/// A process that is killed while it starts one for a cell leaves its lock with that until it is
-/// there; whoever goes on with the journal at once must not be refused for that.
+/// A process killed while it starts a child leaves its lock to the child until that has called
+/// exec. A resumed run must not be refused for that.
 fn lock(file: &File) -> Result<(), TryLockError> {
-    let deadline = Instant::now() + PATIENCE;
+    let deadline = Instant::now() + LOCK_TIMEOUT;
     loop {
         match file.try_lock() {
             Err(TryLockError::WouldBlock) if Instant::now() < deadline => thread::sleep(PAUSE),
@@ -150,8 +147,8 @@ fn lock(file: &File) -> Result<(), TryLockError> {
 }
 
 impl Journal {
-    /// Opens the journal of the run that `header` describes, or starts it if there is no such file
-    /// or an empty one, and notes that `session` goes on with it.
+    /// Opens the journal of the run that `header` describes and adds `session`. A missing or empty
+    /// file becomes a new journal.
     ///
     /// # Errors
     ///
@@ -204,7 +201,7 @@ impl Journal {
         journal.file.read_to_end(&mut bytes).map_err(fail("read"))?;
         let first = header.line();
         let begun = if bytes.len() < first.len() && first.as_bytes().starts_with(&bytes) {
-            // New, or killed before its first line was whole.
+            // New, or the first line is incomplete.
             journal.start(&first)
         } else {
             journal.read(&bytes, header)?;
@@ -213,7 +210,7 @@ impl Journal {
         let noted = begun.and_then(|()| journal.append(&Line::Session(session.clone())));
         if let Err(error) = noted {
             if !existed {
-                // Nothing is in it; what can be done about a failure is said below.
+                // It is empty, so a failure to remove it does no harm.
                 let _ = fs::remove_file(path);
             }
             return Err(fail("written")(error));
@@ -222,7 +219,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// The processes that worked on it so far, this one last.
+    /// The sessions so far, this one last.
     pub fn sessions(&self) -> &[SessionRecord] {
         &self.sessions
     }
@@ -232,7 +229,7 @@ impl Journal {
         self.outcomes.len()
     }
 
-    /// Writes the first line, and sees to it that the file is there after a crash of the system.
+    /// Writes the first line and syncs the file and its directory.
     fn start(&mut self, first: &str) -> io::Result<()> {
         self.cut()?;
         self.append_text(first)?;
@@ -247,7 +244,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Takes in all whole lines.
+    /// Reads all complete lines.
     fn read(&mut self, bytes: &[u8], header: &Header) -> Result<(), JournalError> {
         let mut lines = bytes.split_inclusive(|&byte| byte == b'\n');
         let first = lines.next().unwrap_or_default();
@@ -298,8 +295,8 @@ impl Journal {
         Ok(())
     }
 
-    /// Remembers what came of a run. Of several warm-ups of one number the first counts, which is
-    /// the one that set the algorithm up, unless a later one failed.
+    /// Stores the outcome of a run. Of repeated warm-ups the first counts, which set the algorithm
+    /// up, unless a later one failed.
     fn note(&mut self, id: RunId, found: RunOutcome) -> Result<(), String> {
         match self.outcomes.get_mut(&id) {
             None => {
@@ -315,7 +312,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Cuts off what is behind the whole lines.
+    /// Truncates the file after the complete lines.
     fn cut(&mut self) -> io::Result<()> {
         self.file.set_len(self.length)?;
         self.file.seek(SeekFrom::Start(self.length))?;
@@ -328,7 +325,7 @@ impl Journal {
         self.append_text(&text)
     }
 
-    /// Writes a line and waits until it is on the disk.
+    /// Writes a line and syncs it.
     fn append_text(&mut self, line: &str) -> io::Result<()> {
         let written = self
             .file
@@ -336,7 +333,7 @@ impl Journal {
             .and_then(|()| self.file.sync_data());
         match written {
             Ok(()) => self.length += line.len() as u64,
-            // Half a line would be cut off by the next process; better that there is none.
+            // Removes the incomplete line, which the next process would cut off.
             Err(_) => self.cut()?,
         }
         written
@@ -353,27 +350,26 @@ impl Journal {
 }
 
 impl Journal {
-    /// What is known about a model.
+    /// The record of a model.
     pub(super) fn model(&self, name: &str) -> Option<&ModelRecord> {
         self.models.get(name)
     }
 
-    /// What came of a run, if it has been made.
+    /// The outcome of a run, if it is done.
     pub(super) fn outcome(&self, run: &RunId) -> Option<&RunOutcome> {
         self.outcomes.get(run)
     }
 
-    /// How many instructions the solve of a cell took, named by the run that counts it, if that is
-    /// known.
+    /// The instruction count of a cell, named by its counted run.
     pub(super) fn instructions(&self, run: &RunId) -> Option<&InstructionCount> {
         self.instructions.get(run)
     }
 
-    /// Keeps how many instructions the solve of a cell took.
+    /// Writes the instruction count of a cell.
     ///
     /// # Errors
     ///
-    /// When it cannot be kept, which ends the benchmark.
+    /// When the file cannot be written, which ends the benchmark.
     pub(super) fn keep_instructions(
         &mut self,
         id: RunId,
@@ -387,22 +383,22 @@ impl Journal {
         Ok(())
     }
 
-    /// Keeps what is known about a model.
+    /// Writes the record of a model.
     ///
     /// # Errors
     ///
-    /// When it cannot be kept, which ends the benchmark.
+    /// When the file cannot be written, which ends the benchmark.
     pub(super) fn keep_model(&mut self, model: &ModelRecord) -> anyhow::Result<()> {
         self.keep_line(&Line::Model(model.clone()))?;
         self.models.insert(model.name.clone(), model.clone());
         Ok(())
     }
 
-    /// Keeps what came of a run, before the next one starts.
+    /// Writes the outcome of a run.
     ///
     /// # Errors
     ///
-    /// When it cannot be kept, which ends the benchmark.
+    /// When the file cannot be written, which ends the benchmark.
     pub(super) fn keep(&mut self, id: RunId, outcome: &RunOutcome) -> anyhow::Result<()> {
         let found = outcome.clone();
         self.keep_line(&Line::Run {
@@ -413,14 +409,14 @@ impl Journal {
     }
 }
 
-/// Which run a journal belongs to.
+/// Identifies the benchmark of a journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Header {
     /// Always the schema of result files.
     journal: String,
     /// The program that measures.
     tool: Tool,
-    /// What is to be run, the hashes of the models' files included.
+    /// The plan, with the hashes of the model files.
     plan: PlanRecord,
 }
 
@@ -441,7 +437,7 @@ impl Header {
         line
     }
 
-    /// What is different in the run that `now` describes, with both values.
+    /// The first difference from `now`, with both values.
     fn difference(&self, now: &Self) -> Option<String> {
         let value = |header| serde_json::to_value(header).unwrap_or_default();
         let found = difference::first(&value(self), &value(now))?;
@@ -451,7 +447,7 @@ impl Header {
         ))
     }
 
-    /// Makes sure that a run is one of the plan.
+    /// Checks that a run is part of the plan.
     fn check(&self, run: &RunId) -> Result<(), String> {
         let group = self.plan.groups.iter().find(|g| g.name == run.group);
         let Some(group) = group else {
@@ -487,7 +483,7 @@ impl Header {
 #[serde(rename_all = "snake_case")]
 #[expect(clippy::large_enum_variant, reason = "there is but one at a time")]
 enum Line {
-    /// A process began to work.
+    /// A process started.
     Session(SessionRecord),
     /// A model was loaded for the first time.
     Model(ModelRecord),

@@ -9,7 +9,7 @@ use crate::plan::{Plan, Reference};
 use crate::registry;
 use crate::schema::{GroupRecord, Host, ResultFile, SCHEMA, Tool};
 
-/// A plan over made-up models.
+/// A plan for models that do not exist.
 pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
     let algorithms = registry::select(algorithms).unwrap();
     Plan {
@@ -33,17 +33,17 @@ pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
     }
 }
 
-/// Listens to nothing.
+/// Ignores all progress.
 pub(crate) struct NullListener;
 
 impl Listener for NullListener {}
 
-/// Carries out `plan` with `rehearsal`.
+/// Carries out `plan` with a mock backend.
 pub(crate) fn run_mock(plan: &Plan, backend: &mut MockBackend) -> Records {
     run(plan, backend, None, &mut NullListener).unwrap()
 }
 
-/// The result file of a made-up run.
+/// A result file of these records.
 pub(crate) fn result(records: Records) -> ResultFile {
     ResultFile {
         schema: SCHEMA.into(),

@@ -1,5 +1,4 @@
-//! Carries out a [`Plan`], model by model: which models are loaded and what becomes of those that
-//! cannot be used. What happens with a model and a source is the matter of `group`.
+//! Carries out a [`Plan`], model by model. `group` runs the cells of one model and source.
 
 pub mod agreement;
 pub mod check;
@@ -22,12 +21,12 @@ use crate::run::group::Group;
 use crate::run::journal::{Journal, RunId};
 use crate::schema::{Cell, ModelRecord, Status};
 
-/// The records of a run.
+/// Records of the models and cells of a benchmark.
 #[derive(Clone, Debug, Default)]
 pub struct Records {
-    /// One for each model of the plan, unless somebody asked to stop.
+    /// One for each model of the plan, or fewer after an interruption.
     pub models: Vec<ModelRecord>,
-    /// One for each cell of the plan, unless somebody asked to stop.
+    /// One for each cell of the plan, or fewer after an interruption.
     pub cells: Vec<Cell>,
 }
 
@@ -38,14 +37,13 @@ impl Records {
     }
 }
 
-/// Carries out `plan`, model by model, without the runs that `journal` knows already. A model of
-/// which it knows all is not even loaded. Where the listener says that somebody asked to stop, the
-/// outcome is what has been done until then.
+/// Carries out `plan`, model by model. Runs in `journal` are not repeated, and a model with all
+/// runs in it is not loaded. After an interruption the records cover what is done.
 ///
 /// # Errors
 ///
-/// Those of the journal and of the listener, and when a model is not the one that the journal
-/// knows. Whatever else happens to a cell is in its record.
+/// Errors of the journal and the listener, and a model that differs from that of the journal.
+/// Failures of runs are in the records of their cells.
 pub fn run(
     plan: &Plan,
     backend: &mut dyn Backend,
@@ -78,10 +76,10 @@ pub fn run(
     Ok(records)
 }
 
-/// The work on one model of a plan.
+/// One model of a plan.
 struct Benchmark<'b> {
     plan: &'b Plan,
-    /// Place of the model in the plan.
+    /// Index of the model in the plan.
     place: usize,
     journal: Option<&'b mut Journal>,
     listener: &'b mut dyn Listener,
@@ -101,7 +99,7 @@ impl Benchmark<'_> {
         });
         match done {
             Ok(()) => result,
-            // The refusal may come of it.
+            // The interruption may have caused the refusal.
             Err(_) if self.listener.interrupted() => Ok((model.record(), Vec::new())),
             Err(refusal) => {
                 let record = model.record();
@@ -192,7 +190,7 @@ impl Benchmark<'_> {
         Ok((model, cells))
     }
 
-    /// The sources that are to be worked on.
+    /// The sources of this shard.
     fn sources(&self, model: &ModelRecord) -> Result<Vec<VertexId>, SourceError> {
         let vertices = model.vertices.unwrap_or(0) as usize;
         let all = self.plan.sources.resolve(vertices)?.into_iter().enumerate();
@@ -200,9 +198,8 @@ impl Benchmark<'_> {
         Ok(all.filter(mine).map(|(_, source)| source).collect())
     }
 
-    /// The cells of a model that cannot be used, or that does not have the sources asked for.
-    /// Random sources, which nobody knows then and which may be any number, have one cell together,
-    /// in place of the first.
+    /// The cells of a model that cannot be used or lacks a source. Random sources are then unknown
+    /// and have one cell together.
     fn refused(&mut self, message: &str) -> Vec<Cell> {
         let plan = self.plan;
         self.listener.skipped(plan.runs_of_model(self.place));

@@ -1,21 +1,20 @@
-//! In which order the algorithms of a group take their turns.
+//! The order of algorithms in each round of timed runs.
 //!
-//! Times are taken in rounds, one run of every algorithm in each. What ran just before can matter:
-//! it leaves caches, memory and the clock of the processor in some state. So the order changes from
-//! round to round, along the rows of a balanced Latin square (E. J. Williams, Experimental designs
-//! balanced for the estimation of residual effects of treatments, 1949): over all its rows every
-//! algorithm has every place equally often, and directly follows every other equally often. Which
-//! algorithm plays which part in the square, and which row comes first, is drawn from the seed, the
-//! model and the source, and from nothing else, so that a run can be repeated.
+//! Times are taken in rounds with one run of every algorithm. The previous run can matter, through
+//! caches, memory and clock frequency, so the order changes from round to round along the rows of a
+//! balanced Latin square (E. J. Williams, Experimental designs balanced for the estimation of
+//! residual effects of treatments, 1949): over all rows every algorithm has every place equally
+//! often and follows every other equally often. Seed, model and source alone decide which algorithm
+//! takes which part of the square and which row is first, so that a run can be repeated.
 
 use crate::measure::rng::SplitMix64;
 
-/// The order of the rounds of one group.
+/// The order of the rounds of a group.
 #[derive(Clone, Debug)]
 pub(crate) struct Turns {
-    /// Which algorithm plays which part in the square.
+    /// The algorithm of each part of the square.
     parts: Vec<usize>,
-    /// The rows of the square in the order in which they are used.
+    /// The rows of the square, in order of use.
     rows: Vec<usize>,
 }
 
@@ -23,8 +22,7 @@ impl Turns {
     /// The order of `algorithms` algorithms in a model from a source.
     pub(crate) fn new(seed: u64, model: &str, source: u32, algorithms: usize) -> Self {
         let mut random = SplitMix64::of(seed, model, source);
-        // An odd number of algorithms cannot be balanced by a square, but by one and its mirror
-        // image.
+        // An odd number of algorithms needs the square and its mirror image.
         let rows = algorithms * (1 + algorithms % 2);
         Self {
             parts: shuffled(algorithms, &mut random),

@@ -1,11 +1,11 @@
-//! What the answers of a group are compared with.
+//! The reference answer of a group, and comparison with it.
 
 use crate::exec::Failure;
 use crate::run::agreement::{self, Clusters};
 use crate::run::check::{self, Comparison, LengthMismatch};
 use crate::schema::{Check, Status};
 
-/// What answers must agree with, or why there is nothing.
+/// The reference answer, or why there is none.
 #[derive(Debug, Default)]
 pub(super) struct ReferenceCheck {
     /// The expected answer.
@@ -16,7 +16,7 @@ pub(super) struct ReferenceCheck {
     pub(super) clusters: Clusters,
 }
 
-/// What answers are compared with, and its name.
+/// A reference answer and its name.
 #[derive(Debug)]
 pub(super) struct Answer {
     pub(super) name: String,
@@ -36,8 +36,8 @@ impl Answer {
 }
 
 impl ReferenceCheck {
-    /// Compares an answer with the expected one; says how they compare and why the cell fails, if
-    /// it does. An answer that is not held to the tolerance belongs to no cluster.
+    /// Compares an answer with the reference. Returns the comparison and the failure of the cell,
+    /// if it fails. Approximate answers belong to no cluster.
     pub(super) fn judge(
         &mut self,
         distances: &[f64],
@@ -71,7 +71,7 @@ impl ReferenceCheck {
             Some(answer) => {
                 check::compare_some(distances, answer.distances.iter().copied(), tolerance)
             }
-            // Nothing to compare with; a distance that is not a number is wrong all the same.
+            // No reference; NaN is wrong all the same.
             None => check::compare_some(
                 distances,
                 distances

@@ -1,4 +1,4 @@
-//! The child's side: takes orders until there are no more.
+//! The child's side: answers requests until standard input ends.
 
 use std::ffi::OsStr;
 use std::io::{self, BufRead, Write};
@@ -18,14 +18,14 @@ use crate::measure::memory;
 use crate::registry;
 use crate::schema::Status;
 
-/// Where the last panic came about.
+/// Location of the last panic.
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
 
-/// Works on `model` as the parent at the other end of standard input and output wants.
+/// Serves requests about `model` over standard input and output.
 ///
 /// # Errors
 ///
-/// When it is not understood or cannot answer.
+/// When a request is not understood or a reply cannot be written.
 pub(crate) fn cell(model: &OsStr) -> io::Result<()> {
     system::die_with_parent();
     system::name_this_process();
@@ -74,7 +74,7 @@ pub(crate) fn cell(model: &OsStr) -> io::Result<()> {
     }
 }
 
-/// Carries out runs until no more are asked for.
+/// Carries out the requested runs.
 fn serve(
     requests: &mut impl Iterator<Item = io::Result<String>>,
     model: &str,
@@ -103,7 +103,7 @@ fn serve(
             pass,
         };
         if pass == Pass::Profile {
-            // What the run needs of it comes back, and counts.
+            // Pages that the run needs come back, and count.
             memory::give_back_clean_pages();
         }
         let reply = match session.execute(&step) {
@@ -125,7 +125,7 @@ fn serve(
     }
 }
 
-/// The next order; nothing if the parent has closed its end.
+/// The next request; `None` if the parent has closed its end.
 fn next(requests: &mut impl Iterator<Item = io::Result<String>>) -> io::Result<Option<Request>> {
     match requests.next() {
         Some(line) => Ok(Some(serde_json::from_str(&line?)?)),
@@ -149,7 +149,7 @@ fn digest(distances: &[f64]) -> [u8; 32] {
     hasher.finalize().into()
 }
 
-/// A crash of which this process knows is a panic.
+/// A crash reported by this process itself is a panic.
 fn with_place_of_panic(failure: Failure) -> Failure {
     let place = PANIC
         .lock()

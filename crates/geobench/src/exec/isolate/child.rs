@@ -1,4 +1,4 @@
-//! The parent's end of a child.
+//! The parent's end of a child process.
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -18,15 +18,13 @@ use crate::exec::interrupt;
 use crate::exec::limits::Limits;
 use crate::exec::protocol::{Reply, Request};
 
-/// Time between two looks at the memory of a child that has a limit of it. What it can take
-/// meanwhile is bounded by the system: see [`system::limit_data`].
+/// Interval of memory checks. `system::limit_data` bounds what a child can allocate between two.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// Time that a child has to end after it has closed its standard output.
+/// Time to end after closing standard output.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// A process that waits for orders. It is the leader of a process group of its own, which ends
-/// with this value whatever it is at.
+/// A process that answers requests. It leads a process group, which is killed on drop.
 #[derive(Debug)]
 pub(crate) struct ChildProcess {
     process: process::Child,
@@ -34,10 +32,10 @@ pub(crate) struct ChildProcess {
     requests: ChildStdin,
     replies: ChildStdout,
     errors: Option<ChildStderr>,
-    /// What of the next answer has arrived.
+    /// Received part of the next reply.
     received: Vec<u8>,
     stderr_tail: Tail,
-    /// How it ended, once that is known.
+    /// Exit status, once known.
     status: Option<ExitStatus>,
 }
 
@@ -75,19 +73,19 @@ impl ChildProcess {
         Ok(child)
     }
 
-    /// Bytes that it occupies, with whatever it has started.
+    /// Resident bytes of the process and its descendants.
     pub(crate) fn resident(&self) -> Option<u64> {
         let own = system::resident(self.process.id())?;
         Some(own + self.descendants.resident_orphans())
     }
 
-    /// Its number.
+    /// Process id.
     pub(crate) fn id(&self) -> u32 {
         self.process.id()
     }
 
-    /// Sends an order and waits for the answer, of at most `longest` bytes. Nothing runs here
-    /// meanwhile, except that a child with a limit of memory is looked at now and then.
+    /// Sends a request and waits for a reply of at most `longest` bytes. The parent sleeps
+    /// meanwhile, except for memory checks.
     pub(super) fn ask(
         &mut self,
         request: &Request,
@@ -104,7 +102,7 @@ impl ChildProcess {
         })
     }
 
-    /// Sends `order`, if it is not empty, and waits for a line of at most `longest` bytes.
+    /// Sends `request`, unless it is empty, and waits for a line of at most `longest` bytes.
     pub(crate) fn ask_line(
         &mut self,
         request: &[u8],
@@ -115,7 +113,7 @@ impl ChildProcess {
         let answer = self.converse(request, limits, longest);
         match answer {
             Ok(Some(line)) => Ok(line),
-            // The pipe has come to its end.
+            // End of the pipe.
             Ok(None) => {
                 let Some(status) = self.wait_for_end() else {
                     self.kill();
@@ -137,7 +135,7 @@ impl ChildProcess {
         }
     }
 
-    /// The line that answers an order, or nothing if the pipe ends before it does.
+    /// The line that answers a request, or `None` if the pipe ends first.
     fn converse(
         &mut self,
         request: &[u8],
@@ -147,7 +145,7 @@ impl ChildProcess {
         let start = Instant::now();
         let deadline = limits.timeout.0.and_then(|time| start.checked_add(time));
         match self.requests.write_all(request) {
-            // It is gone; why, is found below.
+            // The process has ended; the reason is found below.
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {}
             done => done.map_err(ChildError::Pipe)?,
         }
@@ -183,7 +181,7 @@ impl ChildProcess {
         }
     }
 
-    /// Sleeps until the child says something, somebody asks to stop, or the time is over.
+    /// Sleeps until output of the child, a signal or the end of `time`.
     fn sleep(&self, time: Option<Duration>) -> io::Result<()> {
         let time = time.and_then(|time| Timespec::try_from(time).ok());
         let wake = interrupt::wake();
@@ -199,7 +197,7 @@ impl ChildProcess {
         }
     }
 
-    /// Takes in what there is of the answer; false if there will be no more.
+    /// Reads available output; false at the end of the pipe.
     fn receive(&mut self) -> io::Result<bool> {
         let mut block = [0; 1 << 14];
         match self.replies.read(&mut block) {
@@ -213,7 +211,7 @@ impl ChildProcess {
         }
     }
 
-    /// Takes in what the child has written to standard error.
+    /// Reads available standard error.
     fn listen_to_errors(&mut self) {
         let mut block = [0; 1 << 12];
         while let Some(errors) = &mut self.errors {
@@ -225,7 +223,8 @@ impl ChildProcess {
         }
     }
 
-    /// Waits until the process has ended, and hears its last words; nothing if it does not end.
+    /// Waits for the process to end and reads the rest of its standard error; `None` if it does not
+    /// end.
     fn wait_for_end(&mut self) -> Option<ExitStatus> {
         let deadline = Instant::now() + GRACE;
         while !self.has_ended() {
@@ -238,18 +237,18 @@ impl ChildProcess {
         self.kill()
     }
 
-    /// Whether the process has ended. It keeps its number until [`kill`](Self::kill).
+    /// Whether the process has ended. Its id stays reserved until [`kill`](Self::kill).
     fn has_ended(&self) -> bool {
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
         self.group()
             .is_some_and(|pid| matches!(waitid(WaitId::Pid(pid), options), Ok(Some(_))))
     }
 
-    /// Ends the process and whatever it has started.
+    /// Kills the process and its descendants.
     fn kill(&mut self) -> Option<ExitStatus> {
         if self.status.is_none() {
             let present = self.descendants.present();
-            // As long as nobody has waited for the leader, no other group can have its number.
+            // The id cannot be reused before the leader is waited for.
             if let Some(group) = self.group() {
                 let _ = kill_process_group(group, Signal::KILL);
             }
@@ -279,16 +278,16 @@ fn is_temporary(error: &io::Error) -> bool {
     )
 }
 
-/// Most bytes that are kept.
+/// Bytes kept.
 const BYTES: usize = 2000;
 
-/// Most lines that are shown.
+/// Lines shown.
 const LINES: usize = 3;
 
-/// Most characters that are shown.
+/// Characters shown.
 const CHARACTERS: usize = 400;
 
-/// Keeps the end of what is pushed. It shows its last lines as one.
+/// The end of a byte stream; displays its last lines as one.
 #[derive(Debug, Default)]
 pub(super) struct Tail(VecDeque<u8>);
 

@@ -1,4 +1,4 @@
-//! What can become of a request to a child other than an answer, and what a row says of it.
+//! Failures of child processes, and the messages for their rows.
 
 use std::io;
 use std::os::unix::process::ExitStatusExt;
@@ -11,40 +11,40 @@ use crate::exec::Failure;
 use crate::exec::limits::Limits;
 use crate::schema::Status;
 
-/// Why there is no answer. The child is gone in every case.
+/// Why there is no reply. The child is gone in every case.
 #[derive(Debug)]
 pub(crate) enum ChildError {
-    /// Somebody asked to stop.
+    /// Interrupted by a signal.
     Interrupted,
-    /// It took longer than it may.
+    /// Over the time limit.
     Timeout,
-    /// It occupied this many bytes, more than it may.
+    /// Over the memory limit, with this many bytes.
     Memory(u64),
-    /// It wrote this, which is no answer.
+    /// Output that is not a reply.
     Garbage(String),
-    /// It closed its end of the pipe, and had not ended some time later.
+    /// Standard output closed, process still running.
     Closed,
-    /// It ended by itself.
+    /// The process ended.
     Ended(ExitReport),
-    /// It could not be started.
+    /// The process cannot be started.
     Start(io::Error),
-    /// It could not be talked to.
+    /// The pipe failed.
     Pipe(io::Error),
 }
 
 /// How a process ended.
 #[derive(Debug)]
 pub(crate) struct ExitReport {
-    /// What it left to its parent.
+    /// Exit status.
     pub(crate) status: ExitStatus,
-    /// The last that it wrote to standard error.
+    /// End of its standard error.
     pub(crate) stderr_tail: String,
-    /// Whether the kernel has ended a process for want of memory meanwhile.
+    /// Whether the kernel killed a process for lack of memory meanwhile.
     pub(crate) kernel_out_of_memory: bool,
 }
 
 impl ChildError {
-    /// It wrote this line, which is no answer.
+    /// A line that is not a reply.
     pub(crate) fn garbage(line: &[u8]) -> Self {
         const MOST: usize = 60;
         let text = String::from_utf8_lossy(&line[..line.len().min(4 * MOST)]);
@@ -55,7 +55,7 @@ impl ChildError {
         })
     }
 
-    /// What a row says of it, if it came while the child was `doing` something under `limits`.
+    /// Status and message of the row, for a failure while the child was `doing` something.
     pub(crate) fn failure(&self, limits: &Limits, doing: &str) -> Failure {
         let (status, message) = match self {
             Self::Interrupted => (Status::Crashed, "interrupted".to_owned()),
@@ -124,7 +124,7 @@ impl ExitReport {
         (Status::Crashed, message)
     }
 
-    /// What the runtime says before it aborts because an allocation failed.
+    /// The message of the runtime about a failed allocation.
     fn failed_allocation(&self) -> Option<&str> {
         let start = self.stderr_tail.rfind("memory allocation of ")?;
         let (words, _) = self.stderr_tail[start..].split_once(" failed")?;

@@ -1,37 +1,30 @@
-//! Runs cells in processes of their own, so that one that crashes, never ends or takes all memory
-//! costs its own row and nothing else.
+//! One child process per cell, so that a crash, an endless loop or a memory leak costs one row.
 //!
-//! Each process is this very program, called with a hidden command. Parent and child talk in lines
-//! of JSON (`message`) through the child's standard input and output; what the child says on
-//! standard error is kept for the row, should it crash. The parent never loads a mesh.
+//! A child is this program with a hidden command. Parent and child exchange lines of JSON
+//! ([`protocol`](crate::exec::protocol)) over the standard input and output of the child; its
+//! standard error is kept for the message of a crash. The parent never loads a mesh.
 //!
-//! **Who lives how long.** The runs of the cells of one model and source are interleaved between
-//! algorithms. So the child of a cell loads the model once, lives through all rounds of its group,
-//! carries out one run at a time, and ends when another source or model has its turn. Between its
-//! runs it sleeps, but it holds its mesh and its solver. All of them together may hold half of the
-//! memory that was available at the start; where they would hold more, a child that has just done
-//! its run ends, and is started anew, with one more untimed run to warm up, when its next one is
-//! due. The first child to load a model tells the parent what result files say about it, and goes
-//! on as that of the first cell. `verify`, which measures nothing, has one child for all algorithms
-//! ([`Sharing::All`]), and a new one after a failure.
+//! **Lifetime.** The runs of one model and source are interleaved between algorithms, so the child
+//! of a cell loads the model once, makes all its runs and ends with the next source or model.
+//! Between runs it sleeps and keeps its mesh and solver. All children together may hold half of the
+//! memory available at the start. Beyond that, a child ends after its run; a new one, with one more
+//! warm-up, replaces it when its next run is due. The first child to load a model reports the
+//! record of the model and becomes the child of the first cell. `verify`, which measures nothing,
+//! uses one child for all algorithms ([`Sharing::All`]), and a new one after a failure.
 //!
-//! **Limits** ([`crate::exec::limits`]). The parent sleeps in `poll` until the answer, the end of
-//! the time or a signal. Only where there is a limit of memory does it wake every 10 ms, to look at
-//! the resident memory of the child and of what it has started: a read of two or three files of
-//! `/proc` that takes no lock of the child. Between two looks the system bounds the damage: a child
-//! cannot have more data than twice the limit (`RLIMIT_DATA`). The limit itself is not given to the
-//! system, because that counts memory that is asked for, not what is used, and a vector that
-//! doubles asks for much that it never uses.
+//! **Limits** ([`crate::exec::limits`]). The parent sleeps in `poll` until a reply, the deadline or
+//! a signal. With a memory limit it wakes every 10 ms to read the resident memory of the child and
+//! its descendants: two or three files of `/proc`, without a lock of the child. Between two looks
+//! `RLIMIT_DATA` bounds the damage, at twice the limit. It is not set to the limit itself, because
+//! it counts reserved memory, and a growing vector reserves more than it touches.
 //!
-//! **The end.** A child leads a process group of its own, which is killed as a whole, and with it
-//! what the child has started in other groups (`orphans`). It ends with its parent, however that
-//! ends: by `PR_SET_PDEATHSIG`, and by the end of its standard input. Where the kernel itself runs
-//! out of memory, the child at work has volunteered to go first (`oom_score_adj`), so that neither
-//! a neighbour nor the parent with all results is taken.
+//! **End.** A child leads a process group. The group is killed as a whole, and with it the
+//! processes that the child started in other groups (`orphans`). A child ends with its parent: by
+//! `PR_SET_PDEATHSIG` and by the end of its standard input. When the kernel runs out of memory it
+//! kills the child at work first (`oom_score_adj`), not the parent with all results.
 //!
-//! **The clock** is read in the child, around the solve and nothing else
-//! ([`crate::exec::in_process`]); distances go through the pipe after that, and only if they differ
-//! from those sent last.
+//! **Clock.** The child reads it around the solve and nothing else ([`crate::exec::in_process`]).
+//! Distances are sent afterwards, and only if they differ from the last ones sent.
 
 mod cell;
 mod child;
@@ -57,33 +50,33 @@ use crate::exec::{Backend, Refusal, Session};
 use crate::schema::{ModelRecord, Status};
 use pool::ChildPool;
 
-/// The first argument of a child; its model is the second and last.
+/// First argument of a child; the model is the second and last.
 const COMMAND: &str = "__cell";
 
-/// A variable for glibc: from how many bytes on a block has pages of its own, which the system gets
-/// back as soon as it is freed. This is the usual value; but left to itself, glibc raises it with
-/// every such block that is freed, and what loading and solvers of earlier runs have freed then
-/// lies between the blocks of the next run and is part of its peak: 2 to 10 MB on the horse, 0.3 to
-/// 1 MB on models of 6,000 faces. Times are the same within 3 % either way.
+/// A setting of glibc: blocks of this size and more get pages of their own, which return to the
+/// system when freed. The value is the default, but unless it is set glibc raises it with every
+/// such block freed. Then memory freed by loading and by earlier solvers lies between the blocks of
+/// the next run and counts to its peak: 2 to 10 MB on the horse, 0.3 to 1 MB on models of 6,000
+/// faces. Times differ by less than 3 %.
 const OWN_PAGES: (&str, &str) = ("MALLOC_MMAP_THRESHOLD_", "131072");
 
-/// The model that a child with these arguments is to work on; none if the process is no child. The
-/// parser of the command line has no part in this: its code and its tables would count to the
-/// memory of every cell.
+/// The model of a child with these arguments, or `None` for other commands. The command-line parser
+/// is not used: its code and tables would count to the memory of every cell.
 pub(crate) fn wanted(arguments: impl Iterator<Item = OsString>) -> Option<OsString> {
     let mut arguments = arguments.skip(1);
     let model = (arguments.next()? == COMMAND).then(|| arguments.next())?;
     model.filter(|_| arguments.next().is_none())
 }
 
-/// Processes of this program as a place to work in.
+/// Backend with child processes of this program.
 #[derive(Clone, Debug)]
 pub struct Isolated {
     limits: Limits,
     cpus: Option<CpuList>,
     sharing: Sharing,
     program: Option<PathBuf>,
-    /// Most bytes that all children of a model hold between runs; found out if `None`.
+    /// Bytes that all children of a model may hold between runs; half of the available memory if
+    /// `None`.
     budget: Option<u64>,
 }
 
@@ -121,8 +114,7 @@ impl Isolated {
         Self { sharing, ..self }
     }
 
-    /// The same as processes of another program, which must be a `geobench`: for callers that are
-    /// none.
+    /// The same with another program, which must be a `geobench`, for callers that are not.
     #[must_use]
     pub fn with_program(self, program: PathBuf) -> Self {
         Self {
@@ -150,7 +142,7 @@ impl Isolated {
             .arg0("geobench")
             .arg(COMMAND)
             .arg(model.argument())
-            // Its last words are to say why it ended, not where it was.
+            // The standard error of a crash shows the reason, not a backtrace.
             .env("RUST_BACKTRACE", "0")
             .env(OWN_PAGES.0, OWN_PAGES.1);
         command

@@ -1,17 +1,17 @@
-//! Processes that a child has started and that outlive it.
+//! Processes started by a child that outlive it.
 //!
-//! A process that calls `setsid` leaves the process group of the child that started it, and one
-//! whose parent has ended is no descendant of the child any more. The `geobench` command is
-//! therefore a child subreaper of Linux ([`adopt`]): the kernel makes it the parent of such
-//! orphans. An orphan ends with the child to which it belongs, which is told by
+//! A process that calls `setsid` leaves the process group of its child, and one whose parent has
+//! ended is no longer a descendant of the child. The `geobench` command is therefore a child
+//! subreaper ([`adopt`]): Linux makes it the parent of such orphans. An orphan is killed with the
+//! child it belongs to, which is told by
 //!
 //! 1. the mark of the child in the environment, which descendants inherit, or
-//! 2. its place among the descendants of the child or of another of its orphans, found before these
-//!    were killed.
+//! 2. its place among the descendants of the child or of its orphans, recorded before these were
+//!    killed.
 //!
 //! An orphan without either ends when no child is left. Other children of this process are in its
-//! own process group and are left alone. Elsewhere than on Linux, and in programs that use this
-//! library, nothing is adopted and nothing is done.
+//! own process group and are left alone. Outside Linux, and in programs that use this library,
+//! nothing is adopted.
 
 use std::fs;
 use std::io;
@@ -37,7 +37,7 @@ static ADOPTS: AtomicBool = AtomicBool::new(false);
 /// The children that have been started and have not ended.
 static STARTED: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
-/// Makes this process the parent of all orphans among its descendants, from now on.
+/// Makes this process the parent of orphaned descendants from now on.
 pub(crate) fn adopt() {
     #[cfg(target_os = "linux")]
     if rustix::process::set_child_subreaper(Some(rustix::process::getpid())).is_ok() {
@@ -45,7 +45,7 @@ pub(crate) fn adopt() {
     }
 }
 
-/// What tells the descendants of a child from those of others.
+/// Identifies the descendants of a child.
 #[derive(Debug)]
 pub(super) struct Descendants {
     child: u32,
@@ -53,7 +53,7 @@ pub(super) struct Descendants {
     mark: String,
 }
 
-/// A process, distinguished from others that have had its number.
+/// A process, identified by id and start time because ids are reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Process {
     number: u32,
@@ -68,7 +68,7 @@ impl Descendants {
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let mark = format!("{}.{count}", process::id());
         command.env(MARK, &mark);
-        // Until its number is known, the child is not to be taken for an orphan.
+        // Holds the lock so that the child is not taken for an orphan before its id is recorded.
         let mut started = started();
         let child = command.spawn()?;
         started.push(child.id());
@@ -79,7 +79,7 @@ impl Descendants {
         Ok((child, descendants))
     }
 
-    /// Those that there are at this moment, as far as they are still below the child.
+    /// The descendants that currently exist below the child.
     pub(super) fn present(&self) -> Present {
         let mut present = Present(Vec::new());
         if ADOPTS.load(Ordering::Relaxed) {
@@ -88,7 +88,7 @@ impl Descendants {
         present
     }
 
-    /// Bytes that the orphans with the mark occupy, with what they have started.
+    /// Resident bytes of the orphans with the mark and their descendants.
     pub(super) fn resident_orphans(&self) -> u64 {
         if !ADOPTS.load(Ordering::Relaxed) {
             return 0;
@@ -100,8 +100,8 @@ impl Descendants {
             .sum()
     }
 
-    /// Ends all orphans of the child, which has ended itself and is waited for. `present` are those
-    /// that there were before.
+    /// Kills all orphans of the child, which has ended and been waited for; `present` are the
+    /// descendants recorded before.
     pub(super) fn end(&self, mut present: Present) {
         let mut started = started();
         started.retain(|child| *child != self.child);
@@ -117,7 +117,7 @@ impl Descendants {
                 if belongs {
                     left = true;
                     present.add_below(orphan.number);
-                    // It is a child that nobody has waited for, so no other has its number.
+                    // A child not waited for keeps its id.
                     if let Some(pid) = pid(orphan.number) {
                         let _ = kill_process(pid, Signal::KILL);
                     }
@@ -183,7 +183,7 @@ fn look(number: u32) -> Option<(Process, i32)> {
     Some((Process { number, start }, group))
 }
 
-/// Gives the number of a child back to the system if it has ended.
+/// Waits for a child if it has ended.
 fn forget_if_ended(number: u32) {
     if let Some(pid) = pid(number) {
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG;

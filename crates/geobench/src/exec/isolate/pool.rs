@@ -1,4 +1,4 @@
-//! The children that work on one model.
+//! The child processes of one model.
 
 use geobench_mesh::VertexId;
 
@@ -14,29 +14,29 @@ use crate::schema::{ModelRecord, Status};
 /// Most bytes of an answer, without distances.
 const LONGEST: usize = 1 << 20;
 
-/// The children that work on one model.
+/// The child processes of one model.
 pub(super) struct ChildPool<'w> {
     place: &'w Isolated,
     model: &'w ModelRef,
-    /// What the first child found; the others must find the same.
+    /// Record of the model from the first child. The others must find the same hash.
     record: Option<ModelRecord>,
     /// The source under way.
     source: Option<VertexId>,
     children: Vec<Child>,
-    /// The first child until it has a cell.
+    /// The first child, before it belongs to a cell.
     spare: Option<Child>,
-    /// Cells whose child had to end because all held too much memory.
+    /// Cells whose child ended because all together held too much memory.
     evicted: Vec<String>,
-    /// Most bytes that all hold between runs.
+    /// Bytes that all may hold between runs.
     budget: u64,
 }
 
 /// A child that has loaded the model.
 struct Child {
     process: ChildProcess,
-    /// Label of the algorithm of its cell.
+    /// Label of the algorithm.
     cell: String,
-    /// The distances that it has sent last.
+    /// The last distances received from it.
     distances: Vec<f64>,
 }
 
@@ -55,7 +55,7 @@ impl<'w> ChildPool<'w> {
         }
     }
 
-    /// Lets a first child load the model.
+    /// Loads the model in a first child.
     pub(super) fn load_model(&mut self) -> Result<ModelRecord, Failure> {
         let (child, record) = self.load()?;
         self.spare = Some(child);
@@ -63,7 +63,7 @@ impl<'w> ChildPool<'w> {
         Ok(record)
     }
 
-    /// A child that has loaded the model, and what it found.
+    /// A child that has loaded the model, and the record of the model.
     fn load(&self) -> Result<(Child, ModelRecord), Failure> {
         let failure = |error: &ChildError| error.failure(&self.place.limits, "loading the model");
         let mut process = ChildProcess::start(self.place.command_for(self.model))
@@ -198,7 +198,7 @@ impl Child {
     }
 }
 
-/// An answer to another question than was asked.
+/// The reply belongs to another request.
 fn out_of_turn(reply: &Reply) -> ChildError {
     let mut text = format!("{reply:?}");
     text.truncate(text.find(['(', '{']).unwrap_or(text.len()));

@@ -1,12 +1,12 @@
-//! What is asked of the operating system. Where Linux has no counterpart elsewhere, nothing is
-//! known and nothing is done.
+//! Calls to the operating system. Functions without a counterpart outside Linux do nothing there,
+//! or return `None`.
 
 use std::fs;
 use std::process::Command;
 
 use rustix::process::{Resource, Rlimit, getppid, setrlimit};
 
-/// A command that starts this very program, even if its file has been replaced since.
+/// A command that starts this program, even if its file has been replaced.
 pub(super) fn this_program() -> Command {
     if cfg!(target_os = "linux") {
         Command::new("/proc/self/exe")
@@ -15,24 +15,24 @@ pub(super) fn this_program() -> Command {
     }
 }
 
-/// Lets this process end with its parent.
+/// Kills this process when its parent ends.
 pub(super) fn die_with_parent() {
     #[cfg(target_os = "linux")]
     let _ = rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL));
 }
 
-/// Whether process `parent` is the parent of this one, still.
+/// Whether process `parent` is still the parent of this one.
 pub(super) fn is_parent(parent: u32) -> bool {
     getppid().is_some_and(|pid| u32::try_from(pid.as_raw_pid()) == Ok(parent))
 }
 
-/// Gives this process a name that tools show.
+/// Sets the name that `ps` and `top` show.
 pub(super) fn name_this_process() {
     #[cfg(target_os = "linux")]
     let _ = rustix::thread::set_name(c"geobench-cell");
 }
 
-/// Keeps a crash from writing an image of the memory, which takes long and nobody reads.
+/// Disables core dumps, which take long to write.
 pub(super) fn disable_core_dumps() {
     let none = Rlimit {
         current: Some(0),
@@ -41,7 +41,7 @@ pub(super) fn disable_core_dumps() {
     let _ = setrlimit(Resource::Core, none);
 }
 
-/// Lets allocations fail that would take this process's own data beyond `bytes`, touched or not.
+/// Makes allocations fail beyond `bytes` of private data, touched or not.
 pub(super) fn limit_data(bytes: u64) {
     let bound = Rlimit {
         current: Some(bytes),
@@ -50,8 +50,8 @@ pub(super) fn limit_data(bytes: u64) {
     let _ = setrlimit(Resource::Data, bound);
 }
 
-/// Tells the kernel whom to end first should it run out of memory: whoever is at work, rather
-/// than a neighbour that waits or the parent, which has all results.
+/// Sets which process the kernel kills first when out of memory: one at work, rather than a waiting
+/// one or the parent, which has all results.
 pub(super) fn raise_oom_score(at_work: bool) {
     let _ = fs::write(
         "/proc/self/oom_score_adj",
@@ -59,7 +59,7 @@ pub(super) fn raise_oom_score(at_work: bool) {
     );
 }
 
-/// Bytes that a process and those that it started occupy in main memory.
+/// Resident bytes of a process and its descendants.
 pub(super) fn resident(pid: u32) -> Option<u64> {
     let pages = fs::read_to_string(format!("/proc/{pid}/statm")).ok()?;
     let pages: u64 = pages.split(' ').nth(1)?.parse().ok()?;
@@ -85,7 +85,7 @@ pub(super) fn children(pid: u32) -> Vec<u32> {
         .collect()
 }
 
-/// Times that the kernel has ended a process for want of memory.
+/// Number of processes that the kernel has killed for lack of memory.
 pub(super) fn kernel_out_of_memory_kills() -> Option<u64> {
     let text = fs::read_to_string("/proc/vmstat").ok()?;
     text.lines()

@@ -1,15 +1,13 @@
-//! Programs of other people as algorithms: `ext:NAME`.
+//! Outside programs as algorithms: `ext:NAME`.
 //!
-//! A table `[ext.NAME]` in a TOML file (`file`) says how a program, or more often a small adapter
-//! around a library, is called. It loads the model itself, is asked for one solve after another,
-//! times each by its own clock and writes the distances to a file; `bench-configs/PEERS.md`
-//! describes the protocol (`message` and `process` are our side of it). To the rest of the program
-//! it is an algorithm: its runs take their turns with those of the others, its answers are checked
-//! like theirs, and what becomes of it stands in the same rows.
+//! A table `[ext.NAME]` in a TOML file describes the command of a program, often a small adapter
+//! around a library. The program loads the model itself, solves on request, times each solve with
+//! its own clock and writes the distances to a file; `bench-configs/PEERS.md` describes the
+//! protocol. Its runs are interleaved with those of other algorithms, and its answers are checked
+//! in the same way.
 //!
-//! An outside program always has a process of its own, within the same limits of time and memory as
-//! the processes of [`crate::exec::isolate`], wherever the algorithms of the suite run:
-//! [`WithPrograms`] is a backend around theirs.
+//! An outside program always runs in a process of its own, within the same limits as
+//! [`crate::exec::isolate`]. [`WithPrograms`] wraps the backend of the other algorithms.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -29,7 +27,7 @@ use crate::schema::{ModelRecord, Status};
 
 mod process;
 
-/// A backend for the algorithms of the suite, and processes for outside programs.
+/// Wraps a backend and adds processes for outside programs.
 pub struct WithPrograms {
     inner: Box<dyn Backend>,
     limits: Limits,
@@ -37,7 +35,7 @@ pub struct WithPrograms {
 }
 
 impl WithPrograms {
-    /// `inner`, and beside it processes with these limits, pinned to these processors.
+    /// `inner`, and processes with these limits, pinned to these processors.
     pub fn new(inner: Box<dyn Backend>, limits: Limits, cpus: Option<CpuList>) -> Self {
         Self {
             inner,
@@ -71,7 +69,7 @@ impl Backend for WithPrograms {
     }
 }
 
-/// The processes that work on a model.
+/// Session of `inner`, and the processes of outside programs for the same model.
 struct ProgramSession<'b> {
     inner: &'b mut dyn Session,
     model: &'b ModelRef,
@@ -79,18 +77,18 @@ struct ProgramSession<'b> {
     limits: &'b Limits,
     cpus: Option<&'b CpuList>,
     handover: Option<Handover>,
-    /// The source under way.
+    /// Current source.
     source: Option<VertexId>,
-    /// Programs that are kept, by name, for this source.
+    /// Running programs for this source, by name.
     processes: BTreeMap<String, ProgramProcess>,
-    /// What each program delivered last, for this source.
+    /// Last result of each program for this source.
     last: BTreeMap<String, Observation>,
 }
 
-/// A folder for the files that go to and fro.
+/// Temporary folder for the model and the distances.
 struct Handover {
     folder: TempDir,
-    /// The model as an OBJ file with the same numbers of vertices, whatever form it came in.
+    /// The model as an OBJ file, with unchanged vertex numbers.
     model: PathBuf,
 }
 
@@ -125,7 +123,7 @@ impl Session for ProgramSession<'_> {
         let Some(program) = step.algorithm.program() else {
             return self.inner.execute(step);
         };
-        // What it counts it tells with each run; and nobody can clock its phases.
+        // Programs report counts with each run, and have no phases.
         let last = match step.pass {
             Pass::Warmup | Pass::Time => None,
             Pass::Count | Pass::Profile => self.last.get(&program.name).cloned(),
@@ -185,8 +183,8 @@ impl ProgramSession<'_> {
         Ok(done)
     }
 
-    /// Whether `process` may wait for its next run: all that wait leave half of the memory that
-    /// there is without them to others. One that may not ends, and loads the model anew.
+    /// Whether `process` may wait for its next run: waiting processes together leave half of the
+    /// available memory free. Otherwise it ends and loads the model again.
     fn has_room_for(&self, process: &ProgramProcess) -> bool {
         let waiting = self.processes.values().filter_map(ProgramProcess::resident);
         let held: u64 = waiting.chain(process.resident()).sum();

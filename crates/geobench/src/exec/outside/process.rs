@@ -22,10 +22,10 @@ use crate::schema::Status;
 /// Most bytes of a line.
 const LONGEST: usize = 1 << 20;
 
-/// What a program that is kept is told when it is to solve.
+/// Request to a program with protocol `session`.
 const SOLVE: &[u8] = b"solve\n";
 
-/// A process of an outside program, which has loaded the model if it is kept.
+/// A process of an outside program. With protocol `session` it has loaded the model.
 #[derive(Debug)]
 pub(super) struct ProgramProcess {
     child: ChildProcess,
@@ -33,7 +33,7 @@ pub(super) struct ProgramProcess {
     output: PathBuf,
 }
 
-/// What an outside program is to work on.
+/// One solve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Task<'t> {
     /// The model, an OBJ file.
@@ -51,7 +51,7 @@ pub(super) struct Task<'t> {
 }
 
 impl ProgramProcess {
-    /// Starts `program`; one that is kept has loaded the model then.
+    /// Starts `program`; with protocol `session`, waits until it has loaded the model.
     pub(super) fn start(
         program: &Arc<Program>,
         output: PathBuf,
@@ -89,7 +89,7 @@ impl ProgramProcess {
         Ok(process)
     }
 
-    /// Has it solve once.
+    /// Solves once.
     pub(super) fn solve(&mut self, task: &Task<'_>) -> Result<Observation, Failure> {
         const DOING: &str = "solving";
         let start = Instant::now();
@@ -103,7 +103,7 @@ impl ProgramProcess {
                 forget(&self.output);
                 SOLVE
             }
-            // It has been at work since its start.
+            // With protocol `once`, the program solves from its start.
             Keeping::Once => b"",
         };
         let mut line = self.ask(request, task, DOING)?;
@@ -118,7 +118,7 @@ impl ProgramProcess {
         Ok(line.observation(distances))
     }
 
-    /// Bytes that it occupies.
+    /// Resident bytes.
     pub(super) fn resident(&self) -> Option<u64> {
         self.child.resident()
     }
@@ -140,13 +140,13 @@ impl ProgramProcess {
     }
 }
 
-/// Removes distances that an earlier run wrote: they are not the answer of the next one.
+/// Removes the distances of an earlier run.
 fn forget(output: &Path) {
     let _ = std::fs::remove_file(output);
 }
 
-/// A line of an outside program. Every field may be missing or null; one that is misspelt is not
-/// understood, so that nobody waits for figures that never come.
+/// A line of an outside program. Every field is optional; unknown fields are errors, so that a typo
+/// does not go unnoticed.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Line {
@@ -154,7 +154,7 @@ pub(super) struct Line {
     pub(super) ready: bool,
     /// Seconds that the solve took.
     pub(super) seconds: Option<f64>,
-    /// Seconds of what came before it and depends on the mesh alone, if that was part of this run.
+    /// Seconds of set-up that depends on the mesh alone, if part of this run.
     pub(super) setup_seconds: Option<f64>,
     /// What it counted, by the names of result files.
     #[serde(with = "protocol::counters")]
@@ -163,19 +163,19 @@ pub(super) struct Line {
     pub(super) rss_peak_bytes: Option<u64>,
     /// Most bytes on its heap during the solve, without the mesh.
     pub(super) heap_peak_bytes: Option<u64>,
-    /// The model or the source is none that it can work on, and why.
+    /// Why the program cannot work on the model or the source.
     pub(super) refused: Option<String>,
 }
 
 impl Line {
-    /// The line, if it is one.
+    /// Parses a line; `None` if malformed.
     pub(super) fn parse(line: &[u8]) -> Option<Self> {
         let line: Self = serde_json::from_slice(line).ok()?;
         let sound = |seconds: Option<f64>| seconds.is_none_or(|s| s.is_finite() && s >= 0.0);
         (sound(line.seconds) && sound(line.setup_seconds)).then_some(line)
     }
 
-    /// What the run delivered, with the distances that it wrote.
+    /// The result of the run with these distances.
     pub(super) fn observation(self, distances: Vec<f64>) -> Observation {
         Observation {
             distances,
@@ -192,13 +192,13 @@ impl Line {
     }
 }
 
-/// Most bytes of the line of a vertex, with what stands before and behind its two numbers.
+/// Longest line of a vertex.
 const LINE: u64 = 128;
 
 /// Most bytes of everything else.
 const REST: u64 = 1 << 16;
 
-/// Bytes that are read between two looks at the clock.
+/// Bytes read between two checks of the deadline.
 const BLOCK: u64 = 1 << 20;
 
 /// Reads the distances of all `vertices` from a file of lines `vertex,distance`, until `deadline`

@@ -1,4 +1,4 @@
-//! Where cells run and what they may use: options of several commands.
+//! Options of several commands: where cells run, and their limits.
 
 use std::path::PathBuf;
 use std::thread;
@@ -56,7 +56,7 @@ pub(super) struct DecompressionOptions {
 }
 
 impl DecompressionOptions {
-    /// The limit, the usual one if none is given.
+    /// The limit, or the default.
     pub(super) fn limit(self) -> DecompressionLimit {
         self.max_decompressed.unwrap_or_default()
     }
@@ -71,7 +71,7 @@ enum Isolate {
 }
 
 impl IsolationOptions {
-    /// Refuses what cannot be done.
+    /// Checks that the options can be kept.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         let limit = match (&self.timeout, &self.memory_limit) {
             (Some(Timeout(Some(_))), _) => Some("--timeout"),
@@ -90,7 +90,7 @@ impl IsolationOptions {
         Ok(())
     }
 
-    /// The outside programs that the files describe; of two of one name, that of the first file.
+    /// The outside programs of the files; the first file wins if a name repeats.
     pub(super) fn programs(&self) -> anyhow::Result<Programs> {
         let mut programs = Programs::default();
         for path in &self.ext {
@@ -104,7 +104,7 @@ impl IsolationOptions {
         self.isolate == Isolate::Process
     }
 
-    /// The limits, the usual ones where none are asked for.
+    /// The limits, with defaults.
     pub(super) fn limits(&self) -> Limits {
         Limits {
             timeout: self.timeout.unwrap_or(Timeout::USUAL),
@@ -113,7 +113,7 @@ impl IsolationOptions {
         }
     }
 
-    /// Why the threads of one of `algorithms` cannot all run at the same time, if so.
+    /// A warning if the threads of one of `algorithms` cannot all run at the same time.
     pub(super) fn crowding<'a>(
         &self,
         algorithms: impl IntoIterator<Item = &'a Selection>,
@@ -135,7 +135,7 @@ impl IsolationOptions {
         })
     }
 
-    /// What result files say of it.
+    /// The record in result files.
     pub(super) fn record(&self) -> IsolationRecord {
         IsolationRecord {
             process: self.isolate == Isolate::Process,
@@ -143,7 +143,7 @@ impl IsolationOptions {
         }
     }
 
-    /// The place to work in.
+    /// The backend of the options.
     pub(super) fn backend(
         &self,
         limits: Limits,

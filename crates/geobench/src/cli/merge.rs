@@ -3,7 +3,7 @@
 use super::args::MergeOptions;
 use super::run::{Tally, verdict};
 use super::{Verdict, terminal};
-use crate::history::merge as parts;
+use crate::run::merge as parts;
 use crate::schema::result_file;
 use crate::table::output;
 

@@ -1,4 +1,4 @@
-//! The command line: what is asked for, and how a command ends.
+//! The command line: commands, exit statuses and errors in one line.
 
 mod algos;
 mod args;
@@ -32,7 +32,7 @@ use terminal::Terminal;
 use crate::exec::{interrupt, isolate, model};
 use crate::measure::instructions;
 
-/// How a command that did its work ends.
+/// The result of a command that did its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
     /// Everything done, every check passed.
@@ -41,11 +41,11 @@ enum Verdict {
     Failed,
     /// Some input could not be used; the rest is reported.
     BadInput,
-    /// Somebody asked to stop; what was done until then is reported.
+    /// Interrupted; finished work is reported.
     Interrupted,
 }
 
-/// Runs the command that the arguments of the process ask for.
+/// Runs the command of the arguments.
 pub fn main() -> ExitCode {
     report_panics_in_one_line();
     match isolate::wanted(std::env::args_os()) {
@@ -54,7 +54,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Works on `model` as another process of this program wants.
+/// Serves the parent process as the child for `model`.
 fn cell(model: &OsStr) -> ExitCode {
     match isolate::cell(model) {
         Ok(()) => ExitCode::SUCCESS,
@@ -65,7 +65,7 @@ fn cell(model: &OsStr) -> ExitCode {
     }
 }
 
-/// Runs a command for people.
+/// Runs a command of the user.
 fn command() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
@@ -96,7 +96,7 @@ fn command() -> ExitCode {
         Ok(Verdict::Failed) => ExitCode::from(1),
         Ok(Verdict::BadInput) => ExitCode::from(2),
         Ok(Verdict::Interrupted) => ExitCode::from(interrupt::EXIT_STATUS),
-        // Whoever reads has read enough: nothing is wrong.
+        // The reader of standard output has gone; not an error.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             terminal::error(&format!("{error:#}"));
@@ -129,11 +129,11 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
     })
 }
 
-/// Prints help where it was asked for, else what is wrong with the arguments in one line.
+/// Prints help if asked for, else the error in one line.
 fn usage(error: &clap::Error) -> ExitCode {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            // A reader that has gone away needs no help.
+            // Write errors are ignored.
             let _ = error.print();
             ExitCode::SUCCESS
         }
@@ -144,7 +144,7 @@ fn usage(error: &clap::Error) -> ExitCode {
         _ => {
             let text = error.to_string();
             let text = text.strip_prefix("error: ").unwrap_or(&text);
-            // What follows `Usage` repeats the help.
+            // The text after `Usage` repeats the help.
             let text = text.split("\nUsage:").next().unwrap_or(text);
             let text = text.split("\nFor more information").next().unwrap_or(text);
             let text = text.replace("\n\n  tip: ", "; ");
@@ -155,7 +155,7 @@ fn usage(error: &clap::Error) -> ExitCode {
     }
 }
 
-/// A panic is a defect of this program; it too says so in one line.
+/// Reports a panic, a defect of this program, in one line.
 fn report_panics_in_one_line() {
     std::panic::set_hook(Box::new(|panic| {
         let text = panic.to_string();

@@ -1,4 +1,4 @@
-//! What a run shows while it runs: on standard error, and only if that is a terminal.
+//! Progress of a run, on standard error if that is a terminal.
 
 use std::io::{self, Stderr};
 
@@ -8,33 +8,32 @@ use crate::exec::{Pass, Step};
 use crate::plan::Plan;
 use crate::schema::Status;
 
-/// Lines of the terminal that are left to what was printed before.
+/// Lines of the terminal kept for earlier output.
 const LINES_LEFT: usize = 4;
 
-/// Letters within the bar.
+/// Width of the bar in characters.
 const BAR: usize = 30;
 
-/// A live table of the model that is being worked on, and a bar over all runs below it. They have
-/// no clock of their own and change between runs, so that nothing is drawn while a run is being
-/// timed.
+/// A table of the current model, and a bar over all runs below it. They change between runs only,
+/// so that nothing is drawn while a run is timed.
 #[derive(Debug)]
 pub(super) struct Progress {
-    /// Where it stands, if it is shown.
+    /// The terminal; `None` if progress is off.
     live: Option<RedrawnLines<Stderr>>,
     view: View,
 }
 
-/// What is to be seen.
+/// The displayed state.
 #[derive(Debug, Default)]
 struct View {
     progress_table: ProgressTable,
-    /// Whether the table of the board is part of it.
+    /// Whether the table is shown.
     table: bool,
-    /// What is being done.
+    /// The current activity.
     message: String,
-    /// Runs that have started or will not happen when this is shown.
+    /// Runs started or skipped, as displayed.
     position: usize,
-    /// The same by now.
+    /// Runs started or skipped.
     started: usize,
     /// All runs.
     runs: usize,
@@ -53,7 +52,7 @@ impl Progress {
         }
     }
 
-    /// The runs of a plan follow.
+    /// Starts a plan.
     pub(super) fn begin(&mut self, plan: &Plan) {
         self.clear_table();
         self.view.progress_table = ProgressTable::new(plan);
@@ -73,7 +72,7 @@ impl Progress {
         self.view.started += 1;
     }
 
-    /// Shows what came of a run.
+    /// Shows the result of a run.
     pub(super) fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
         self.view.progress_table.ran(step, outcome);
     }
@@ -84,12 +83,12 @@ impl Progress {
         self.draw();
     }
 
-    /// Moves over runs that do not happen.
+    /// Skips runs.
     pub(super) fn skip(&mut self, runs: usize) {
         self.view.started = self.view.started.saturating_add(runs);
     }
 
-    /// Does `work`, which writes to the terminal, with everything out of the way.
+    /// Clears the display while `work` writes to the terminal.
     pub(super) fn suspend<T>(&mut self, work: impl FnOnce() -> T) -> T {
         let Some(live) = &mut self.live else {
             return work();
@@ -100,7 +99,7 @@ impl Progress {
         done
     }
 
-    /// Takes the table away: what is known for good is printed instead.
+    /// Removes the table; the final table is printed instead.
     pub(super) fn clear_table(&mut self) {
         self.view.table = false;
         self.draw();
@@ -136,10 +135,9 @@ impl View {
         self.table = true;
     }
 
-    /// The lines of it on a terminal of this many columns and lines: the bar, and above it the
-    /// table if there is room.
+    /// The lines for a terminal of this size: the bar, and above it the table if there is room.
     fn lines(&self, [columns, lines]: [usize; 2]) -> Vec<String> {
-        // The last column stays free: some terminals would begin a new line.
+        // The last column stays free, because some terminals break the line there.
         let columns = columns.saturating_sub(1);
         let table = self.table && self.progress_table.len() + LINES_LEFT <= lines;
         let mut texts = if table {

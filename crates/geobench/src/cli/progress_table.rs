@@ -1,4 +1,4 @@
-//! What is known of the algorithms on the model that is being worked on.
+//! The progress table of the current model, and drawing it in place.
 
 use std::io::Write;
 
@@ -11,15 +11,15 @@ use crate::registry::Selection;
 use crate::schema::Status;
 use crate::table::{Bar, bar_lines};
 
-/// The algorithms of a plan, with what their runs on one model from one source have shown so far.
+/// The algorithms of a plan and their runs so far on one model from one source.
 #[derive(Debug, Default)]
 pub(super) struct ProgressTable {
     rows: Vec<Row>,
-    /// Timed runs of each.
+    /// Timed runs of each algorithm.
     repeat: usize,
     /// Label of the algorithm to which ratios are shown.
     base: Option<String>,
-    /// The model and the source that the rows are of.
+    /// The model and source of the rows.
     place: Option<(String, u32)>,
 }
 
@@ -32,8 +32,8 @@ struct Row {
 }
 
 impl ProgressTable {
-    /// A board for a plan whose ratios are to `ratios_to`, or to `vtp`, its reference or its first
-    /// algorithm.
+    /// A table for a plan. The base of ratios is `ratios_to`, else `vtp`, the reference or the
+    /// first algorithm.
     pub(super) fn new(plan: &Plan) -> Self {
         let labels: Vec<&str> = plan.algorithms.iter().map(Selection::label).collect();
         let reference = match &plan.reference {
@@ -59,7 +59,7 @@ impl ProgressTable {
         }
     }
 
-    /// How many lines it has.
+    /// Number of lines.
     pub(super) const fn len(&self) -> usize {
         self.rows.len()
     }
@@ -87,7 +87,7 @@ impl ProgressTable {
         }
     }
 
-    /// Forgets what was shown of another model or source.
+    /// Clears the rows of another model or source.
     fn turn_to(&mut self, step: &Step<'_>) {
         let place = (step.model, step.source.raw());
         if self
@@ -121,13 +121,13 @@ impl ProgressTable {
     }
 }
 
-/// What stands below everything that was printed, on a terminal that `out` writes to.
+/// Lines below the printed output that are redrawn in place on the terminal `out`.
 ///
-/// Nobody is told when the terminal takes no more: what stands here is said elsewhere, too.
+/// Write errors are ignored; progress output is best-effort.
 #[derive(Debug)]
 pub(super) struct RedrawnLines<W> {
     out: W,
-    /// Lines that stand there. The cursor is behind the last one.
+    /// Lines drawn. The cursor is at the end of the last one.
     drawn: usize,
 }
 
@@ -136,22 +136,22 @@ impl<W: Write> RedrawnLines<W> {
         Self { out, drawn: 0 }
     }
 
-    /// Puts `lines` in the place of those that stand there. A line that fills the width of the
-    /// terminal may break, and its first half would stay: see [`cut`].
+    /// Replaces the drawn lines. A line must be narrower than the terminal, else it breaks and its
+    /// first half stays: see [`cut`].
     pub(super) fn draw(&mut self, lines: &[String]) {
         let text = format!("{}{}", self.way_back(), lines.join("\r\n"));
         self.drawn = lines.len();
         self.write(&text);
     }
 
-    /// Takes them away. What is printed next begins where they began.
+    /// Removes the lines. The next output starts where they started.
     pub(super) fn clear(&mut self) {
         if self.drawn > 0 {
             self.draw(&[]);
         }
     }
 
-    /// Takes the cursor to where the first line began, and clears the screen from there.
+    /// Moves the cursor to the start of the first line and clears the screen below.
     fn way_back(&self) -> String {
         match self.drawn {
             0 => String::new(),
@@ -160,15 +160,14 @@ impl<W: Write> RedrawnLines<W> {
         }
     }
 
-    /// Writes `text` at once, so that no half of it is seen.
+    /// Writes `text` in one call.
     fn write(&mut self, text: &str) {
         let _ = self.out.write_all(text.as_bytes());
         let _ = self.out.flush();
     }
 }
 
-/// As much of `text` as fits on `columns` of a terminal. Characters that would steer it are
-/// replaced.
+/// The start of `text` that fits on `columns`, with control characters replaced.
 pub(super) fn cut(text: &str, columns: usize) -> String {
     let mut used = 0;
     text.chars()

@@ -1,4 +1,4 @@
-//! What becomes of results while a benchmark runs: shown and stored, model by model.
+//! Shows and stores results while a benchmark runs, model by model.
 
 use std::io::Write;
 use std::time::SystemTime;
@@ -17,14 +17,14 @@ use crate::schema::{Cell, GroupRecord, InstructionCount, ModelRecord, ResultFile
 use crate::table::output::OutputFile;
 use crate::table::{self, Format};
 
-/// Shows and stores what is done, model by model, so that an interrupted run loses little.
+/// Shows and stores the results of each finished model, so that an interrupted run loses little.
 pub(super) struct Reporter {
     pub(super) progress: Progress,
     pub(super) format: Format,
     pub(super) terminal: Terminal,
     /// Whether to count instructions.
     pub(super) instructions: bool,
-    /// Whether to say nothing but what went wrong.
+    /// Whether to print failures only.
     pub(super) quiet: bool,
     pub(super) outputs: Vec<(Format, OutputFile)>,
     pub(super) result: ResultFile,
@@ -42,14 +42,14 @@ impl Reporter {
             ..plan.group.clone()
         });
         self.progress.begin(plan);
-        // A part of a plan may have nothing of a group.
+        // A shard may have no cell of a group.
         if plan.runs() == 0 {
             return Ok(());
         }
         self.show(&table::group_heading(&plan.group))
     }
 
-    /// All cells of a group are known.
+    /// A group is done.
     pub(super) fn end(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
         self.show(&table::ratio_table(
             group,
@@ -58,7 +58,7 @@ impl Reporter {
         ))
     }
 
-    /// Prints a part of the tables, if tables are what is to be printed.
+    /// Prints a part of the tables, if the format is a table.
     fn show(&mut self, text: &str) -> anyhow::Result<()> {
         if self.format == Format::Table && !text.is_empty() {
             self.progress.suspend(|| terminal::print_rendered(text))?;
@@ -66,8 +66,8 @@ impl Reporter {
         Ok(())
     }
 
-    /// Writes what is known so far to all files that can be written again. One that cannot be
-    /// written now can be at the end, and does not stop the run.
+    /// Writes the results so far to all regular files. A failed write is retried at the end and
+    /// does not stop the run.
     fn store(&mut self) -> anyhow::Result<()> {
         self.note_time();
         for (format, file) in self.outputs.iter().filter(|(_, file)| file.is_replaced()) {
@@ -79,7 +79,7 @@ impl Reporter {
         Ok(())
     }
 
-    /// Writes everything to all files. What cannot be written where it should is saved elsewhere.
+    /// Writes the final results to all files, and to a temporary file if one cannot be written.
     pub(super) fn store_all(&mut self) -> anyhow::Result<()> {
         self.note_time();
         let mut failed = Vec::new();
@@ -117,7 +117,7 @@ impl Listener for Reporter {
     }
 
     fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<InstructionCount> {
-        // Nobody could tell the solve of an outside program from the rest of it.
+        // The solve of an outside program cannot be told from the rest of it.
         if cell.algorithm.starts_with("ext:") {
             return None;
         }
@@ -158,7 +158,7 @@ impl Listener for Reporter {
             if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
                 let look = self.terminal.look();
                 let mut text = table::model_table(group, model, cells, look);
-                // The last column stays free, as in the live table.
+                // The last column stays free, as in the progress table.
                 let width = look.width.map(|width| width.saturating_sub(1));
                 text +=
                     &width.map_or_else(String::new, |width| table::model_bars(group, cells, width));
@@ -174,8 +174,8 @@ impl Listener for Reporter {
     }
 }
 
-/// Says on standard error why a model was refused, and what a reader of anything but tables does
-/// not see at once: what failed, and unless `quiet` what is to be known of cells that did not.
+/// Prints to standard error why a model was refused and, for formats other than tables, which cells
+/// failed and, unless `quiet`, the messages of the others.
 fn remark(cells: &[Cell], format: Format, quiet: bool) {
     let mut last_refusal = None;
     for cell in cells {
@@ -188,7 +188,7 @@ fn remark(cells: &[Cell], format: Format, quiet: bool) {
                 last_refusal = Some(message);
             }
             Status::Refused => {}
-            // Tables have it among their notes.
+            // Tables show it in their notes.
             _ if format == Format::Table => {}
             status => {
                 let source = cell.source.unwrap_or(0);
@@ -203,7 +203,8 @@ fn remark(cells: &[Cell], format: Format, quiet: bool) {
     }
 }
 
-/// Saves results that cannot be written where they should, and says where they are.
+/// Saves results that could not be written to a temporary file, and returns a message with its
+/// path.
 fn rescue(json: &str) -> String {
     let save = || -> std::io::Result<std::path::PathBuf> {
         let mut file = tempfile::Builder::new()
@@ -219,7 +220,7 @@ fn rescue(json: &str) -> String {
     }
 }
 
-/// The time of day.
+/// The current time, RFC 3339 in UTC.
 pub(super) fn now() -> String {
     humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
 }

@@ -122,7 +122,7 @@ fn cells(plans: &[Plan]) -> usize {
     cells.fold(0, usize::saturating_add)
 }
 
-/// What became of the cells of a plan.
+/// Counts of the cells of a plan by result.
 pub(super) struct Tally {
     cells: usize,
     failed: usize,
@@ -130,7 +130,7 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Counts cells, which have failed too if they were to be checked and could not be.
+    /// Counts cells. A cell that was to be checked and could not be has failed.
     pub(super) fn of<'c>(checked: bool, cells: impl IntoIterator<Item = &'c Cell>) -> Self {
         let mut tally = Self {
             cells: 0,
@@ -151,7 +151,7 @@ impl Tally {
     }
 }
 
-/// What the cells make of the run: a wrong answer weighs more than an unusable input.
+/// The verdict on all cells: failures come before unusable input.
 pub(super) fn verdict(tallies: &[Tally]) -> Verdict {
     let sum = |of: fn(&Tally) -> usize| tallies.iter().map(of).sum::<usize>();
     let failed = sum(|tally| tally.failed);
@@ -168,7 +168,7 @@ pub(super) fn verdict(tallies: &[Tally]) -> Verdict {
     }
 }
 
-/// What the suite file, if there is one, and the options ask for.
+/// The plans of the suite file and the options.
 fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let suite = options.config.as_deref().map(Suite::read).transpose()?;
     let mut programs = options.isolation.programs()?;
@@ -215,7 +215,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     Ok(plans)
 }
 
-/// What is wanted as far as it can be had, with notes on what cannot.
+/// The plans, with notes on what is left out.
 fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let Plans {
         mut plans,
@@ -234,7 +234,7 @@ fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
         if options.ratios_to.is_some() {
             bail!("{problem}; name it in --algo");
         }
-        // The suite wants them, but not with the algorithms that the options ask for.
+        // The suite asks for ratios to an algorithm that the options leave out.
         notes.push(problem);
     }
     notes.extend(options.isolation.crowding(algorithms()));
@@ -252,7 +252,7 @@ fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     Ok(Plans { plans, notes })
 }
 
-/// Takes limits away that nobody would keep, and says so where somebody asked for them.
+/// Removes limits that this isolation cannot keep, with a note if the user asked for them.
 fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
     for plan in plans {
         let Limits {
@@ -272,7 +272,7 @@ fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
     }
 }
 
-/// The process that works now.
+/// The record of this process.
 fn session(options: &RunOptions) -> SessionRecord {
     SessionRecord {
         shard: options.shard,
@@ -285,7 +285,7 @@ fn session(options: &RunOptions) -> SessionRecord {
     }
 }
 
-/// Opens the journal, and says what is in it.
+/// Opens the journal and prints how many runs it holds.
 fn open_journal(
     path: &Path,
     outputs: &[(Format, OutputFile)],

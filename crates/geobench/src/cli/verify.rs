@@ -18,7 +18,7 @@ use crate::run::agreement::{self, Clusters, Vote};
 use crate::run::check::{self, Comparison};
 use crate::schema::ModelRecord;
 
-/// The algorithm that all others must agree with, whether it is among those asked for or not.
+/// The reference; it runs even if it is not asked for.
 const REFERENCE: &str = "mmp";
 
 pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
@@ -31,7 +31,7 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
         Some(named) => named.0.clone(),
         None => registry::select("exact")?,
     };
-    // The reference goes first, so that its answer is there for the others.
+    // The reference runs first, because the others are compared with it.
     let reference = registry::select_one(REFERENCE)?;
     algorithms.retain(|a| a.label() != REFERENCE);
     algorithms.insert(0, reference);
@@ -130,7 +130,7 @@ impl LoadedModelCheck<'_> {
         Ok(())
     }
 
-    /// Whether nobody asked for `algorithm` by name and it would take hours on this model.
+    /// Whether `algorithm` was not named and would take hours on this model.
     fn is_too_slow(&self, algorithm: &Selection) -> bool {
         let faces = self.record.faces.unwrap_or(0);
         let comfortable = algorithm.algorithm().comfortable_faces;
@@ -253,7 +253,7 @@ impl LoadedModelCheck<'_> {
         Ok(())
     }
 
-    /// Which of the answers the distances of a file agree with.
+    /// Which answers the stored distances of a file agree with.
     fn vote_of(
         &self,
         name: &str,
@@ -278,7 +278,7 @@ impl LoadedModelCheck<'_> {
     }
 }
 
-/// What is found about one answer.
+/// The verdict on one answer.
 #[derive(Default)]
 struct Judgement {
     wrong: bool,

@@ -1,6 +1,4 @@
-//! What is done with several result files: two are compared, the rounds of one are pooled, the
-//! parts of a sharded run are merged.
+//! Several result files together: two are compared, and rounds that took turns are pooled.
 
 pub mod compare;
-pub mod merge;
 pub mod pool;

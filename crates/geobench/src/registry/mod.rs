@@ -1,7 +1,7 @@
 //! Every algorithm of the suite, in one table, and how users ask for them.
 //!
 //! This is the only place that knows which algorithms exist. The rest of the program reaches a
-//! solver through [`Selection::build`] and the [`Solver`](geobench_window::Solver) trait. The
+//! solver through [`Selection::build`] and the [`Solver`] trait. The
 //! table has a file for each family; adding an algorithm is one entry in one of these files, and
 //! adding a family is a file and a line in [`algorithms`].
 

@@ -4,6 +4,7 @@ pub mod agreement;
 pub mod check;
 mod group;
 pub mod journal;
+pub mod merge;
 #[cfg(test)]
 pub(crate) mod mock;
 mod order;

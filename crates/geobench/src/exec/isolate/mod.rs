@@ -1,7 +1,7 @@
 //! One child process per cell, so that a crash, an endless loop or a memory leak costs one row.
 //!
 //! A child is this program with a hidden command. Parent and child exchange lines of JSON
-//! ([`protocol`](crate::exec::protocol)) over the standard input and output of the child; its
+//! (`exec::protocol`) over the standard input and output of the child; its
 //! standard error is kept for the message of a crash. The parent never loads a mesh.
 //!
 //! **Lifetime.** The runs of one model and source are interleaved between algorithms, so the child

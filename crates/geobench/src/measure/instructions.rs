@@ -20,7 +20,7 @@ use geobench_mesh::{Mesh, VertexId};
 use geobench_vtp::Instructions;
 use geobench_window::{Solution, SolveError, Solver};
 
-use crate::registry::{self, Selection, simd};
+use crate::registry::{self, Selection};
 use crate::schema::InstructionCount;
 
 /// The hidden command that does one solve under callgrind.
@@ -83,7 +83,8 @@ pub fn count(
         match count_with(model, algorithm, source, widest)? {
             Attempt::Counted(found) => return Ok(found),
             Attempt::Illegal(used) => {
-                let narrower = simd::next_narrower(used).ok_or(InstructionsError::Unknown(used))?;
+                let narrower =
+                    registry::next_narrower(used).ok_or(InstructionsError::Unknown(used))?;
                 widest = Some(narrower);
             }
         }
@@ -121,7 +122,7 @@ fn count_with(
         .map_err(InstructionsError::NoValgrind)?;
     let said = String::from_utf8_lossy(&output.stdout);
     let used = said.lines().find_map(|line| line.strip_prefix(SIMD));
-    let used = used.and_then(simd::instructions);
+    let used = used.and_then(registry::instructions_named);
     if let (true, Some(used)) = (is_illegal(output.status), used) {
         return Ok(Attempt::Illegal(used));
     }
@@ -173,7 +174,7 @@ fn total(text: &str) -> Option<u64> {
 pub fn announce(algorithm: &str, widest: Option<&str>) -> anyhow::Result<Selection> {
     let mut selection = registry::select_one(algorithm)?;
     if let Some(name) = widest {
-        let Some(widest) = simd::instructions(name) else {
+        let Some(widest) = registry::instructions_named(name) else {
             bail!("--simd {name}: not one of avx512, avx2 and scalar");
         };
         selection = selection.at_most(widest);

@@ -17,11 +17,11 @@ mod mmp;
 mod parameter;
 mod program;
 mod select;
-pub(crate) mod simd;
 mod vtp;
 
 pub use hidden::VARIABLE as HIDDEN_ALGORITHMS;
 pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, Value, Values};
+pub(crate) use parameter::{instructions_named, next_narrower};
 pub(crate) use program::{Call, PLACEHOLDERS};
 pub use program::{Keeping, Program, Programs, UnknownProgram};
 pub(crate) use select::nearest;

@@ -6,8 +6,7 @@ use geobench_vtp::{
 };
 use geobench_window::Counter;
 
-use super::parameter::{THREADS, THRESHOLD, threshold_width};
-use super::simd::SIMD;
+use super::parameter::{SIMD, THREADS, THRESHOLD, threshold_width};
 use super::{Algorithm, Parameter, Values};
 
 pub(super) const FAMILY: &[Algorithm] = &[

@@ -14,7 +14,6 @@
 #![allow(clippy::cast_sign_loss, clippy::format_push_string)]
 
 mod chart;
-mod course;
 mod document;
 mod environment;
 mod files;

@@ -19,10 +19,8 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use crate::exec::{Failure, Observation, Pass};
-use crate::schema::plan_record::PlanRecord;
-use crate::schema::{
-    Check, InstructionCount, ModelRecord, SCHEMA, SessionRecord, Tool, difference,
-};
+use crate::schema::plan_record::{PlanRecord, first_difference};
+use crate::schema::{Check, InstructionCount, ModelRecord, SCHEMA, SessionRecord, Tool};
 
 #[cfg(test)]
 mod tests;
@@ -440,7 +438,7 @@ impl Header {
     /// The first difference from `now`, with both values.
     fn difference(&self, now: &Self) -> Option<String> {
         let value = |header| serde_json::to_value(header).unwrap_or_default();
-        let found = difference::first(&value(self), &value(now))?;
+        let found = first_difference(&value(self), &value(now))?;
         Some(format!(
             "`{}` is {} there and {} now",
             found.place, found.left, found.right

@@ -9,8 +9,7 @@ use serde_json::json;
 use crate::measure::conditions;
 use crate::plan::source::SourceSpec;
 use crate::schema::Shard;
-use crate::schema::difference;
-use crate::schema::plan_record::{PlanRecord, PlannedGroup};
+use crate::schema::plan_record::{PlanRecord, PlannedGroup, first_difference};
 use crate::schema::{Cell, Host, ModelRecord, ResultFile};
 
 /// Why parts cannot be joined.
@@ -198,7 +197,7 @@ fn differs(first: &Part, part: &Part) -> Option<String> {
         });
         json!({"tool": part.file.tool, "plan": plan})
     };
-    let found = difference::first(&identity(first), &identity(part))?;
+    let found = first_difference(&identity(first), &identity(part))?;
     Some(format!(
         "`{}` is {} and not {}",
         found.place, found.right, found.left

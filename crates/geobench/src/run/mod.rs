@@ -7,7 +7,6 @@ pub mod journal;
 pub mod merge;
 #[cfg(test)]
 pub(crate) mod mock;
-mod order;
 mod reference_check;
 #[cfg(test)]
 mod tests;

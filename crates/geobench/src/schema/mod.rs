@@ -2,7 +2,6 @@
 //! model's own units, and numbers are stored unrounded. A figure that does not exist is `null`,
 //! never 0.
 
-pub(crate) mod difference;
 pub mod plan_record;
 pub mod result_file;
 

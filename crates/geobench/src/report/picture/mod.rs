@@ -4,7 +4,6 @@
 //! samples per pixel. The picture's ground is transparent, so that it stands on light and dark
 //! pages alike.
 
-mod camera;
 pub(crate) mod plot;
 mod raster;
 
@@ -15,7 +14,7 @@ use geobench_mesh::{Mesh, VertexId};
 use super::svg::{Svg, px, width_of};
 use crate::exec::model::LoadedModel;
 use crate::table::distance_formats;
-use camera::Camera;
+use raster::Camera;
 
 /// Width and height of the picture in the units of the drawing.
 const SIZE: [f64; 2] = [480.0, 400.0];

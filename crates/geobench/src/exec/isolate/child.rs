@@ -13,8 +13,8 @@ use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, wa
 use signal_hook::consts::{SIGABRT, SIGKILL};
 use signal_hook::low_level::signal_name;
 
-use super::orphans::Descendants;
 use super::system;
+use super::system::Descendants;
 use crate::exec::limits::Limits;
 use crate::exec::protocol::{Reply, Request};
 use crate::exec::{Failure, interrupt};

@@ -19,7 +19,7 @@
 //! it counts reserved memory, and a growing vector reserves more than it touches.
 //!
 //! **End.** A child leads a process group. The group is killed as a whole, and with it the
-//! processes that the child started in other groups (`orphans`). A child ends with its parent: by
+//! processes that the child started in other groups (`system`). A child ends with its parent: by
 //! `PR_SET_PDEATHSIG` and by the end of its standard input. When the kernel runs out of memory it
 //! kills the child at work first (`oom_score_adj`), not the parent with all results.
 //!
@@ -43,12 +43,11 @@ use crate::schema::{ModelRecord, Status};
 
 mod cell;
 mod child;
-mod orphans;
 mod system;
 
 pub(crate) use cell::cell;
 pub(crate) use child::{ChildError, ChildProcess};
-pub(crate) use orphans::adopt as adopt_orphans;
+pub(crate) use system::adopt_orphans;
 
 /// First argument of a child; the model is the second and last.
 const COMMAND: &str = "__cell";

@@ -165,7 +165,7 @@ fn what_an_outside_program_had_started_outlived_it() {
                 "keeper",
                 "session",
                 format!(
-                    "setsid --fork sh -c 'echo $$ > pid; exec sleep 600' {quiet}\n\
+                    "rm -f pid\nsetsid --fork sh -c 'echo $$ > pid; exec sleep 600' {quiet}\n\
                      while [ ! -s pid ]; do sleep 0.01; done\necho '{{\"ready\": true}}'\n\
                      while read -r _; do\n{RIGHT}\nkill -0 \"$(cat pid)\" || exit 7\n\
                      echo '{{\"seconds\": 0.1}}'\ndone\n"

@@ -4,12 +4,12 @@
 
 use std::hint::black_box;
 
-use geobench::isolate::Isolated;
-use geobench::limits::Limits;
-use geobench::memory::Peaks;
-use geobench::model::ModelRef;
+use geobench::exec::isolate::Isolated;
+use geobench::exec::limits::Limits;
+use geobench::exec::model::ModelRef;
+use geobench::exec::{Backend, Pass, Step};
+use geobench::measure::memory::Peaks;
 use geobench::registry;
-use geobench::runner::{Purpose, Step, Workplace};
 use geobench_mesh::VertexId;
 
 const MEGABYTE: u64 = 1 << 20;
@@ -19,19 +19,19 @@ fn isolated() -> Isolated {
 }
 
 /// Carries out these runs and returns the peaks of each.
-fn runs(mut place: Isolated, model: &str, list: &[(&str, Purpose)]) -> Vec<Peaks> {
+fn runs(mut place: Isolated, model: &str, list: &[(&str, Pass)]) -> Vec<Peaks> {
     let model = ModelRef::generated(model).unwrap();
     let mut peaks = Vec::new();
     place
-        .with_model(&model, &mut |record, executor| {
-            for &(algorithm, purpose) in list {
+        .with_model(&model, &mut |record, session| {
+            for &(algorithm, pass) in list {
                 let step = Step {
                     model: &record.name,
                     algorithm: &registry::select_one(algorithm).unwrap(),
                     source: VertexId::new(0),
-                    purpose,
+                    pass,
                 };
-                peaks.push(executor.execute(&step).unwrap().peaks);
+                peaks.push(session.execute(&step).unwrap().peaks);
             }
         })
         .unwrap();
@@ -39,13 +39,13 @@ fn runs(mut place: Isolated, model: &str, list: &[(&str, Purpose)]) -> Vec<Peaks
 }
 
 fn measured(place: Isolated) -> Peaks {
-    runs(place, "gen:sphere,subdiv=4", &[("vtp", Purpose::Clock)])[0]
+    runs(place, "gen:sphere,subdiv=4", &[("vtp", Pass::Profile)])[0]
 }
 
 #[test]
 fn the_heap_of_a_run_is_the_same_each_time() {
     let model = "gen:anisotropic,faces=2000,g=4";
-    let heap = |algorithm| runs(isolated(), model, &[(algorithm, Purpose::Clock)])[0].heap;
+    let heap = |algorithm| runs(isolated(), model, &[(algorithm, Pass::Profile)])[0].heap;
     for algorithm in ["vtp", "vtp-fast"] {
         let first = heap(algorithm);
         assert!(first.is_some());
@@ -70,11 +70,11 @@ fn a_parent_of_a_gigabyte_does_not_change_the_figures_of_a_child() {
 #[test]
 fn solvers_of_the_timed_runs_are_no_part_of_the_peak() {
     let model = "gen:torus,faces=20000,bump=0.1,seed=7";
-    let fresh = runs(isolated(), model, &[("mmp", Purpose::Clock)])[0];
+    let fresh = runs(isolated(), model, &[("mmp", Pass::Profile)])[0];
     let used = runs(
         isolated(),
         model,
-        &[("mmp", Purpose::Time), ("mmp", Purpose::Clock)],
+        &[("mmp", Pass::Time), ("mmp", Pass::Profile)],
     )[1];
     let heap = fresh.heap.unwrap();
     assert_eq!(used.heap, Some(heap));
@@ -82,14 +82,15 @@ fn solvers_of_the_timed_runs_are_no_part_of_the_peak() {
     assert!(more < heap / 8, "{more} bytes more than {fresh:?}");
 }
 
-/// Levels are kept in counted runs, in maps, which once made lists of windows look half as large again.
+/// Levels are kept in counted runs, in maps, which once made lists of windows look half as large
+/// again.
 #[test]
 fn what_is_kept_for_the_counts_is_no_memory_of_the_algorithm() {
     let model = "gen:torus,faces=5000,bump=0.1,seed=7";
     let purposes = [
-        ("vtp", Purpose::Clock),
-        ("vtp", Purpose::Count),
-        ("vtp", Purpose::Clock),
+        ("vtp", Pass::Profile),
+        ("vtp", Pass::Count),
+        ("vtp", Pass::Profile),
     ];
     let peaks = runs(isolated(), model, &purposes);
     assert_eq!(peaks[1], Peaks::default());
@@ -109,29 +110,29 @@ fn where_all_hold_too_much_a_child_ends_after_its_run_and_comes_back_warm() {
         let mut alive = alive.into_iter();
         isolated()
             .with_budget(budget)
-            .with_model(&model, &mut |record, executor| {
-                for (algorithm, purpose) in [
-                    ("mmp", Purpose::WarmUp),
-                    ("vtp", Purpose::WarmUp),
-                    ("mmp", Purpose::Time),
-                    ("vtp", Purpose::Time),
-                    ("vtp", Purpose::Count),
+            .with_model(&model, &mut |record, session| {
+                for (algorithm, pass) in [
+                    ("mmp", Pass::Warmup),
+                    ("vtp", Pass::Warmup),
+                    ("mmp", Pass::Time),
+                    ("vtp", Pass::Time),
+                    ("vtp", Pass::Count),
                 ] {
                     let step = Step {
                         model: &record.name,
                         algorithm: &registry::select_one(algorithm).unwrap(),
                         source: VertexId::new(0),
-                        purpose,
+                        pass,
                     };
-                    let observation = executor.execute(&step).unwrap();
+                    let observation = session.execute(&step).unwrap();
                     assert_eq!(
                         observation.distances.len(),
                         record.vertices.unwrap() as usize
                     );
-                    assert_eq!(Some(children()), alive.next(), "{algorithm} {purpose:?}");
+                    assert_eq!(Some(children()), alive.next(), "{algorithm} {pass:?}");
                     // Who is set up by a timed run has not been warmed up.
                     let cold = observation.setup_seconds.is_some();
-                    assert_eq!(cold, purpose == Purpose::WarmUp);
+                    assert_eq!(cold, pass == Pass::Warmup);
                 }
             })
             .unwrap();

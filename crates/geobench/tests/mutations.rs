@@ -1,5 +1,5 @@
-//! Damaged suites, result files, journals and files of distances: any answer will do, but there must
-//! be one, soon. What can still be read goes through everything that shows or joins it.
+//! Damaged suites, result files, journals and files of distances: any answer will do, but there
+//! must be one, soon. What can still be read goes through everything that shows or joins it.
 
 #[path = "cli/support.rs"]
 #[allow(dead_code, reason = "the tests of the command line use all of it")]
@@ -13,14 +13,17 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use damage::{Damage, damage, damages, fixed, mutations};
-use geobench::expected::Expected;
-use geobench::export::{ComparisonFormat, Format};
-use geobench::journal::{Header, Journal};
-use geobench::limits::DecompressionLimit;
-use geobench::record::ResultFile;
+use geobench::exec::expected::Expected;
+use geobench::exec::limits::DecompressionLimit;
+use geobench::history::{compare, pool};
+use geobench::plan::suite;
+use geobench::plan::suite::{Scale, Settings, Suite, plans};
 use geobench::report::{self, Form, Input, Options, Tables, Wanted};
-use geobench::suite::{Scale, Settings, Suite, plans};
-use geobench::{compare, merge, outside, pool, result_file};
+use geobench::run::journal::{Header, Journal};
+use geobench::run::merge;
+use geobench::schema::ResultFile;
+use geobench::schema::result_file;
+use geobench::table::{ComparisonFormat, Format};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use support::Sandbox;
@@ -106,7 +109,7 @@ fn suites(cases: u32) {
         if bytes.len().is_multiple_of(16) {
             fs::write(&path, bytes).unwrap();
             let _ = Suite::read(&path);
-            let _ = outside::read_programs(&path);
+            let _ = suite::read_programs(&path);
         }
     });
 }

@@ -165,7 +165,7 @@ fn what_an_outside_program_had_started_outlived_it() {
                 "keeper",
                 "session",
                 format!(
-                    "setsid --fork sh -c 'echo $$ > pid; exec sleep 600' {quiet}\n\
+                    "rm -f pid\nsetsid --fork sh -c 'echo $$ > pid; exec sleep 600' {quiet}\n\
                      while [ ! -s pid ]; do sleep 0.01; done\necho '{{\"ready\": true}}'\n\
                      while read -r _; do\n{RIGHT}\nkill -0 \"$(cat pid)\" || exit 7\n\
                      echo '{{\"seconds\": 0.1}}'\ndone\n"
@@ -446,8 +446,9 @@ mod trusted_reference {
     }
 }
 
-/// A solve with an instruction that Valgrind does not know, as `vtp-fast` on `gen:holes`, ended with
-/// SIGILL. Its instructions were missing, and the gate passed by them. These tests need Valgrind.
+/// A solve with an instruction that Valgrind does not know, as `vtp-fast` on `gen:holes`, ended
+/// with SIGILL. Its instructions were missing, and the gate passed by them. These tests need
+/// Valgrind.
 mod missing_instructions {
     use serde_json::Value;
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use geobench::suite::{Scale, Settings, Suite, plans};
+use geobench::plan::suite::{Scale, Settings, Suite, plans};
 
 /// The suites that come with the program.
 fn suites() -> Vec<PathBuf> {

@@ -10,7 +10,7 @@ use super::terminal::{self, Terminal};
 use crate::registry::{Algorithm, Numbers, Parameter, Value};
 
 pub(super) fn algos(options: &AlgosOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
-    // Parameters choose nothing here: an algorithm asked for with several is shown once.
+    // Parameters do not matter here: an algorithm named with several sets of them is shown once.
     let mut chosen: Vec<&Algorithm> = Vec::new();
     for selection in &options.list.0 {
         let algorithm = selection.algorithm();
@@ -37,7 +37,7 @@ pub(super) fn algos(options: &AlgosOptions, terminal: Terminal) -> anyhow::Resul
     Ok(Verdict::Passed)
 }
 
-/// An algorithm as programs read it.
+/// An algorithm in JSON.
 #[derive(Serialize)]
 struct Entry {
     name: &'static str,
@@ -51,7 +51,7 @@ struct Entry {
     parameters: Vec<ParameterEntry>,
 }
 
-/// A parameter as programs read it. The ends of its range are null if it takes words only.
+/// A parameter in JSON. The ends of its range are null if it takes words only.
 #[derive(Serialize)]
 struct ParameterEntry {
     name: &'static str,
@@ -63,7 +63,7 @@ struct ParameterEntry {
     meaning: &'static str,
 }
 
-/// A counter, as programs read it.
+/// A counter in JSON.
 #[derive(Serialize)]
 struct CounterEntry {
     name: &'static str,
@@ -161,7 +161,7 @@ fn facts(algorithms: &[&Algorithm], terminal: Terminal) -> String {
     table.trim_fmt() + "\n"
 }
 
-/// A table without lines, as wide as the terminal if it goes to one.
+/// A table without rules, as wide as the terminal.
 fn plain_table(terminal: Terminal) -> Table {
     let mut table = Table::new();
     table

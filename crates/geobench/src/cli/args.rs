@@ -6,14 +6,14 @@ use clap::builder::RangedI64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
 use super::isolation::{DecompressionOptions, IsolationOptions};
-use crate::compare::{RuleError, Rules};
-use crate::export::{self, ComparisonFormat, Format};
-use crate::instructions;
+use crate::history::compare::{RuleError, Rules};
+use crate::measure::instructions;
+use crate::plan::source::SourceSpec;
+use crate::plan::suite::{self, MOST_RUNS};
 use crate::registry::{self, MOST_THREADS, Selection};
 use crate::report::{Form, Tables, Wanted};
-use crate::shard::Shard;
-use crate::source::SourceSpec;
-use crate::suite::{self, MOST_RUNS};
+use crate::schema::Shard;
+use crate::table::{self, ComparisonFormat, Format};
 
 /// How models are named, for the help of every command that takes some.
 const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .gz), a directory (searched \
@@ -137,8 +137,8 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "N")]
     pub(super) seed: Option<u64>,
 
-    /// Threads of the parallel algorithms (pvtp), and of outside programs whose command has {threads}
-    /// [default: 1]
+    /// Threads of the parallel algorithms (pvtp), and of outside programs whose command has
+    /// {threads} [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = threads())]
     pub(super) threads: Option<u32>,
 
@@ -165,8 +165,8 @@ pub(super) struct RunOptions {
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
 
-    /// Journal: every run is noted in it as soon as it ends; runs that it holds already are not made
-    /// again, so the same command goes on where it was interrupted
+    /// Journal: every run is noted in it as soon as it ends; runs that it holds already are not
+    /// made again, so the same command goes on where it was interrupted
     #[arg(long, value_name = "FILE")]
     pub(super) resume: Option<PathBuf>,
 
@@ -223,8 +223,8 @@ pub(super) struct VerifyOptions {
     #[arg(value_name = "MODEL")]
     pub(super) models: Vec<String>,
 
-    /// Algorithms by name, by family, or exact, or all; separated by commas [default: exact, without
-    /// ch where it would take hours]
+    /// Algorithms by name, by family, or exact, or all; separated by commas [default: exact,
+    /// without ch where it would take hours]
     #[arg(long, value_name = "LIST", value_parser = algorithms)]
     pub(super) algo: Option<Algorithms>,
 
@@ -242,7 +242,8 @@ pub(super) struct VerifyOptions {
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
     pub(super) tolerance: f64,
 
-    /// Threads of the parallel algorithms (pvtp), and of outside programs whose command has {threads}
+    /// Threads of the parallel algorithms (pvtp), and of outside programs whose command has
+    /// {threads}
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
     pub(super) threads: u32,
 
@@ -270,12 +271,13 @@ pub(super) struct DistanceOptions {
     #[arg(long, value_name = "A", default_value = "vtp-fast", value_parser = registry::select_one)]
     pub(super) algo: Selection,
 
-    /// One field for each source, in a file of its own, which is called FILE with the source before the ending, as in
-    /// d.s17.csv
+    /// One field for each source, in a file of its own, which is called FILE with the source before
+    /// the ending, as in d.s17.csv
     #[arg(long)]
     pub(super) each: bool,
 
-    /// Threads, if the algorithm is a parallel one (pvtp) or with --each: then so many sources at a time
+    /// Threads, if the algorithm is a parallel one (pvtp) or with --each: then so many sources at a
+    /// time
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
     pub(super) threads: u32,
 
@@ -306,8 +308,8 @@ pub(super) struct ReportOptions {
     #[arg(long, num_args = 2, value_names = ["FORMAT", "DIR"])]
     pub(super) format: Vec<String>,
 
-    /// Algorithm to which all are compared [default: that of the suite, else vtp, else the reference
-    /// of the checks]
+    /// Algorithm to which all are compared [default: that of the suite, else vtp, else the
+    /// reference of the checks]
     #[arg(long, value_name = "ALGO")]
     pub(super) ratio_to: Option<String>,
 
@@ -316,8 +318,8 @@ pub(super) struct ReportOptions {
     #[arg(long, value_name = "MODEL[:SOURCE]")]
     pub(super) picture: Option<Wanted>,
 
-    /// Tables of the papers to compare ratios with, such as 000-table-1, separated by commas, or none
-    /// [default: that of the suite that the result was made with]
+    /// Tables of the papers to compare ratios with, such as 000-table-1, separated by commas, or
+    /// none [default: that of the suite that the result was made with]
     #[arg(long, value_name = "LIST")]
     pub(super) papers: Option<Tables>,
 
@@ -492,8 +494,8 @@ fn tolerance(text: &str) -> Result<f64, String> {
     suite::tolerance(text.parse().ok())
 }
 
-fn row(name: &str) -> Result<String, export::UnknownFigure> {
-    export::figure(name).map(|figure| figure.key.to_owned())
+fn row(name: &str) -> Result<String, table::UnknownFigure> {
+    table::figure(name).map(|figure| figure.key.to_owned())
 }
 
 /// A number of threads.

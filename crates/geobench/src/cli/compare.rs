@@ -1,13 +1,15 @@
 //! `geobench compare`.
 
+use super::Verdict;
 use super::args::CompareOptions;
 use super::terminal::{self, Terminal};
-use super::{Verdict, outputs};
-use crate::export::ComparisonFormat;
-use crate::{compare as comparing, result_file};
+use crate::history::compare as comparing;
+use crate::schema::result_file;
+use crate::table::ComparisonFormat;
+use crate::table::output;
 
 pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
-    let outputs = outputs::prepare(&options.output, ComparisonFormat::of_path)?;
+    let outputs = output::prepare(&options.output, ComparisonFormat::of_path)?;
     let old = result_file::read(&options.old)?;
     let new = result_file::read(&options.new)?;
     let names = [&options.old, &options.new].map(|path| path.display().to_string());

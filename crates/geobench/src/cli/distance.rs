@@ -12,10 +12,10 @@ use geobench_window::Solver;
 use super::Verdict;
 use super::args::DistanceOptions;
 use super::terminal;
-use crate::field::{DistanceField, FieldFormat};
-use crate::model;
-use crate::output::OutputFile;
+use crate::exec::model;
 use crate::registry::Selection;
+use crate::table::distance_formats::{DistanceField, FieldFormat};
+use crate::table::output::OutputFile;
 
 pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     if options.algo.outside_name().is_some() {
@@ -62,14 +62,14 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
-/// A field to be found and where it goes.
+/// One distance field and its file.
 struct Task {
     sources: Vec<VertexId>,
     path: PathBuf,
     output: OutputFile,
 }
 
-/// A field for each of `sources`, which are different, in a file of its own that is called after `path`.
+/// A task for each of the different `sources`, with files named after `path`.
 fn one_by_one(sources: Vec<VertexId>, path: &Path) -> anyhow::Result<Vec<Task>> {
     let task = |source: VertexId| {
         let path = path_of_source(path, source);
@@ -93,7 +93,7 @@ fn path_of_source(path: &Path, source: VertexId) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// What all tasks have in common.
+/// Data shared by all tasks.
 struct Request<'a> {
     options: &'a DistanceOptions,
     model: &'a str,
@@ -102,10 +102,11 @@ struct Request<'a> {
 }
 
 impl Request<'_> {
-    /// Carries out all `tasks`, as many at a time as there are threads, and says for each what came of it.
+    /// Carries out all `tasks`, as many at a time as there are threads, and returns a result for
+    /// each.
     ///
-    /// Each thread has a solver of its own. That is worth more than several threads for one source, so a parallel
-    /// algorithm gets those that are left over.
+    /// Each thread has a solver of its own, which is faster than several threads for one source. A
+    /// parallel algorithm gets the remaining threads.
     fn carry_out(&self, tasks: &[Task]) -> anyhow::Result<Vec<String>> {
         let threads = self.options.threads as usize;
         let workers = threads.min(tasks.len()).max(1);
@@ -122,7 +123,7 @@ impl Request<'_> {
                 match self.solve(&algorithm, &mut *solver, task) {
                     Ok(summary) => done.push((place, summary)),
                     Err(error) => {
-                        // The others finish what they have begun.
+                        // The other threads finish their current task.
                         next.store(tasks.len(), Ordering::Relaxed);
                         return Err(error);
                     }

@@ -7,8 +7,8 @@ use geobench_mesh::io as mesh_io;
 
 use super::Verdict;
 use super::args::GenOptions;
-use crate::model::ModelRef;
-use crate::output::OutputFile;
+use crate::exec::model::ModelRef;
+use crate::table::output::OutputFile;
 
 /// Endings of the files that can be written.
 const ENDINGS: [&str; 4] = [".obj", ".ply", ".obj.gz", ".ply.gz"];

@@ -7,9 +7,9 @@ use geobench_mesh::{Report, Severity};
 use super::Verdict;
 use super::args::InfoOptions;
 use super::terminal;
-use crate::export::escape::printable;
-use crate::export::number::grouped;
-use crate::model::{self, LoadedModel, ModelError, ModelRef};
+use crate::exec::model::{self, LoadedModel, ModelError, ModelRef};
+use crate::measure::number::grouped;
+use crate::table::escape::printable;
 
 pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
     let mut verdict = Verdict::Passed;

@@ -1,4 +1,4 @@
-//! Where cells run and what they may use: options of several commands.
+//! Options of several commands: where cells run, and their limits.
 
 use std::path::PathBuf;
 use std::thread;
@@ -6,14 +6,15 @@ use std::thread;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 
-use crate::affinity::{self, CpuList};
-use crate::in_process::InProcess;
-use crate::isolate::{Isolated, Sharing};
-use crate::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
-use crate::outside::{self, Programs, WithPrograms};
-use crate::record::IsolationRecord;
-use crate::registry::Selection;
-use crate::runner::Workplace;
+use crate::exec::Backend;
+use crate::exec::affinity::{self, CpuList};
+use crate::exec::in_process::InProcess;
+use crate::exec::isolate::{Isolated, Sharing};
+use crate::exec::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
+use crate::exec::outside::WithPrograms;
+use crate::plan::suite;
+use crate::registry::{Programs, Selection};
+use crate::schema::IsolationRecord;
 
 #[derive(Args, Debug)]
 pub(super) struct IsolationOptions {
@@ -55,7 +56,7 @@ pub(super) struct DecompressionOptions {
 }
 
 impl DecompressionOptions {
-    /// The limit, the usual one if none is given.
+    /// The limit, or the default.
     pub(super) fn limit(self) -> DecompressionLimit {
         self.max_decompressed.unwrap_or_default()
     }
@@ -70,7 +71,7 @@ enum Isolate {
 }
 
 impl IsolationOptions {
-    /// Refuses what cannot be done.
+    /// Checks that the options can be kept.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         let limit = match (&self.timeout, &self.memory_limit) {
             (Some(Timeout(Some(_))), _) => Some("--timeout"),
@@ -89,11 +90,11 @@ impl IsolationOptions {
         Ok(())
     }
 
-    /// The outside programs that the files describe; of two of one name, that of the first file.
+    /// The outside programs of the files; the first file wins if a name repeats.
     pub(super) fn programs(&self) -> anyhow::Result<Programs> {
         let mut programs = Programs::default();
         for path in &self.ext {
-            programs = programs.or(&outside::read_programs(path)?);
+            programs = programs.or(&suite::read_programs(path)?);
         }
         Ok(programs)
     }
@@ -103,7 +104,7 @@ impl IsolationOptions {
         self.isolate == Isolate::Process
     }
 
-    /// The limits, the usual ones where none are asked for.
+    /// The limits, with defaults.
     pub(super) fn limits(&self) -> Limits {
         Limits {
             timeout: self.timeout.unwrap_or(Timeout::USUAL),
@@ -112,7 +113,7 @@ impl IsolationOptions {
         }
     }
 
-    /// Why the threads of one of `algorithms` cannot all run at the same time, if so.
+    /// A warning if the threads of one of `algorithms` cannot all run at the same time.
     pub(super) fn crowding<'a>(
         &self,
         algorithms: impl IntoIterator<Item = &'a Selection>,
@@ -134,7 +135,7 @@ impl IsolationOptions {
         })
     }
 
-    /// What result files say of it.
+    /// The record in result files.
     pub(super) fn record(&self) -> IsolationRecord {
         IsolationRecord {
             process: self.isolate == Isolate::Process,
@@ -142,13 +143,13 @@ impl IsolationOptions {
         }
     }
 
-    /// The place to work in.
-    pub(super) fn workplace(
+    /// The backend of the options.
+    pub(super) fn backend(
         &self,
         limits: Limits,
         sharing: Sharing,
-    ) -> anyhow::Result<Box<dyn Workplace>> {
-        let inner: Box<dyn Workplace> = match self.isolate {
+    ) -> anyhow::Result<Box<dyn Backend>> {
+        let inner: Box<dyn Backend> = match self.isolate {
             Isolate::Process => Box::new(
                 Isolated::new(limits)
                     .on_cpus(self.cpu.clone())

@@ -2,11 +2,13 @@
 
 use super::args::MergeOptions;
 use super::run::{Tally, verdict};
-use super::{Verdict, outputs, terminal};
-use crate::{merge as parts, result_file};
+use super::{Verdict, terminal};
+use crate::run::merge as parts;
+use crate::schema::result_file;
+use crate::table::output;
 
 pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<Verdict> {
-    let outputs = outputs::results(&options.output)?;
+    let outputs = output::results(&options.output)?;
     let files = options
         .parts
         .iter()

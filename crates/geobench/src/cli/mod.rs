@@ -1,20 +1,16 @@
-//! The command line: what is asked for, and how a command ends.
+//! The command line: commands, exit statuses and errors in one line.
 
 mod algos;
 mod args;
-mod board;
 mod compare;
 mod distance;
 mod generate;
 mod info;
 mod isolation;
-mod live;
 mod merge;
-mod outputs;
 mod pool;
 mod progress;
 mod report;
-mod reporter;
 mod run;
 mod shell;
 mod terminal;
@@ -24,18 +20,17 @@ use std::ffi::OsStr;
 use std::io;
 use std::process::ExitCode;
 
+use anyhow::bail;
 use clap::Parser;
 use clap::error::ErrorKind;
 
 use args::{Arguments, Command};
 use terminal::Terminal;
 
-use crate::isolate;
+use crate::exec::{interrupt, isolate, model};
+use crate::measure::instructions;
 
-use crate::instructions;
-use crate::interrupt;
-
-/// How a command that did its work ends.
+/// The result of a command that did its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
     /// Everything done, every check passed.
@@ -44,11 +39,11 @@ enum Verdict {
     Failed,
     /// Some input could not be used; the rest is reported.
     BadInput,
-    /// Somebody asked to stop; what was done until then is reported.
+    /// Interrupted; finished work is reported.
     Interrupted,
 }
 
-/// Runs the command that the arguments of the process ask for.
+/// Runs the command of the arguments.
 pub fn main() -> ExitCode {
     report_panics_in_one_line();
     match isolate::wanted(std::env::args_os()) {
@@ -57,7 +52,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Works on `model` as another process of this program wants.
+/// Serves the parent process as the child for `model`.
 fn cell(model: &OsStr) -> ExitCode {
     match isolate::cell(model) {
         Ok(()) => ExitCode::SUCCESS,
@@ -68,7 +63,7 @@ fn cell(model: &OsStr) -> ExitCode {
     }
 }
 
-/// Runs a command for people.
+/// Runs a command of the user.
 fn command() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
@@ -90,7 +85,7 @@ fn command() -> ExitCode {
         Command::Completions(options) => shell::completions(&options),
         Command::Man(options) => shell::man(&options),
         Command::CountOneSolve(o) => {
-            instructions::solve_once(&o.model, &o.algorithm, o.source, o.simd.as_deref())
+            count_one_solve(&o.model, &o.algorithm, o.source, o.simd.as_deref())
                 .map(|()| Verdict::Passed)
         }
     };
@@ -99,13 +94,29 @@ fn command() -> ExitCode {
         Ok(Verdict::Failed) => ExitCode::from(1),
         Ok(Verdict::BadInput) => ExitCode::from(2),
         Ok(Verdict::Interrupted) => ExitCode::from(interrupt::EXIT_STATUS),
-        // Whoever reads has read enough: nothing is wrong.
+        // The reader of standard output has gone; not an error.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             terminal::error(&format!("{error:#}"));
             ExitCode::from(2)
         }
     }
+}
+
+/// The one solve whose instructions callgrind counts.
+fn count_one_solve(
+    model: &str,
+    algorithm: &str,
+    source: u32,
+    widest: Option<&str>,
+) -> anyhow::Result<()> {
+    let selection = instructions::announce(algorithm, widest)?;
+    let models = model::collect(&[model])?;
+    let [model] = &models[..] else {
+        bail!("{model}: {} models instead of one", models.len());
+    };
+    let loaded = model.load()?;
+    instructions::solve_once(&selection, &loaded.mesh, source)
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
@@ -116,11 +127,11 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
     })
 }
 
-/// Prints help where it was asked for, else what is wrong with the arguments in one line.
+/// Prints help if asked for, else the error in one line.
 fn usage(error: &clap::Error) -> ExitCode {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            // A reader that has gone away needs no help.
+            // Write errors are ignored.
             let _ = error.print();
             ExitCode::SUCCESS
         }
@@ -131,7 +142,7 @@ fn usage(error: &clap::Error) -> ExitCode {
         _ => {
             let text = error.to_string();
             let text = text.strip_prefix("error: ").unwrap_or(&text);
-            // What follows `Usage` repeats the help.
+            // The text after `Usage` repeats the help.
             let text = text.split("\nUsage:").next().unwrap_or(text);
             let text = text.split("\nFor more information").next().unwrap_or(text);
             let text = text.replace("\n\n  tip: ", "; ");
@@ -142,7 +153,7 @@ fn usage(error: &clap::Error) -> ExitCode {
     }
 }
 
-/// A panic is a defect of this program; it too says so in one line.
+/// Reports a panic, a defect of this program, in one line.
 fn report_panics_in_one_line() {
     std::panic::set_hook(Box::new(|panic| {
         let text = panic.to_string();
@@ -150,4 +161,19 @@ fn report_panics_in_one_line() {
             "{text}; this is a defect of geobench, please report it"
         ));
     }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_solve_needs_all_three() {
+        assert!(count_one_solve("gen:cube,n=1", "vtp", 0, None).is_ok());
+        assert!(count_one_solve("gen:cube,n=1", "vtp", 999, None).is_err());
+        assert!(count_one_solve("gen:cube,n=1", "vtq", 0, None).is_err());
+        assert!(count_one_solve("gen:cube,n=1", "vtp", 0, Some("scalar")).is_ok());
+        assert!(count_one_solve("gen:cube,n=1", "vtp", 0, Some("wide")).is_err());
+        assert!(count_one_solve("no.obj", "vtp", 0, None).is_err());
+    }
 }

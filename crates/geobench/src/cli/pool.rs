@@ -1,11 +1,13 @@
 //! `geobench pool`.
 
+use super::Verdict;
 use super::args::PoolOptions;
-use super::{Verdict, outputs};
-use crate::{pool as rounds, result_file};
+use crate::history::pool as rounds;
+use crate::schema::result_file;
+use crate::table::output;
 
 pub(super) fn pool(options: &PoolOptions) -> anyhow::Result<Verdict> {
-    let outputs = outputs::results(&options.output)?;
+    let outputs = output::results(&options.output)?;
     let files = options
         .rounds
         .iter()

@@ -5,9 +5,9 @@ use anyhow::bail;
 use super::Verdict;
 use super::args::ReportOptions;
 use super::terminal;
-use crate::output::OutputFile;
 use crate::report::{self, Input, Options, Wanted};
-use crate::result_file;
+use crate::schema::result_file;
+use crate::table::output::OutputFile;
 
 pub(super) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
     let files = options.files()?;

@@ -1,37 +1,35 @@
 //! `geobench run`.
 
+use std::io::Write;
 use std::path::Path;
 use std::time::SystemTime;
 
 use anyhow::{Context, bail};
 
+use super::Verdict;
 use super::args::RunOptions;
 use super::progress::Progress;
-use super::reporter::Reporter;
 use super::terminal::{self, Terminal};
-use super::{Verdict, outputs};
-use crate::benchmark;
-use crate::conditions::{Conditions, Snapshot};
-use crate::export::{self, Format};
-use crate::host;
-use crate::instructions;
-use crate::interrupt;
-use crate::isolate::Sharing;
-use crate::journal::{Header, Journal};
-use crate::ledger::{Ledger, NoLedger};
-use crate::limits::{Limits, Timeout};
-use crate::output::{self, OutputFile};
-use crate::plan::{Plan, Reference};
-use crate::plan_record::PlanRecord;
-use crate::record::{Cell, Host, ResultFile, SCHEMA, Session, Status};
-use crate::runner::Listener;
-use crate::shard;
-use crate::suite::{self, Library, Plans, Scale, Settings, Suite, WantedModel};
+use crate::exec::isolate::Sharing;
+use crate::exec::limits::{Limits, Timeout};
+use crate::exec::{Listener, Step, interrupt};
+use crate::measure::conditions::{self, Snapshot};
+use crate::measure::{host, instructions};
+use crate::plan::suite::{self, Library, Plans, Scale, Settings, Suite, WantedModel};
+use crate::plan::{self, Plan, Reference};
+use crate::run::journal::{Header, Journal};
+use crate::run::{self, agreement};
+use crate::schema::{
+    Cell, GroupRecord, Host, InstructionCount, ModelRecord, PlanRecord, ResultFile, SCHEMA,
+    SessionRecord, Status,
+};
+use crate::table::output::{self, OutputFile};
+use crate::table::{self, Format};
 
 pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     options.isolation.check()?;
     let Plans { plans, notes } = possible_plans(options)?;
-    let outputs = outputs::results(&options.output)?;
+    let outputs = output::results(&options.output)?;
     if options.extras.instructions {
         instructions::check_valgrind()?;
     }
@@ -46,14 +44,14 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         }
     }
     interrupt::listen().context("cannot listen to signals")?;
-    let plan = PlanRecord::of(&plans, options.isolation.record());
+    let plan = plan::record(&plans, options.isolation.record());
     let session = session(options);
-    let mut ledger: Box<dyn Ledger> = Box::new(NoLedger);
+    let mut journal = None;
     let mut sessions = vec![session.clone()];
     if let Some(path) = &options.resume {
-        let journal = journal(path, &outputs, &plan, &session, options.quiet)?;
-        sessions = journal.sessions().to_vec();
-        ledger = Box::new(journal);
+        let opened = open_journal(path, &outputs, &plan, &session, options.quiet)?;
+        sessions = opened.sessions().to_vec();
+        journal = Some(opened);
     }
     let runs = plans.iter().map(Plan::runs).fold(0, usize::saturating_add);
     let mut listener = Reporter {
@@ -87,13 +85,13 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
             break;
         }
         listener.begin(plan)?;
-        let mut workplace = options.isolation.workplace(plan.limits, Sharing::None)?;
-        let outcome = benchmark::run(plan, &mut *workplace, &mut *ledger, &mut listener)?;
+        let mut backend = options.isolation.backend(plan.limits, Sharing::None)?;
+        let outcome = run::run(plan, &mut *backend, journal.as_mut(), &mut listener)?;
         listener.end(&plan.group)?;
         let checked = !matches!(plan.reference, Reference::None);
         verdicts.push(Tally::of(checked, &outcome.cells));
     }
-    let conditions = Conditions::between(&before, &Snapshot::take(Path::new("/")));
+    let conditions = conditions::between(&before, &Snapshot::take(Path::new("/")));
     let doubts = conditions.warnings.clone();
     listener.result.conditions = Some(conditions);
     listener.store_all()?;
@@ -102,7 +100,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     } = listener;
     drop(progress);
     if options.format == Format::Table {
-        terminal::print_rendered(&export::footnote(&result, terminal.styled))?;
+        terminal::print_rendered(&table::footnote(&result, terminal.styled))?;
     } else {
         terminal::print_rendered(&options.format.render(&result)?)?;
     }
@@ -126,7 +124,7 @@ fn cells(plans: &[Plan]) -> usize {
     cells.fold(0, usize::saturating_add)
 }
 
-/// What became of the cells of a plan.
+/// Counts of the cells of a plan by result.
 pub(super) struct Tally {
     cells: usize,
     failed: usize,
@@ -134,7 +132,7 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Counts cells, which have failed too if they were to be checked and could not be.
+    /// Counts cells. A cell that was to be checked and could not be has failed.
     pub(super) fn of<'c>(checked: bool, cells: impl IntoIterator<Item = &'c Cell>) -> Self {
         let mut tally = Self {
             cells: 0,
@@ -155,7 +153,7 @@ impl Tally {
     }
 }
 
-/// What the cells make of the run: a wrong answer weighs more than an unusable input.
+/// The verdict on all cells: failures come before unusable input.
 pub(super) fn verdict(tallies: &[Tally]) -> Verdict {
     let sum = |of: fn(&Tally) -> usize| tallies.iter().map(of).sum::<usize>();
     let failed = sum(|tally| tally.failed);
@@ -172,7 +170,7 @@ pub(super) fn verdict(tallies: &[Tally]) -> Verdict {
     }
 }
 
-/// What the suite file, if there is one, and the options ask for.
+/// The plans of the suite file and the options.
 fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let suite = options.config.as_deref().map(Suite::read).transpose()?;
     let mut programs = options.isolation.programs()?;
@@ -219,7 +217,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     Ok(plans)
 }
 
-/// What is wanted as far as it can be had, with notes on what cannot.
+/// The plans, with notes on what is left out.
 fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let Plans {
         mut plans,
@@ -238,7 +236,7 @@ fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
         if options.ratios_to.is_some() {
             bail!("{problem}; name it in --algo");
         }
-        // The suite wants them, but not with the algorithms that the options ask for.
+        // The suite asks for ratios to an algorithm that the options leave out.
         notes.push(problem);
     }
     notes.extend(options.isolation.crowding(algorithms()));
@@ -246,7 +244,7 @@ fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
         drop_limits(&mut plans, &mut notes);
     }
     if let Some(shard) = options.shard {
-        shard::restrict(&mut plans, shard);
+        plan::restrict(&mut plans, shard);
         if plans.iter().all(|plan| plan.runs() == 0) {
             notes.push(format!(
                 "part {shard} has nothing to do: there are fewer pairs of model and source than parts"
@@ -256,7 +254,7 @@ fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     Ok(Plans { plans, notes })
 }
 
-/// Takes limits away that nobody would keep, and says so where somebody asked for them.
+/// Removes limits that this isolation cannot keep, with a note if the user asked for them.
 fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
     for plan in plans {
         let Limits {
@@ -276,9 +274,9 @@ fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
     }
 }
 
-/// The process that works now.
-fn session(options: &RunOptions) -> Session {
-    Session {
+/// The record of this process.
+fn session(options: &RunOptions) -> SessionRecord {
+    SessionRecord {
         shard: options.shard,
         host: host::host(),
         command: std::env::args_os()
@@ -289,12 +287,12 @@ fn session(options: &RunOptions) -> Session {
     }
 }
 
-/// Opens the journal, and says what is in it.
-fn journal(
+/// Opens the journal and prints how many runs it holds.
+fn open_journal(
     path: &Path,
     outputs: &[(Format, OutputFile)],
     plan: &PlanRecord,
-    session: &Session,
+    session: &SessionRecord,
     quiet: bool,
 ) -> anyhow::Result<Journal> {
     if outputs
@@ -305,7 +303,7 @@ fn journal(
     }
     let header = Header::new(host::tool(), plan.clone());
     let journal = Journal::open(path, &header, session)?;
-    let elsewhere = |earlier: &Session| {
+    let elsewhere = |earlier: &SessionRecord| {
         let machine = |host: &Host| (host.cpu.clone(), host.cores, host.memory_bytes);
         machine(&earlier.host) != machine(&session.host)
     };
@@ -318,7 +316,210 @@ fn journal(
     Ok(journal)
 }
 
-/// The time of day.
+/// Shows and stores the results of each finished model, so that an interrupted run loses little.
+pub(super) struct Reporter {
+    pub(super) progress: Progress,
+    pub(super) format: Format,
+    pub(super) terminal: Terminal,
+    /// Whether to count instructions.
+    pub(super) instructions: bool,
+    /// Whether to print failures only.
+    pub(super) quiet: bool,
+    pub(super) outputs: Vec<(Format, OutputFile)>,
+    pub(super) result: ResultFile,
+}
+
+impl Reporter {
+    /// A group begins.
+    pub(super) fn begin(&mut self, plan: &Plan) -> anyhow::Result<()> {
+        let Limits {
+            timeout, memory, ..
+        } = plan.limits;
+        self.result.groups.push(GroupRecord {
+            timeout: timeout.0.map(|time| time.as_secs_f64()),
+            memory_limit: memory.0,
+            ..plan.group.clone()
+        });
+        self.progress.begin(plan);
+        // A shard may have no cell of a group.
+        if plan.runs() == 0 {
+            return Ok(());
+        }
+        self.show(&table::group_heading(&plan.group))
+    }
+
+    /// A group is done.
+    pub(super) fn end(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
+        self.show(&table::ratio_table(
+            group,
+            &self.result.cells,
+            self.terminal.look(),
+        ))
+    }
+
+    /// Prints a part of the tables, if the format is a table.
+    fn show(&mut self, text: &str) -> anyhow::Result<()> {
+        if self.format == Format::Table && !text.is_empty() {
+            self.progress.suspend(|| terminal::print_rendered(text))?;
+        }
+        Ok(())
+    }
+
+    /// Writes the results so far to all regular files. A failed write is retried at the end and
+    /// does not stop the run.
+    fn store(&mut self) -> anyhow::Result<()> {
+        self.note_time();
+        for (format, file) in self.outputs.iter().filter(|(_, file)| file.is_replaced()) {
+            if let Err(error) = file.write(format.render(&self.result)?.as_bytes()) {
+                let text = format!("{error:#}; it will be tried again");
+                self.progress.suspend(|| terminal::warning(&text));
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the final results to all files, and to a temporary file if one cannot be written.
+    pub(super) fn store_all(&mut self) -> anyhow::Result<()> {
+        self.note_time();
+        let mut failed = Vec::new();
+        for (format, file) in &self.outputs {
+            if let Err(error) = file.write(format.render(&self.result)?.as_bytes()) {
+                failed.push(format!("{error:#}"));
+            }
+        }
+        if failed.is_empty() {
+            return Ok(());
+        }
+        let rescued = rescue(&Format::Json.render(&self.result)?);
+        bail!("{}; {rescued}", failed.join("; "));
+    }
+
+    fn note_time(&mut self) {
+        self.result.finished = now();
+        if let Some(session) = self.result.sessions.last_mut() {
+            session.finished = Some(self.result.finished.clone());
+        }
+    }
+}
+
+impl Listener for Reporter {
+    fn loading(&mut self, model: &str) {
+        self.progress.loading(model);
+    }
+
+    fn step(&mut self, step: &Step<'_>) {
+        self.progress.step(step);
+    }
+
+    fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
+        self.progress.ran(step, outcome);
+    }
+
+    fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<InstructionCount> {
+        // The solve of an outside program cannot be told from the rest of it.
+        if cell.algorithm.starts_with("ext:") {
+            return None;
+        }
+        if !self.instructions {
+            return None;
+        }
+        self.progress
+            .counting_instructions(&model.name, &cell.algorithm);
+        let source = cell.source?;
+        match instructions::count(&model.path, &cell.algorithm, source) {
+            Ok(count) => Some(count),
+            Err(error) => {
+                let text = format!(
+                    "{}: {}, source {source}: instructions are not counted: {error}",
+                    model.name, cell.algorithm
+                );
+                self.progress.suspend(|| terminal::warning(&text));
+                None
+            }
+        }
+    }
+
+    fn skipped(&mut self, runs: usize) {
+        self.progress.skip(runs);
+    }
+
+    fn model_done(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
+        if self.result.models.iter().all(|m| m.name != model.name) {
+            self.result.models.push(model.clone());
+        }
+        self.result.cells.extend_from_slice(cells);
+        self.progress.clear_table();
+        self.progress.suspend(|| {
+            remark(cells, self.format, self.quiet);
+            for summary in agreement::summaries(cells) {
+                terminal::error(&summary);
+            }
+            if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
+                let look = self.terminal.look();
+                let mut text = table::model_table(group, model, cells, look);
+                // The last column stays free, as in the progress table.
+                let width = look.width.map(|width| width.saturating_sub(1));
+                text +=
+                    &width.map_or_else(String::new, |width| table::model_bars(group, cells, width));
+                terminal::print_rendered(&text)?;
+            }
+            anyhow::Ok(())
+        })?;
+        self.store()
+    }
+
+    fn interrupted(&self) -> bool {
+        interrupt::requested()
+    }
+}
+
+/// Prints to standard error why a model was refused and, for formats other than tables, which cells
+/// failed and, unless `quiet`, the messages of the others.
+fn remark(cells: &[Cell], format: Format, quiet: bool) {
+    let mut last_refusal = None;
+    for cell in cells {
+        let Some(message) = &cell.message else {
+            continue;
+        };
+        match cell.status {
+            Status::Refused if last_refusal != Some(message) => {
+                terminal::error(message);
+                last_refusal = Some(message);
+            }
+            Status::Refused => {}
+            // Tables show it in their notes.
+            _ if format == Format::Table => {}
+            status => {
+                let source = cell.source.unwrap_or(0);
+                let place = format!("{}: {}, source {source}", cell.model, cell.algorithm);
+                match status {
+                    Status::Ok if quiet => {}
+                    Status::Ok => terminal::warning(&format!("{place}: {message}")),
+                    _ => terminal::error(&format!("{place}: {}: {message}", status.name())),
+                }
+            }
+        }
+    }
+}
+
+/// Saves results that could not be written to a temporary file, and returns a message with its
+/// path.
+fn rescue(json: &str) -> String {
+    let save = || -> std::io::Result<std::path::PathBuf> {
+        let mut file = tempfile::Builder::new()
+            .prefix("geobench-")
+            .suffix(".json")
+            .tempfile()?;
+        file.write_all(json.as_bytes())?;
+        Ok(file.keep()?.1)
+    };
+    match save() {
+        Ok(path) => format!("the results are in {}", path.display()),
+        Err(error) => format!("nor could the results be saved as a temporary file: {error}"),
+    }
+}
+
+/// The current time, RFC 3339 in UTC.
 pub(super) fn now() -> String {
     humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
 }

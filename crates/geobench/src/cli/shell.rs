@@ -1,5 +1,4 @@
-//! `geobench completions` and `geobench man`: what a shell and a reader of manuals need, made from
-//! the same definition as `--help`.
+//! `geobench completions` and `geobench man`, generated from the definition of `--help`.
 
 use anyhow::bail;
 use clap::CommandFactory;
@@ -19,7 +18,7 @@ pub(super) fn completions(options: &CompletionsOptions) -> anyhow::Result<Verdic
 
 pub(super) fn man(options: &ManOptions) -> anyhow::Result<Verdict> {
     let mut program = Arguments::command();
-    // So that a command is called `geobench-run`, and options for all commands are known to each.
+    // Names commands `geobench-run` and adds the global options to each.
     program.build();
     let page = match &options.command {
         None => program,

@@ -5,15 +5,15 @@ use std::io::{self, IsTerminal, Write};
 use terminal_size::{Height, Width, terminal_size_of};
 
 use super::args::ColorChoice;
-use crate::export::Look;
-use crate::export::escape::{for_terminal, printable};
+use crate::table::Look;
+use crate::table::escape::{for_terminal, printable};
 
-/// What may be shown how.
+/// Properties of standard output.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Terminal {
     /// Whether tables on standard output use colour.
     pub(super) styled: bool,
-    /// Letters on a line of standard output, if that is a terminal.
+    /// Columns of standard output, if it is a terminal.
     pub(super) width: Option<usize>,
 }
 
@@ -42,33 +42,33 @@ impl Terminal {
     }
 }
 
-/// Whether standard error is a terminal on which what stands can be drawn over.
+/// Whether standard error is a terminal that can redraw lines.
 pub(super) fn standard_error_can_move() -> bool {
     io::stderr().is_terminal() && !is_dumb()
 }
 
-/// Whether the terminal knows no more than letters and line breaks.
+/// Whether the terminal has no cursor movement.
 fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|term| term == "dumb")
 }
 
-/// Letters on a line and lines of standard error, if that is a terminal.
+/// Columns and lines of standard error, if it is a terminal.
 pub(super) fn size_of_standard_error() -> Option<[usize; 2]> {
     let (Width(width), Height(height)) = terminal_size_of(io::stderr())?;
     Some([width, height].map(usize::from))
 }
 
-/// Writes `text` for people to standard output at once, control characters as their codes.
+/// Writes `text` to standard output in one call, with control characters escaped.
 ///
 /// # Errors
 ///
-/// When standard output takes no more, for one because its reader has gone.
+/// When standard output is closed or full.
 pub(super) fn print(text: &str) -> anyhow::Result<()> {
     write(&for_terminal(text, false))
 }
 
-/// Writes `text` that is in its final form to standard output at once: a table, which may have
-/// colours, or text for a program. Other control characters reach files, but no terminal.
+/// Writes final text to standard output in one call: a table, which may have colours, or text for a
+/// program. Other control characters are escaped on a terminal and kept in files.
 ///
 /// # Errors
 ///
@@ -100,6 +100,6 @@ pub(super) fn warning(message: &str) {
 
 fn note(kind: &str, message: &str) {
     let message = printable(message);
-    // There is nowhere to report that standard error is gone.
+    // A failure of standard error cannot be reported.
     let _ = writeln!(io::stderr(), "geobench: {kind}: {message}");
 }

@@ -6,19 +6,19 @@ use geobench_mesh::VertexId;
 use super::Verdict;
 use super::args::VerifyOptions;
 use super::terminal;
-use crate::agreement::{self, Clusters, Vote};
-use crate::check::{self, Comparison};
-use crate::expected::{Expected, Field, stored_sources};
-use crate::export::number::scientific;
-use crate::interrupt;
-use crate::isolate::Sharing;
-use crate::model::{self, ModelRef};
-use crate::record::ModelRecord;
+use crate::exec::expected::{Expected, Field, stored_sources};
+use crate::exec::interrupt;
+use crate::exec::isolate::Sharing;
+use crate::exec::model::{self, ModelRef};
+use crate::exec::{Pass, Session, Step};
+use crate::measure::number::scientific;
+use crate::plan::suite;
 use crate::registry::{self, Selection};
-use crate::runner::{Executor, Purpose, Step};
-use crate::suite;
+use crate::run::agreement::{self, Clusters, Vote};
+use crate::run::check::{self, Comparison};
+use crate::schema::ModelRecord;
 
-/// The algorithm that all others must agree with, whether it is among those asked for or not.
+/// The reference; it runs even if it is not asked for.
 const REFERENCE: &str = "mmp";
 
 pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
@@ -31,7 +31,7 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
         Some(named) => named.0.clone(),
         None => registry::select("exact")?,
     };
-    // The reference goes first, so that its answer is there for the others.
+    // The reference runs first, because the others are compared with it.
     let reference = registry::select_one(REFERENCE)?;
     algorithms.retain(|a| a.label() != REFERENCE);
     algorithms.insert(0, reference);
@@ -47,7 +47,7 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
         terminal::warning(&crowding);
     }
     let limits = options.isolation.limits();
-    let mut workplace = options.isolation.workplace(limits, Sharing::All)?;
+    let mut backend = options.isolation.backend(limits, Sharing::All)?;
     interrupt::listen().context("cannot listen to signals")?;
     let mut tally = Tally::default();
     for model in &models {
@@ -55,14 +55,14 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
             break;
         }
         let mut printed = Ok(());
-        let done = workplace.with_model(model, &mut |record, executor| {
-            let session = Session {
+        let done = backend.with_model(model, &mut |record, session| {
+            let check = LoadedModelCheck {
                 options,
                 algorithms: &algorithms,
                 model,
                 record,
             };
-            printed = session.verify(executor, &mut tally);
+            printed = check.verify(session, &mut tally);
         });
         printed?;
         if let Err(refusal) = done
@@ -100,15 +100,15 @@ struct Tally {
 }
 
 /// One loaded model.
-struct Session<'a> {
+struct LoadedModelCheck<'a> {
     options: &'a VerifyOptions,
     algorithms: &'a [Selection],
     model: &'a ModelRef,
     record: &'a ModelRecord,
 }
 
-impl Session<'_> {
-    fn verify(&self, executor: &mut dyn Executor, tally: &mut Tally) -> anyhow::Result<()> {
+impl LoadedModelCheck<'_> {
+    fn verify(&self, session: &mut dyn Session, tally: &mut Tally) -> anyhow::Result<()> {
         let vertices = self.record.vertices.unwrap_or(0) as usize;
         let mut sources = match self.options.source.resolve(vertices) {
             Ok(sources) => sources,
@@ -125,12 +125,12 @@ impl Session<'_> {
             }
         }
         for source in sources {
-            self.verify_source(source, executor, tally)?;
+            self.verify_source(source, session, tally)?;
         }
         Ok(())
     }
 
-    /// Whether nobody asked for `algorithm` by name and it would take hours on this model.
+    /// Whether `algorithm` was not named and would take hours on this model.
     fn is_too_slow(&self, algorithm: &Selection) -> bool {
         let faces = self.record.faces.unwrap_or(0);
         let comfortable = algorithm.algorithm().comfortable_faces;
@@ -157,7 +157,7 @@ impl Session<'_> {
     fn verify_source(
         &self,
         source: VertexId,
-        executor: &mut dyn Executor,
+        session: &mut dyn Session,
         tally: &mut Tally,
     ) -> anyhow::Result<()> {
         let vertices = self.record.vertices.unwrap_or(0) as usize;
@@ -184,9 +184,9 @@ impl Session<'_> {
                 model: &self.record.name,
                 algorithm,
                 source,
-                purpose: Purpose::WarmUp,
+                pass: Pass::Warmup,
             };
-            let done = executor.execute(&step);
+            let done = session.execute(&step);
             if interrupt::requested() {
                 return Ok(());
             }
@@ -253,7 +253,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Which of the answers the distances of a file agree with.
+    /// Which answers the stored distances of a file agree with.
     fn vote_of(
         &self,
         name: &str,
@@ -278,7 +278,7 @@ impl Session<'_> {
     }
 }
 
-/// What is found about one answer.
+/// The verdict on one answer.
 #[derive(Default)]
 struct Judgement {
     wrong: bool,

@@ -4,7 +4,7 @@ use geobench_ich::{ch, ich, ich1};
 use geobench_window::Counter;
 
 use super::Algorithm;
-use super::threshold::{self, THRESHOLD};
+use super::parameter::{THRESHOLD, threshold_width};
 
 pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
@@ -19,7 +19,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         memory_counter: Counter::PeakWindows,
         comfortable_faces: Some(10_000),
         parameters: &[THRESHOLD],
-        build: |mesh, values| Box::new(ch(mesh).with_threshold(threshold::width(mesh, values))),
+        build: |mesh, values| Box::new(ch(mesh).with_threshold(threshold_width(mesh, values))),
     },
     Algorithm {
         name: "ich1",
@@ -33,7 +33,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         memory_counter: Counter::PeakWindows,
         comfortable_faces: None,
         parameters: &[THRESHOLD],
-        build: |mesh, values| Box::new(ich1(mesh).with_threshold(threshold::width(mesh, values))),
+        build: |mesh, values| Box::new(ich1(mesh).with_threshold(threshold_width(mesh, values))),
     },
     Algorithm {
         name: "ich",
@@ -47,6 +47,6 @@ pub(super) const FAMILY: &[Algorithm] = &[
         memory_counter: Counter::PeakWindows,
         comfortable_faces: None,
         parameters: &[THRESHOLD],
-        build: |mesh, values| Box::new(ich(mesh).with_threshold(threshold::width(mesh, values))),
+        build: |mesh, values| Box::new(ich(mesh).with_threshold(threshold_width(mesh, values))),
     },
 ];

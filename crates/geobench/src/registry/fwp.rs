@@ -1,4 +1,5 @@
-//! Algorithms that take windows, or lists of them, in an order that costs less than a priority queue.
+//! Algorithms that take windows, or lists of them, in an order that costs less than a priority
+//! queue.
 
 use geobench_fwp::{
     BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_by_window, lc_ch,
@@ -7,7 +8,7 @@ use geobench_fwp::{
 use geobench_window::Counter;
 
 use super::mmp::{FILTER, LIST_FILTER, LISTS, filter, keep};
-use super::threshold::{self, THRESHOLD};
+use super::parameter::{THRESHOLD, threshold_width};
 use super::{Algorithm, Parameter, Value, Values};
 
 const BUCKET: Parameter = Parameter::real(
@@ -89,7 +90,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         comfortable_faces: None,
         parameters: BUCKET_AND_LIST_PARAMETERS,
         build: |mesh, values| {
-            let threshold = threshold::width(mesh, values);
+            let threshold = threshold_width(mesh, values);
             if values.word(&TURN) == Some("window") {
                 let solver = fwp_mmp_by_window(mesh, buckets(values));
                 let solver = solver.map_policy(|policy| policy.keeping(keep(values)));
@@ -113,7 +114,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         comfortable_faces: None,
         parameters: BUCKET_PARAMETERS,
         build: |mesh, values| {
-            Box::new(fwp_ch(mesh, buckets(values)).with_threshold(threshold::width(mesh, values)))
+            Box::new(fwp_ch(mesh, buckets(values)).with_threshold(threshold_width(mesh, values)))
         },
     },
     Algorithm {
@@ -129,7 +130,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         comfortable_faces: None,
         parameters: &[BETA, TURN, LIST_FILTER, LISTS, THRESHOLD],
         build: |mesh, values| {
-            let threshold = threshold::width(mesh, values);
+            let threshold = threshold_width(mesh, values);
             if values.word(&TURN) == Some("window") {
                 let solver = lc_mmp_by_window(mesh, label_correcting(values));
                 let solver = solver.map_policy(|policy| policy.keeping(keep(values)));
@@ -154,8 +155,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         parameters: &[BETA, THRESHOLD],
         build: |mesh, values| {
             Box::new(
-                lc_ch(mesh, label_correcting(values))
-                    .with_threshold(threshold::width(mesh, values)),
+                lc_ch(mesh, label_correcting(values)).with_threshold(threshold_width(mesh, values)),
             )
         },
     },
@@ -175,7 +175,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
             let solver = vtp_mmp(mesh)
                 .filtering(filter(values))
                 .keeping(keep(values));
-            Box::new(solver.with_threshold(threshold::width(mesh, values)))
+            Box::new(solver.with_threshold(threshold_width(mesh, values)))
         },
     },
     Algorithm {
@@ -190,6 +190,6 @@ pub(super) const FAMILY: &[Algorithm] = &[
         memory_counter: Counter::PeakWindows,
         comfortable_faces: None,
         parameters: &[THRESHOLD],
-        build: |mesh, values| Box::new(vtp_ch(mesh).with_threshold(threshold::width(mesh, values))),
+        build: |mesh, values| Box::new(vtp_ch(mesh).with_threshold(threshold_width(mesh, values))),
     },
 ];

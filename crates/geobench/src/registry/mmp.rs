@@ -3,7 +3,7 @@
 use geobench_mmp::{Keep, NearLists, mmp_by_window, mmp_edge, mmp_with_slack};
 use geobench_window::{Counter, VertexFilter};
 
-use super::threshold::{self, THRESHOLD};
+use super::parameter::{THRESHOLD, threshold_width};
 use super::{Algorithm, Parameter, Values};
 
 /// What becomes of the windows of edges that the wave has passed.
@@ -36,7 +36,8 @@ pub(super) fn filter(values: &Values) -> VertexFilter {
     }
 }
 
-/// The same where `turn` may be `window`: one at a time windows are never filtered, as in the papers.
+/// The same where `turn` may be `window`: one at a time windows are never filtered, as in the
+/// papers.
 pub(super) const LIST_FILTER: Parameter = FILTER.only_with(TURN.name, "list");
 
 /// What is propagated at a time.
@@ -68,7 +69,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         comfortable_faces: None,
         parameters: &[TURN, SLACK, LIST_FILTER, LISTS, THRESHOLD],
         build: |mesh, values| {
-            let threshold = threshold::width(mesh, values);
+            let threshold = threshold_width(mesh, values);
             if values.word(&TURN) == Some("window") {
                 let solver = mmp_by_window(mesh).map_policy(|policy| policy.keeping(keep(values)));
                 return Box::new(solver.with_threshold(threshold));
@@ -92,7 +93,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         parameters: &[LISTS, THRESHOLD],
         build: |mesh, values| {
             let solver = mmp_edge(mesh).map_policy(|policy| policy.keeping(keep(values)));
-            Box::new(solver.with_threshold(threshold::width(mesh, values)))
+            Box::new(solver.with_threshold(threshold_width(mesh, values)))
         },
     },
 ];

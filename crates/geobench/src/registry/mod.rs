@@ -1,42 +1,74 @@
 //! Every algorithm of the suite, in one table, and how users ask for them.
 //!
 //! This is the only place that knows which algorithms exist. The rest of the program reaches a
-//! solver through [`Selection::build`] and the [`Solver`](geobench_window::Solver) trait. The
+//! solver through [`Selection::build`] and the [`Solver`] trait. The
 //! table has a file for each family; adding an algorithm is one entry in one of these files, and
 //! adding a family is a file and a line in [`algorithms`].
 
-mod algorithm;
+use std::sync::LazyLock;
+
+use geobench_mesh::Mesh;
+use geobench_window::{Counter, Solver};
+
 mod ch;
 mod fwp;
 mod hidden;
 mod mmp;
-mod outside;
 mod parameter;
+mod program;
 mod select;
-pub(crate) mod simd;
-mod threshold;
 mod vtp;
-mod vtp_fast;
 
-use std::sync::LazyLock;
-
-pub use algorithm::Algorithm;
 pub use hidden::VARIABLE as HIDDEN_ALGORITHMS;
 pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, Value, Values};
+pub(crate) use parameter::{instructions_named, next_narrower};
+pub(crate) use program::{Call, PLACEHOLDERS};
+pub use program::{Keeping, Program, Programs, UnknownProgram};
 pub(crate) use select::nearest;
 pub use select::{SelectError, Selection, select, select_one};
 
 /// Every algorithm, in the order in which tables show them.
 pub fn algorithms() -> &'static [Algorithm] {
-    static ALL: LazyLock<Vec<Algorithm>> = LazyLock::new(|| {
-        [
-            mmp::FAMILY,
-            ch::FAMILY,
-            fwp::FAMILY,
-            vtp::FAMILY,
-            vtp_fast::FAMILY,
-        ]
-        .concat()
-    });
+    static ALL: LazyLock<Vec<Algorithm>> =
+        LazyLock::new(|| [mmp::FAMILY, ch::FAMILY, fwp::FAMILY, vtp::FAMILY, vtp::FAST].concat());
     &ALL
+}
+
+/// What the suite knows about an algorithm.
+#[derive(Clone, Copy, Debug)]
+pub struct Algorithm {
+    /// The name by which users ask for it, in lower case.
+    pub name: &'static str,
+    /// The group that `--algo` can ask for as a whole, such as `vtp-family`.
+    pub family: &'static str,
+    /// Where it is described: authors, year, section.
+    pub paper: &'static str,
+    /// Whether its distances are exact up to rounding (as long as its parameters are the defaults).
+    pub exact: bool,
+    /// What it does, in one line.
+    pub summary: &'static str,
+    /// Worst-case time and space; n is the number of faces.
+    pub complexity: &'static str,
+    /// What it keeps in memory while it runs, and what is left at the end.
+    pub keeps: &'static str,
+    /// When to choose it.
+    pub choose: &'static str,
+    /// The counter of windows that the papers charge to its memory: those stored at the end for
+    /// algorithms that keep every window, those alive at the peak for the others.
+    pub memory_counter: Counter,
+    /// The most faces with which it ends within a minute or so, for one that is slower by orders of
+    /// magnitude than the others; `verify` leaves it out beyond that, unless it is named.
+    pub comfortable_faces: Option<u64>,
+    /// What can be set, as in `name{key=value}`, in the order in which labels show it.
+    pub parameters: &'static [Parameter],
+    /// Sets it up for a mesh with these values of its parameters; this is not part of the time
+    /// reported for it.
+    pub build: for<'m> fn(&'m Mesh, &Values) -> Box<dyn Solver + 'm>,
+}
+
+impl Algorithm {
+    /// Sets the algorithm up for `mesh`, every parameter at its default.
+    pub fn build_default<'m>(&self, mesh: &'m Mesh) -> Box<dyn Solver + 'm> {
+        (self.build)(mesh, &Values::default())
+    }
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::ops::RangeInclusive;
 
+use geobench_mesh::Mesh;
 use geobench_vtp::Instructions;
 
 /// The parameter of every parallel algorithm, and of no other.
@@ -147,7 +148,8 @@ impl Parameter {
         self
     }
 
-    /// The same, but it does nothing unless the parameter of this name has this value, one of its words.
+    /// The same, but it does nothing unless the parameter of this name has this value, one of its
+    /// words.
     #[must_use]
     pub const fn only_with(mut self, name: &'static str, word: &'static str) -> Self {
         self.only_with = Some((name, word));
@@ -272,7 +274,8 @@ impl Values {
             .map_or(parameter.default, |(_, value)| *value)
     }
 
-    /// What one of `parameters` [goes only with](Parameter::only_with), as it is written, if that is not so here.
+    /// What one of `parameters` [goes only with](Parameter::only_with), as it is written, if that
+    /// is not so here.
     pub(super) fn missing_for(
         &self,
         parameters: &[Parameter],
@@ -339,8 +342,91 @@ impl fmt::Display for Values {
     }
 }
 
+/// The parameter; by default nothing is dropped.
+pub(super) const THRESHOLD: Parameter = Parameter::real(
+    "threshold",
+    1e-6,
+    0.0..=1.0,
+    "drops windows narrower than this share of the model's longest side, and exactness with them; \
+     the papers use 1e-6",
+)
+.or_words(&["none"])
+.with_default(Value::Word("none"));
+
+/// The width that `values` ask for, in the units of `mesh`; 0 for a mesh without positions.
+pub(super) fn threshold_width(mesh: &Mesh, values: &Values) -> f64 {
+    let Some(share) = values.real_or_word(&THRESHOLD) else {
+        return 0.0;
+    };
+    let side = |axis: usize| {
+        let along = mesh.positions().iter().map(|p| p[axis]);
+        let (least, most) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+            (a.min(x), b.max(x))
+        });
+        most - least
+    };
+    share * [0, 1, 2].map(side).into_iter().fold(0.0, f64::max)
+}
+
+/// The parameter of algorithms whose instructions can be chosen.
+pub(super) const SIMD: Parameter = Parameter::word(
+    "simd",
+    &["auto", "avx512", "avx2", "scalar"],
+    "instructions to use, the widest that there are by default; narrower ones where these are missing",
+);
+
+/// The instructions of this name.
+pub(crate) fn instructions_named(name: &str) -> Option<Instructions> {
+    [
+        Instructions::Scalar,
+        Instructions::Avx2,
+        Instructions::Avx512,
+    ]
+    .into_iter()
+    .find(|instructions| instructions.to_string() == name)
+}
+
+/// The widest instructions narrower than `instructions`.
+pub(crate) fn next_narrower(instructions: Instructions) -> Option<Instructions> {
+    match instructions {
+        Instructions::Avx512 => Some(Instructions::Avx2),
+        Instructions::Avx2 => Some(Instructions::Scalar),
+        Instructions::Scalar => None,
+    }
+}
+
+/// The narrower of two sets.
+fn narrower(a: Instructions, b: Instructions) -> Instructions {
+    if (a as u8) < (b as u8) { a } else { b }
+}
+
+impl Values {
+    /// The same, but the solver uses no wider instructions than `widest`. This is no parameter: it
+    /// does not show in labels.
+    pub(super) fn at_most(mut self, widest: Instructions) -> Self {
+        self.widest = Some(widest);
+        self
+    }
+
+    /// The widest instructions that the solver may use: those of this processor, unless `simd` or a
+    /// limit asks for narrower ones.
+    pub(super) fn instructions(&self) -> Instructions {
+        let there = Instructions::detect();
+        let asked = self
+            .word(&SIMD)
+            .and_then(instructions_named)
+            .unwrap_or(there);
+        let asked = narrower(asked, self.widest.unwrap_or(asked));
+        narrower(asked, there)
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use geobench_mesh::{TriangleSoup, VertexId};
+    use geobench_window::Solver;
+
+    use super::super::{select, select_one};
     use super::*;
 
     const K: Parameter = Parameter::integer("k", 5, 1..=9, "");
@@ -401,5 +487,67 @@ mod tests {
         assert_eq!(Values::default().real_or_word(&LIMIT), None);
         assert_eq!(Values::default().word(&ORDER), Some("fifo"));
         assert_eq!(Values::default().to_string(), "");
+    }
+
+    fn spot_check(list: &str) -> Vec<f64> {
+        let spec = "gen:torus,faces=800,bump=0.1,seed=7";
+        let spec: geobench_mesh::generate::Spec = spec.parse().unwrap();
+        let soup: TriangleSoup = geobench_mesh::generate::generate(&spec).unwrap();
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        let mut solver: Box<dyn Solver + '_> = select(list).unwrap()[0].build(&mesh);
+        solver.solve(&[VertexId::new(0)]).unwrap().distances
+    }
+
+    #[test]
+    fn a_coarse_threshold_costs_exactness_and_none_does_not() {
+        for name in ["mmp", "ich", "fwp-mmp", "vtp-ch", "vtp", "ftp"] {
+            let exact = spot_check(name);
+            assert_eq!(
+                spot_check(&format!("{name}{{threshold=none}}")),
+                exact,
+                "{name}"
+            );
+            assert_eq!(
+                spot_check(&format!("{name}{{threshold=0}}")),
+                exact,
+                "{name}"
+            );
+            let coarse = spot_check(&format!("{name}{{threshold=0.1}}"));
+            let longer = exact.iter().zip(&coarse).filter(|(e, c)| c > e).count();
+            assert!(longer > 0, "{name}");
+            assert!(
+                exact
+                    .iter()
+                    .zip(&coarse)
+                    .all(|(e, c)| *c >= e * (1.0 - 1e-12)),
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_narrowest_of_processor_parameter_and_limit_is_used() {
+        let there = Instructions::detect();
+        let of = |list: &str| select_one(list).unwrap();
+        assert_eq!(of("vtp-fast").instructions(), there);
+        assert_eq!(of("mmp").instructions(), there);
+        let scalar = of("vtp-fast{simd=scalar}");
+        assert_eq!(scalar.instructions(), Instructions::Scalar);
+        let limited = scalar.at_most(Instructions::Avx512);
+        assert_eq!(limited.instructions(), Instructions::Scalar);
+        for list in ["vtp", "vtp-fast", "vtp-fast{simd=avx2}"] {
+            let limited = of(list).at_most(Instructions::Scalar);
+            assert_eq!(limited.instructions(), Instructions::Scalar, "{list}");
+            assert_eq!(limited.label(), of(list).label());
+        }
+    }
+
+    #[test]
+    fn instructions_are_found_by_their_names() {
+        for name in ["scalar", "avx2", "avx512"] {
+            assert_eq!(instructions_named(name).unwrap().to_string(), name);
+        }
+        assert_eq!(instructions_named("auto"), None);
+        assert_eq!(next_narrower(Instructions::Scalar), None);
     }
 }

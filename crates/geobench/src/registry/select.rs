@@ -6,10 +6,10 @@ use geobench_mesh::Mesh;
 use geobench_vtp::Instructions;
 use geobench_window::Solver;
 
-use super::outside::{OUTSIDE, PREFIX};
 use super::parameter::THREADS;
+use super::program::{OUTSIDE, PREFIX};
+use super::program::{Program, Programs, UnknownProgram};
 use super::{Algorithm, Parameter, Value, Values, algorithms, hidden};
-use crate::outside::{Program, Programs, UnknownProgram};
 
 /// An algorithm that a user asked for, with the values of its parameters.
 #[derive(Clone, Debug)]
@@ -65,7 +65,8 @@ impl Selection {
         Ok(())
     }
 
-    /// Whether its distances are not held to the tolerance, because nobody says that they are exact.
+    /// Whether its distances are not held to the tolerance, because nobody says that they are
+    /// exact.
     pub fn is_approximate(&self) -> bool {
         self.program
             .as_ref()
@@ -84,8 +85,8 @@ impl Selection {
         &self.label
     }
 
-    /// The same on `threads` threads, unless it is not parallel or asks for a number of them by itself. What it is
-    /// called stays the same.
+    /// The same on `threads` threads, unless it is not parallel or asks for a number of them by
+    /// itself. What it is called stays the same.
     #[must_use]
     pub fn with_threads(mut self, threads: usize) -> Self {
         self.threads = threads;
@@ -98,8 +99,8 @@ impl Selection {
         self
     }
 
-    /// The same with no wider instructions than `widest`, as far as it can be told. What it is called
-    /// stays the same.
+    /// The same with no wider instructions than `widest`, as far as it can be told. What it is
+    /// called stays the same.
     #[must_use]
     pub fn at_most(mut self, widest: Instructions) -> Self {
         self.values = self.values.at_most(widest);
@@ -126,8 +127,8 @@ impl Selection {
         }
     }
 
-    /// All that tells it from others, so that [`select_one`] gives it again: its [label](Self::label), and
-    /// the threads that it was [given](Self::with_threads).
+    /// All that tells it from others, so that [`select_one`] gives it again: its
+    /// [label](Self::label), and the threads that it was [given](Self::with_threads).
     pub fn spelled(&self) -> String {
         if self.outside_name().is_some() {
             return self.label.clone();

@@ -1,12 +1,13 @@
 //! Algorithms that take whole lists of windows across the faces around a vertex or a face.
 
 use geobench_vtp::{
-    EdgeBased, Ftp, Opftp, Opvtp, Vtp, VtpExhaustive, VtpNoRule1, VtpNoRules23, VtpTrimming,
+    EdgeBased, FastOptions, Ftp, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpNoRule1,
+    VtpNoRules23, VtpTrimming,
 };
 use geobench_window::Counter;
 
-use super::Algorithm;
-use super::threshold::{self, THRESHOLD};
+use super::parameter::{SIMD, THREADS, THRESHOLD, threshold_width};
+use super::{Algorithm, Parameter, Values};
 
 pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
@@ -24,7 +25,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         build: |mesh, values| {
             Box::new(
                 Ftp::new(mesh)
-                    .with_threshold(threshold::width(mesh, values))
+                    .with_threshold(threshold_width(mesh, values))
                     .with_instructions(values.instructions()),
             )
         },
@@ -44,7 +45,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         build: |mesh, values| {
             Box::new(
                 Opftp::new(mesh)
-                    .with_threshold(threshold::width(mesh, values))
+                    .with_threshold(threshold_width(mesh, values))
                     .with_instructions(values.instructions()),
             )
         },
@@ -64,7 +65,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         build: |mesh, values| {
             Box::new(
                 Vtp::new(mesh)
-                    .with_threshold(threshold::width(mesh, values))
+                    .with_threshold(threshold_width(mesh, values))
                     .with_instructions(values.instructions()),
             )
         },
@@ -84,7 +85,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         build: |mesh, values| {
             Box::new(
                 Opvtp::new(mesh)
-                    .with_threshold(threshold::width(mesh, values))
+                    .with_threshold(threshold_width(mesh, values))
                     .with_instructions(values.instructions()),
             )
         },
@@ -104,7 +105,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         build: |mesh, values| {
             Box::new(
                 VtpExhaustive::new(mesh)
-                    .with_threshold(threshold::width(mesh, values))
+                    .with_threshold(threshold_width(mesh, values))
                     .with_instructions(values.instructions()),
             )
         },
@@ -124,7 +125,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         build: |mesh, values| {
             Box::new(
                 VtpTrimming::new(mesh)
-                    .with_threshold(threshold::width(mesh, values))
+                    .with_threshold(threshold_width(mesh, values))
                     .with_instructions(values.instructions()),
             )
         },
@@ -144,7 +145,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         build: |mesh, values| {
             Box::new(
                 VtpNoRule1::new(mesh)
-                    .with_threshold(threshold::width(mesh, values))
+                    .with_threshold(threshold_width(mesh, values))
                     .with_instructions(values.instructions()),
             )
         },
@@ -164,7 +165,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         build: |mesh, values| {
             Box::new(
                 VtpNoRules23::new(mesh)
-                    .with_threshold(threshold::width(mesh, values))
+                    .with_threshold(threshold_width(mesh, values))
                     .with_instructions(values.instructions()),
             )
         },
@@ -184,9 +185,90 @@ pub(super) const FAMILY: &[Algorithm] = &[
         build: |mesh, values| {
             Box::new(
                 EdgeBased::new(mesh)
-                    .with_threshold(threshold::width(mesh, values))
+                    .with_threshold(threshold_width(mesh, values))
                     .with_instructions(values.instructions()),
             )
         },
     },
 ];
+
+const PAIRS: Parameter = Parameter::integer(
+    "pairs",
+    8,
+    0..=1_000_000,
+    "applies rules 2 and 3 to one in so many of the longer lists; to all lists if 1, to none if 0",
+);
+
+const BUCKET: Parameter = Parameter::real(
+    "bucket",
+    0.25,
+    0.001..=1e6,
+    "lets vertices have their turns together whose distances are within so many mean edge lengths",
+);
+
+const SHADOW: Parameter = Parameter::word(
+    "shadow",
+    &["on", "off"],
+    "sends windows from a vertex only into the shadow of the path that reached it",
+);
+
+const REUNITE: Parameter = Parameter::word(
+    "reunite",
+    &["on", "off"],
+    "makes one window again of those that a flat vertex has parted, if an eighth of the vertices is flat",
+);
+
+const RENUMBER: Parameter = Parameter::word(
+    "renumber",
+    &["on", "off"],
+    "puts vertices and faces into an order of its own, breadth first",
+);
+
+pub(super) const FAST: &[Algorithm] = &[
+    Algorithm {
+        name: "vtp-fast",
+        family: "vtp-family",
+        paper: "Qin et al. 2016, with improvements of our own",
+        exact: true,
+        summary: "vtp with every improvement that keeps it exact: vector instructions, vertices in buckets, fewer checks",
+        complexity: "time O(n^2), space O(n)",
+        keeps: "the windows of the wavefront, in one list for each half-edge on it",
+        choose: "for distances at vertices, always: it is the fastest, with little memory",
+        memory_counter: Counter::PeakWindows,
+        comfortable_faces: None,
+        parameters: &[SIMD, PAIRS, BUCKET, SHADOW, REUNITE, RENUMBER],
+        build: |mesh, values| Box::new(VtpFast::with_options(mesh, options(values))),
+    },
+    Algorithm {
+        name: "pvtp",
+        family: "vtp-family",
+        paper: "Qin et al. 2016, made parallel by us",
+        exact: true,
+        summary: "vtp-fast on several threads: each takes a part of the wavefront; the same distances but for rounding",
+        complexity: "time O(n^2), space O(n)",
+        keeps: "the windows of the wavefront, in one list for each half-edge on it",
+        choose: "for large models on a machine with idle processors (--threads)",
+        memory_counter: Counter::PeakWindows,
+        comfortable_faces: None,
+        parameters: &[THREADS, SIMD, PAIRS, BUCKET, SHADOW, REUNITE, RENUMBER],
+        build: |mesh, values| {
+            let options = options(values);
+            Box::new(Pvtp::with_options(mesh, threads(values), options))
+        },
+    },
+];
+
+fn threads(values: &Values) -> usize {
+    values.integer_or_word(&THREADS).unwrap_or(1) as usize
+}
+
+fn options(values: &Values) -> FastOptions {
+    FastOptions {
+        instructions: values.instructions(),
+        pairs: values.integer(&PAIRS) as u32,
+        bucket: values.real(&BUCKET),
+        shadow: values.word(&SHADOW) == Some("on"),
+        reunite: values.word(&REUNITE) == Some("on"),
+        renumber: values.word(&RENUMBER) == Some("on"),
+    }
+}

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::record::{ResultFile, Status, Tool};
+use crate::schema::{ResultFile, Status, Tool};
 
 /// Names and values of all that is known.
 pub(crate) fn facts(result: &ResultFile) -> Vec<(String, String)> {
@@ -168,7 +168,7 @@ pub(crate) fn summary(result: &ResultFile) -> String {
 }
 
 fn algorithms(result: &ResultFile) -> usize {
-    crate::export::view::algorithms(&result.cells).len()
+    crate::table::view::algorithms(&result.cells).len()
 }
 
 fn counted(count: usize, thing: &str) -> String {

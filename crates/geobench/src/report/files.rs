@@ -8,8 +8,8 @@ use anyhow::Context;
 use super::chart::{Chart, Spoken};
 use super::document::{Document, Plot, Table};
 use super::{Report, html, tex};
-use crate::export::escape::csv_text;
-use crate::output::OutputFile;
+use crate::table::escape::csv_text;
+use crate::table::output::OutputFile;
 
 /// A form of the files of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

@@ -1,12 +1,30 @@
 //! The cells of one group, as plots and comparisons look at them.
 
-use crate::export::base;
-use crate::export::figures::{Figure, figure};
-use crate::export::view::{algorithms, overall};
-use crate::record::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
-use crate::statistics::{median, paired_ratio};
+use crate::measure::statistics::{median, paired_ratio};
+use crate::schema::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
+use crate::table::base;
+use crate::table::figures::{Figure, figure};
+use crate::table::view::{algorithms, overall};
 
 use super::chart::Value;
+
+/// What every plot needs to know beside its group.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Setting<'a> {
+    /// What the identifiers of plots start with.
+    pub(crate) prefix: &'a str,
+    /// The algorithms of the whole result, in an order that gives each its marker.
+    pub(crate) styles: &'a [&'a str],
+    /// The algorithm to which ratios are taken.
+    pub(crate) base: Option<&'a str>,
+}
+
+impl Setting<'_> {
+    pub(crate) fn style(&self, algorithm: &str) -> usize {
+        let found = self.styles.iter().position(|name| *name == algorithm);
+        found.unwrap_or(0)
+    }
+}
 
 /// A group with its models and algorithms.
 #[derive(Debug)]

@@ -121,8 +121,8 @@ fn write_block(html: &mut String, block: &Block) {
 }
 
 fn write_table(html: &mut String, table: &Table) {
-    // The caption stands outside, where it does not scroll with the table; what scrolls can be reached by
-    // keyboard.
+    // The caption stands outside, where it does not scroll with the table; what scrolls can be
+    // reached by keyboard.
     line(
         html,
         format_args!(

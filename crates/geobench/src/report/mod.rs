@@ -5,16 +5,15 @@
 //! listed as numbers. `html`, `files` and `tex` write the document down: as one page that needs
 //! nothing else, or as a file for each table and plot.
 //!
-//! What tables show is decided in `export::view`, so that a report says the same as the tables in the
-//! terminal. The SVG is written here and not by a crate, because the page needs what those that were
-//! looked at do not give: text as text, ink in the colour of the page, whatever that is,
+//! What tables show is decided in `export::view`, so that a report says the same as the tables in
+//! the terminal. The SVG is written here and not by a crate, because the page needs what those that
+//! were looked at do not give: text as text, ink in the colour of the page, whatever that is,
 //! descriptions for those who do not see, and patterns beside colours.
 
 // Places, sizes and counts are never negative here, and a page is not written in a hot loop.
 #![allow(clippy::cast_sign_loss, clippy::format_push_string)]
 
 mod chart;
-mod course;
 mod document;
 mod environment;
 mod files;
@@ -35,18 +34,17 @@ use std::path::PathBuf;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::export::Format;
-use crate::export::view::{self, algorithms, sections};
-use crate::limits::DecompressionLimit;
-use crate::record::{GroupRecord, ResultFile};
+use crate::exec::limits::DecompressionLimit;
+use crate::schema::{GroupRecord, ResultFile};
+use crate::table::Format;
+use crate::table::view::{self, algorithms, sections};
 use document::{Block, Document, Link, Note, Section, slug};
-use group::Group;
-use plots::Setting;
+use group::{Group, Setting};
 
 pub use files::{Form, write_files};
 pub use html::page;
 pub use papers::{Tables, UnknownTable};
-pub use picture::{PictureError, Wanted};
+pub use picture::plot::{PictureError, Wanted};
 
 /// A result file that a report is made from.
 #[derive(Clone, Debug)]
@@ -60,8 +58,8 @@ pub struct Input {
 /// What a report is to hold.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The algorithm to which all are compared; if none, the one that a group names, else `vtp`, else the
-    /// reference of the checks.
+    /// The algorithm to which all are compared; if none, the one that a group names, else `vtp`,
+    /// else the reference of the checks.
     pub ratio_to: Option<String>,
     /// The picture.
     pub picture: Wanted,
@@ -130,7 +128,7 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, ReportError>
         let picture = if pictured {
             None
         } else {
-            match picture::plot(
+            match picture::plot::plot(
                 &result,
                 &options.picture,
                 options.decompressed,
@@ -286,7 +284,7 @@ fn of_group(group: &Group<'_>, section: &view::Section<'_>, setting: Setting<'_>
 
 /// What the figures mean.
 fn reading(result: &ResultFile) -> String {
-    let mut text = crate::export::footnote(result, true).trim_end().to_owned();
+    let mut text = crate::table::footnote(result, true).trim_end().to_owned();
     if !text.is_empty() {
         text += ". ";
     }

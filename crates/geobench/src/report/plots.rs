@@ -1,30 +1,13 @@
 //! The plots of a group.
 
-use super::chart::{Axis, Band, Bar, BarGroup, Bars, Chart, Dots, Lane, Point, Value};
-use super::course;
+use super::chart::{
+    Axis, Band, Bar, BarGroup, Bars, Chart, Dots, Lane, Lines, Point, Series, Value,
+};
 use super::document::{Plot, slug};
-use super::group::{Group, known};
+use super::group::{Group, Setting, known};
 use super::scaling;
-use crate::export::figures::{Figure, figures};
-use crate::record::{ModelRecord, Phases};
-
-/// What every plot needs to know beside its group.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Setting<'a> {
-    /// What the identifiers of plots start with.
-    pub(crate) prefix: &'a str,
-    /// The algorithms of the whole result, in an order that gives each its marker.
-    pub(crate) styles: &'a [&'a str],
-    /// The algorithm to which ratios are taken.
-    pub(crate) base: Option<&'a str>,
-}
-
-impl Setting<'_> {
-    pub(crate) fn style(&self, algorithm: &str) -> usize {
-        let found = self.styles.iter().position(|name| *name == algorithm);
-        found.unwrap_or(0)
-    }
-}
+use crate::schema::{Cell, ModelRecord, Phases, Status, WavefrontSample};
+use crate::table::figures::{Figure, figures};
 
 /// All plots of a group.
 pub(crate) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
@@ -36,7 +19,7 @@ pub(crate) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
     }
     plots.extend(scaling::plots(group, setting));
     plots.extend(phases(group, setting));
-    plots.extend(course::plots(group, setting));
+    plots.extend(course_plots(group, setting));
     for figure in figures(&group.record.rows) {
         // Times and phases have plots of their own.
         if figure.key != "time" && !figure.key.starts_with("phase_") {
@@ -46,8 +29,8 @@ pub(crate) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
     plots
 }
 
-/// A lane for each algorithm on each model, with what `value` finds there; where that takes figures of `base` too
-/// and this failed, it is what is said to be missing.
+/// A lane for each algorithm on each model, with what `value` finds there; where that takes figures
+/// of `base` too and this failed, it is what is said to be missing.
 fn bands(
     group: &Group<'_>,
     setting: Setting<'_>,
@@ -98,7 +81,7 @@ fn values(group: &Group<'_>, setting: Setting<'_>, figure: &'static Figure) -> O
     });
     drawn(&bands).next()?;
     let axis = Axis::fitting(&figure.label, drawn(&bands));
-    let scale = scale(&axis);
+    let scale = axis.scale();
     let whiskers = if figure.key == "time" {
         " Median; whiskers are 95 % intervals where there are five samples or more."
     } else {
@@ -115,12 +98,6 @@ fn values(group: &Group<'_>, setting: Setting<'_>, figure: &'static Figure) -> O
             legend: Vec::new(),
         }),
     })
-}
-
-/// In words whether an axis is one of equal ratios.
-pub(super) fn scale(axis: &Axis) -> String {
-    let scale = if axis.log { "Logarithmic" } else { "Linear" };
-    format!("{scale} scale.")
 }
 
 /// How many times as long as `base`.
@@ -218,4 +195,132 @@ fn phases(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
             groups,
         }),
     })
+}
+
+/// What is plotted over what.
+struct CourseView {
+    key: &'static str,
+    title: &'static str,
+    x: &'static str,
+    y: &'static str,
+    caption: &'static str,
+    /// A sample's place, given the windows that the whole run propagated, and its value.
+    point: fn(&WavefrontSample, f64) -> Option<(f64, f64)>,
+}
+
+const COURSE_VIEWS: [CourseView; 3] = [
+    CourseView {
+        key: "windows",
+        title: "Windows on the wavefront against distance",
+        x: "Mean distance of the wavefront from the source",
+        y: "Windows on the wavefront",
+        caption: "Sampled at even intervals of propagated windows.",
+        point: |sample, _| Some((sample.distance, sample.windows as f64)),
+    },
+    CourseView {
+        key: "deviation",
+        title: "Deviation of the wavefront",
+        x: "Share of the run's windows propagated",
+        y: "Standard deviation of distances",
+        caption: "Of the least distances of the windows that wait, in the units of the mesh; the less, the better \
+                  the order of the distances is kept.",
+        point: |sample, parents| Some((sample.parents as f64 / parents, sample.deviation)),
+    },
+    CourseView {
+        key: "k",
+        title: "K and the wavefront",
+        x: "Share of the run's windows propagated",
+        y: "Windows",
+        caption: "How many windows a round was told to take (filled), and how many waited (outlines).",
+        point: |sample, parents| Some((sample.parents as f64 / parents, sample.k? as f64)),
+    },
+];
+
+/// The plots of the wavefronts that the group holds, model by model.
+pub(crate) fn course_plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
+    let mut plots = Vec::new();
+    for (number, model) in group.models.iter().enumerate() {
+        for view in &COURSE_VIEWS {
+            plots.extend(course_plot(group, setting, number, model, view));
+        }
+    }
+    plots
+}
+
+fn course_plot(
+    group: &Group<'_>,
+    setting: Setting<'_>,
+    number: usize,
+    model: &ModelRecord,
+    view: &CourseView,
+) -> Option<Plot> {
+    let mut series: Vec<Series> = Vec::new();
+    for name in &group.algorithms {
+        // Of several sources the first: courses of different ones do not lie above each other.
+        let cells = group.of(&model.name, name);
+        let Some(cell) = cells.first().filter(|cell| cell.status == Status::Ok) else {
+            continue;
+        };
+        let line = |name: String, hollow, points| Series {
+            style: setting.style(&cell.algorithm),
+            name,
+            joined: true,
+            hollow,
+            points,
+        };
+        let points = course_points(cell, view.point);
+        if points.is_empty() {
+            continue;
+        }
+        if view.key == "k" {
+            let waiting =
+                |s: &WavefrontSample, all: f64| Some((s.parents as f64 / all, s.windows as f64));
+            series.push(line(format!("{name}: K"), false, points));
+            let points = course_points(cell, waiting);
+            series.push(line(format!("{name}: waiting"), true, points));
+        } else {
+            series.push(line((*name).to_owned(), false, points));
+        }
+    }
+    let all = || series.iter().flat_map(|series| &series.points);
+    all().next()?;
+    Some(Plot {
+        id: format!("{}-course-{}-{number}", setting.prefix, slug(view.key)),
+        title: format!("{}: {}", view.title, model.name),
+        caption: view.caption.to_owned(),
+        chart: Chart::Lines(Lines {
+            x: Axis {
+                label: view.x.to_owned(),
+                log: false,
+            },
+            y: Axis {
+                label: view.y.to_owned(),
+                log: false,
+            },
+            reference: None,
+            series,
+        }),
+    })
+}
+
+fn course_points(
+    cell: &Cell,
+    point: fn(&WavefrontSample, f64) -> Option<(f64, f64)>,
+) -> Vec<(f64, Value)> {
+    let parents = cell
+        .wavefront
+        .last()
+        .map_or(1.0, |last| last.parents as f64);
+    let points = cell.wavefront.iter().filter_map(|sample| {
+        let (at, value) = point(sample, parents)?;
+        let value = Value {
+            value,
+            interval: None,
+        };
+        (at.is_finite() && value.value.is_finite()).then_some((at, value))
+    });
+    let mut points: Vec<(f64, Value)> = points.collect();
+    // The mean distance of a wavefront may step back.
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points
 }

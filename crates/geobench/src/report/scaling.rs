@@ -4,10 +4,9 @@ use geobench_mesh::generate::Spec;
 
 use super::chart::{Axis, Chart, Lines, Series, Value};
 use super::document::{Plot, slug};
-use super::group::{Group, known};
-use super::plots::{Setting, scale};
-use crate::export::number::grouped;
-use crate::record::ModelRecord;
+use super::group::{Group, Setting, known};
+use crate::measure::number::grouped;
+use crate::schema::ModelRecord;
 
 /// What models differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -188,7 +187,7 @@ fn against_plots(
             "time" if joined && against == Against::Faces => growth(&series),
             _ => String::new(),
         };
-        let caption = format!("{lines} {}{growth}", scale(&y));
+        let caption = format!("{lines} {}{growth}", y.scale());
         (!series.is_empty()).then(|| Plot {
             id: format!("{}-{part}-{what}-{number}", setting.prefix),
             title: format!(

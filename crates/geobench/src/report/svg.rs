@@ -112,6 +112,35 @@ pub(crate) fn escape(text: &str) -> String {
     escaped
 }
 
+/// Estimated width of `text` when drawn, for a wide font: the fonts of the reader are unknown.
+pub(crate) fn width_of(text: &str) -> f64 {
+    text.chars().map(letter).sum()
+}
+
+/// Estimated width of a letter when drawn.
+fn letter(c: char) -> f64 {
+    match c {
+        'i' | 'j' | 'l' | ' ' | '.' | ',' | ':' | ';' | '|' | '\'' => 3.6,
+        'f' | 'r' | 't' | '-' | '/' | '(' | ')' | '[' | ']' => 4.6,
+        'm' | 'w' | 'M' | 'W' | '%' | '=' | '+' | '<' | '>' | '\u{2026}' => 11.0,
+        'A'..='Z' => 8.0,
+        _ => 7.1,
+    }
+}
+
+/// `text` cut to a width, with a sign that something is missing.
+pub(crate) fn fitted(text: &str, width: f64) -> String {
+    if width_of(text) <= width {
+        return text.to_owned();
+    }
+    let mut room = width - letter('\u{2026}');
+    let fits = text.chars().take_while(|&c| {
+        room -= letter(c);
+        room >= 0.0
+    });
+    fits.collect::<String>() + "\u{2026}"
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,5 +166,15 @@ mod tests {
             [px(1.0), px(-0.04), px(0.25), px(12.34)],
             ["1", "0", "0.2", "12.3"]
         );
+    }
+
+    #[test]
+    fn text_is_cut_where_it_does_not_fit() {
+        assert_eq!(fitted("vtp", 100.0), "vtp");
+        let name = "fwp-mmp{bucket=2,kmax=5000}";
+        let cut = fitted(name, 100.0);
+        assert!(cut.ends_with('\u{2026}') && name.starts_with(cut.trim_end_matches('\u{2026}')));
+        assert!(width_of(&cut) <= 100.0 && width_of(&cut) > 85.0, "{cut}");
+        assert_eq!(fitted(name, 0.0), "\u{2026}");
     }
 }

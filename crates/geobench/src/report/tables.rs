@@ -1,9 +1,9 @@
 //! The tables of a group and of its models.
 
 use super::document::{Column, Entry, Mark, Note, Table, TablePart};
-use crate::export::number::grouped;
-use crate::export::view::{self, ModelView, Section};
-use crate::record::{ModelRecord, ResultFile};
+use crate::measure::number::grouped;
+use crate::schema::{ModelRecord, ResultFile};
+use crate::table::view::{self, ModelView, Section};
 
 /// The figures of a group: a part for each model, a column for each algorithm.
 pub(crate) fn figures(id: &str, section: &Section<'_>) -> Table {

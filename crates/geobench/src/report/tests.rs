@@ -4,26 +4,27 @@ use std::path::PathBuf;
 
 use super::files::files;
 use super::{Form, Input, Options, Report, Tables, Wanted, build, page};
-use crate::limits::DecompressionLimit;
-use crate::model::ModelRef;
-use crate::record::{GroupRecord, ResultFile};
-use crate::rehearsal::{Rehearsal, crash_ich, plan, rehearse, result, spoil_vtp};
+use crate::exec::limits::DecompressionLimit;
+use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
+use crate::exec::model::ModelRef;
+use crate::run::mock::{plan, result, run_mock};
+use crate::schema::{GroupRecord, ResultFile};
 
 /// A model of that name, whatever it holds.
 const NASTY: &str = "<b>&\"'";
 
 /// A good model, one with a wrong answer and a nasty name, a refused one.
 fn mixed() -> ResultFile {
-    let mut good = rehearse(
+    let mut good = run_mock(
         &plan(&["horse"], "mmp,ich,vtp", "0"),
-        &mut Rehearsal::default(),
+        &mut MockBackend::default(),
     );
-    let mut spoilt = Rehearsal {
+    let mut spoilt = MockBackend {
         alter: Some(spoil_vtp),
         refuse: vec!["broken_mesh"],
-        ..Rehearsal::default()
+        ..MockBackend::default()
     };
-    let bad = rehearse(
+    let bad = run_mock(
         &plan(&[NASTY, "broken_mesh"], "mmp,ich,vtp", "3"),
         &mut spoilt,
     );
@@ -175,12 +176,12 @@ fn nothing_is_asked_of_the_network_and_no_script_runs() {
 
 #[test]
 fn a_crash_is_seen_in_table_plot_and_remarks() {
-    let mut rehearsal = Rehearsal {
+    let mut backend = MockBackend {
         alter: Some(crash_ich),
-        ..Rehearsal::default()
+        ..MockBackend::default()
     };
-    let outcome = rehearse(&plan(&["horse"], "mmp,ich,vtp", "0"), &mut rehearsal);
-    let report = report_on(result(outcome), &options());
+    let records = run_mock(&plan(&["horse"], "mmp,ich,vtp", "0"), &mut backend);
+    let report = report_on(result(records), &options());
     let html = page(&report);
     assert!(html.contains("<td class=\"n failed\">crashed</td>"));
     assert!(html.contains(
@@ -194,12 +195,12 @@ fn a_crash_is_seen_in_table_plot_and_remarks() {
 
 #[test]
 fn if_all_failed_there_is_a_page_all_the_same() {
-    let mut rehearsal = Rehearsal {
+    let mut backend = MockBackend {
         refuse: vec!["a", "b"],
-        ..Rehearsal::default()
+        ..MockBackend::default()
     };
-    let outcome = rehearse(&plan(&["a", "b"], "mmp,vtp", "0"), &mut rehearsal);
-    let report = report_on(result(outcome), &options());
+    let records = run_mock(&plan(&["a", "b"], "mmp,vtp", "0"), &mut backend);
+    let report = report_on(result(records), &options());
     let html = page(&report);
     assert!(
         html.contains("0 of 4 cells ended well. The others: 4 refused."),
@@ -244,7 +245,7 @@ fn sizes() -> ResultFile {
         .iter()
         .map(|spec| ModelRef::generated(spec).unwrap())
         .collect();
-    let mut result = result(rehearse(&plan, &mut Rehearsal::default()));
+    let mut result = result(run_mock(&plan, &mut MockBackend::default()));
     for (i, model) in result.models.iter_mut().enumerate() {
         model.faces = Some(80 << (2 * i));
     }
@@ -272,8 +273,11 @@ fn models_that_differ_in_size_alone_make_lines() {
 fn many_models_share_lanes() {
     let names: Vec<String> = (0..30).map(|i| format!("model {i}")).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let outcome = rehearse(&plan(&names, "mmp,ich,vtp", "0"), &mut Rehearsal::default());
-    let report = report_on(result(outcome), &options());
+    let records = run_mock(
+        &plan(&names, "mmp,ich,vtp", "0"),
+        &mut MockBackend::default(),
+    );
+    let report = report_on(result(records), &options());
     let svg = file(&report, Form::Svg, "g1-time.svg");
     // A lane for each model, named once, and a legend that names each algorithm once.
     assert_eq!(svg.matches(">model 7</text>").count(), 1);
@@ -285,11 +289,11 @@ fn many_models_share_lanes() {
 
 #[test]
 fn the_papers_ratios_stand_beside_ours() {
-    let outcome = rehearse(
+    let records = run_mock(
         &plan(&["horse"], "mmp{filter=none},ich,vtp,fwp-ch", "0"),
-        &mut Rehearsal::default(),
+        &mut MockBackend::default(),
     );
-    let mut result = result(outcome);
+    let mut result = result(records);
     result.command = [
         "geobench",
         "run",
@@ -310,15 +314,15 @@ fn the_papers_ratios_stand_beside_ours() {
 
 #[test]
 fn a_mean_of_ratios_is_compared_with_ours() {
-    let outcome = rehearse(
+    let records = run_mock(
         &plan(&["a", "b"], "mmp{filter=none},ich,vtp", "0"),
-        &mut Rehearsal::default(),
+        &mut MockBackend::default(),
     );
     let wanted = Options {
         tables: "000-table-2".parse().unwrap(),
         ..options()
     };
-    let report = report_on(result(outcome), &wanted);
+    let report = report_on(result(records), &wanted);
     let csv = file(&report, Form::Csv, "g1-paper-1-table.csv");
     assert!(csv.contains("Time,ich / vtp,6.21 \u{b1} 1.88,"), "{csv}");
     assert!(
@@ -345,7 +349,7 @@ fn several_results_are_apart() {
 fn a_picture_is_of_the_model_that_was_measured() {
     let mut plan = plan(&[], "vtp", "0");
     plan.models = vec![ModelRef::generated("gen:sphere,subdiv=2").unwrap()];
-    let mut result = result(rehearse(&plan, &mut Rehearsal::default()));
+    let mut result = result(run_mock(&plan, &mut MockBackend::default()));
     let wanted = Options {
         picture: "sphere,subdiv=2:5".parse().unwrap(),
         ..options()

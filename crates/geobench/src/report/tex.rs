@@ -1,5 +1,5 @@
-//! Tables and plots in LaTeX: booktabs and pgfplots, with the numbers in the source, so that a paper can set them
-//! in its own type.
+//! Tables and plots in LaTeX: booktabs and pgfplots, with the numbers in the source, so that a
+//! paper can set them in its own type.
 
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -7,8 +7,8 @@ use std::fmt::Write;
 use super::chart::{Axis, Bars, Chart, Dots, Lines, Point, Value, pgf_mark};
 use super::document::{Entry, Mark, Plot, Table};
 use super::html::overs;
-use crate::export::escape::printable;
-use crate::export::latex::escape;
+use crate::table::escape::printable;
+use crate::table::latex::escape;
 
 /// A `tabular`.
 pub(super) fn table(table: &Table) -> String {

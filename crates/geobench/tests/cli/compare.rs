@@ -105,7 +105,8 @@ fn what_cannot_be_compared_is_status_2_and_names_file_and_field() {
         ),
         "{message}"
     );
-    // Where a number or a word is cut it is that which is wrong, and where the middle is depends on the times.
+    // Where a number or a word is cut it is that which is wrong, and where the middle is depends on
+    // the times.
     let (whole, _) = text.split_once("\"cells\"").expect("it has cells");
     sandbox.write("b.json", whole);
     assert!(

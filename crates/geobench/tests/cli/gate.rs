@@ -1,6 +1,6 @@
-//! The rules of `scripts/regression` on result files that its programs wrote: of one commit, of one that
-//! differs from it in comments, and of one with a short loop in a kernel, some 1 % of all instructions.
-//! Valgrind is not needed.
+//! The rules of `scripts/regression` on result files that its programs wrote: of one commit, of one
+//! that differs from it in comments, and of one with a short loop in a kernel, some 1 % of all
+//! instructions. Valgrind is not needed.
 
 use serde_json::Value;
 

@@ -62,7 +62,7 @@ fn an_exit_costs_its_row_and_tells_the_last_words() {
         provoke("test-exit", ""),
         (
             "crashed".to_owned(),
-            "ended with exit status 3 without an answer, last words: nothing to be done (warming up)"
+            "ended with exit status 3 without an answer, stderr: nothing to be done (warming up)"
                 .to_owned()
         )
     );
@@ -94,7 +94,7 @@ fn an_exhausted_stack_costs_its_row() {
     let (status, message) = provoke("test-overflow", "");
     assert_eq!(status, "crashed");
     assert!(
-        message.starts_with("was killed by signal 6 (SIGABRT), last words: "),
+        message.starts_with("was killed by signal 6 (SIGABRT), stderr: "),
         "{message}"
     );
     assert!(message.contains("has overflowed its stack"), "{message}");

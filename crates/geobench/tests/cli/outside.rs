@@ -1,5 +1,5 @@
-//! Outside programs, `ext:NAME`, played by shell scripts: how they are asked, checked and told apart
-//! from those that lie, crash or talk.
+//! Outside programs, `ext:NAME`, played by shell scripts: how they are asked, checked and told
+//! apart from those that lie, crash or talk.
 
 use serde_json::{Value, json};
 

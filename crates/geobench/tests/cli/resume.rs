@@ -93,8 +93,8 @@ fn killed_with_its_children_a_run_loses_and_repeats_nothing() {
     kill_again_and_again(arguments, 4 * 7 + 4 * 7, 5);
 }
 
-/// Runs the suite with these arguments, kills it at least so many times on the way, and compares with
-/// a run that is left alone. There are `runs` different runs in it.
+/// Runs the suite with these arguments, kills it at least so many times on the way, and compares
+/// with a run that is left alone. There are `runs` different runs in it.
 fn kill_again_and_again(arguments: &str, runs: usize, least: usize) {
     let sandbox = Sandbox::new();
     sandbox.write("suite.toml", SUITE);

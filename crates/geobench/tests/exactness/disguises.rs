@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use crate::support::{Failures, ROUNDING, Run, exact_runs, mesh_of};
 use crate::surfaces::{config, solid_surface_and_vertices, surface_and_vertices};
 
-/// Every algorithm must find on `disguised`, from `new_source`, the distances that it finds on `model` from `source`;
-/// `number[v]` is what vertex v is called there.
+/// Every algorithm must find on `disguised`, from `new_source`, the distances that it finds on
+/// `model` from `source`; `number[v]` is what vertex v is called there.
 fn check(
     model: &Model,
     source: u32,

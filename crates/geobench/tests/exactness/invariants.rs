@@ -140,8 +140,8 @@ fn observation_changes_no_answer_and_counts_add_up() {
     });
 }
 
-/// The entries of windows that had been trimmed away since were sampled: on the horse 22,000 windows of
-/// `mmp{turn=window}`, where 15,296 wait at most.
+/// The entries of windows that had been trimmed away since were sampled: on the horse 22,000
+/// windows of `mmp{turn=window}`, where 15,296 wait at most.
 #[test]
 fn samples_of_the_wavefront_hold_no_window_that_is_gone() {
     let spec = "gen:torus,faces=2000,bump=0.2,seed=1";

@@ -29,8 +29,8 @@ pub(crate) fn exact_algorithms() -> Vec<Selection> {
     select(EXACT).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Whether `algorithm` can finish a mesh with this many faces within `budget` windows. CH takes some
-/// 3n² of them.
+/// Whether `algorithm` can finish a mesh with this many faces within `budget` windows. CH takes
+/// some 3n² of them.
 pub(crate) fn can_finish(algorithm: &Algorithm, faces: usize, budget: f64) -> bool {
     let n = faces as f64;
     match algorithm.name {
@@ -87,8 +87,8 @@ impl<'m> Run<'m> {
         panic!("{}: {complaint}", self.at(sources));
     }
 
-    /// Whether these answers are what one and the same run may give: the same bits. Several threads find the same paths
-    /// in an order of chance, and so with other rounding.
+    /// Whether these answers are what one and the same run may give: the same bits. Several threads
+    /// find the same paths in an order of chance, and so with other rounding.
     pub(crate) fn may_give(&self, a: &[f64], b: &[f64]) -> bool {
         if self.selection.threads() == 1 {
             return a == b;
@@ -146,7 +146,8 @@ impl Failures {
         }
     }
 
-    /// Notes where two fields differ by more than `tolerance` of the expected value, at the worst of these vertices.
+    /// Notes where two fields differ by more than `tolerance` of the expected value, at the worst
+    /// of these vertices.
     ///
     /// Values are allowed the rounding of the largest one, so that two vertices in one place,
     /// at a distance of 0, may be told a distance of 1e-17 apart.
@@ -241,7 +242,8 @@ impl Failures {
     }
 }
 
-/// What `f` returns; if it panics, what it said joins the failures, so that the other checks still run.
+/// What `f` returns; if it panics, what it said joins the failures, so that the other checks still
+/// run.
 pub(crate) fn caught<T>(failures: &mut Failures, f: impl FnOnce() -> T) -> Option<T> {
     match catch_unwind(AssertUnwindSafe(f)) {
         Ok(value) => Some(value),

@@ -10,6 +10,15 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
+    /// The scale in words, for captions.
+    pub(crate) fn scale(&self) -> &'static str {
+        if self.log {
+            "Logarithmic scale."
+        } else {
+            "Linear scale."
+        }
+    }
+
     /// An axis of equal ratios where the values ask for it: all above 0, the largest more than four
     /// times the smallest.
     pub(crate) fn fitting(label: &str, values: impl IntoIterator<Item = f64>) -> Self {

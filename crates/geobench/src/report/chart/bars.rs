@@ -2,8 +2,8 @@
 
 use super::axis::{Axis, Scale};
 use super::dots::axis_below;
-use super::{Datum, LINE, WIDTH, fitted, width_of};
-use crate::report::svg::{Svg, px};
+use super::{Datum, LINE, WIDTH};
+use crate::report::svg::{Svg, fitted, px, width_of};
 
 /// The most parts that a bar can have: there are so many patterns.
 pub(crate) const PARTS: usize = 3;

@@ -2,8 +2,8 @@
 //! many lanes, a band becomes a single one that all algorithms share.
 
 use super::axis::{self, Axis, Scale};
-use super::{Datum, LINE, Point, WIDTH, fitted, legend, marker, width_of};
-use crate::report::svg::Svg;
+use super::{Datum, LINE, Point, WIDTH, draw_marker, legend, marker_class};
+use crate::report::svg::{Svg, fitted, width_of};
 
 /// Most lanes that have a line of their own.
 const MOST_LANES: usize = 64;
@@ -175,7 +175,7 @@ fn draw_lane(svg: &mut Svg, lane: &Lane, scale: &Scale, y: f64) {
         let Some(place) = scale.place(point.value.value) else {
             continue;
         };
-        let class = marker::class(point.style);
+        let class = marker_class(point.style);
         svg.open("g", &[]);
         svg.holding("title", &[], &spoken(point));
         if let Some([low, high]) = point.value.interval {
@@ -188,7 +188,7 @@ fn draw_lane(svg: &mut Svg, lane: &Lane, scale: &Scale, y: f64) {
                 svg.line(&whisker, [high, y - 3.0], [high, y + 3.0]);
             }
         }
-        marker::draw(svg, point.style, point.hollow, [place, y]);
+        draw_marker(svg, point.style, point.hollow, [place, y]);
         svg.close();
     }
     if let Some(absent) = &lane.absent {

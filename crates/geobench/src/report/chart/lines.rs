@@ -2,8 +2,8 @@
 
 use super::axis::{self, Axis, Scale};
 use super::dots::axis_below;
-use super::{Datum, Value, WIDTH, fitted, legend, marker};
-use crate::report::svg::{Svg, px};
+use super::{Datum, Value, WIDTH, draw_marker, legend, marker_class};
+use crate::report::svg::{Svg, fitted, px};
 
 /// Height of the field in which lines are drawn.
 const HEIGHT: f64 = 230.0;
@@ -95,7 +95,7 @@ impl Lines {
 }
 
 fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
-    let class = marker::class(series.style);
+    let class = marker_class(series.style);
     svg.open("g", &[]);
     svg.holding("title", &[], &series.name);
     let places: Vec<([f64; 2], &Value)> = series
@@ -133,7 +133,7 @@ fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
             }
         }
         if i % every == 0 {
-            marker::draw(svg, series.style, series.hollow, at);
+            draw_marker(svg, series.style, series.hollow, at);
         }
     }
     svg.close();

@@ -4,20 +4,18 @@
 //! the colour of the text around it, so that it follows a dark page, and no meaning hangs on
 //! colour alone: every algorithm has a marker of its own, every part of a bar a pattern.
 
+use super::picture::Picture;
+use crate::report::svg::{Svg, px, width_of};
+
 mod axis;
 mod bars;
 mod dots;
 mod lines;
-mod marker;
-
-use super::picture::Picture;
-use super::svg::Svg;
 
 pub(crate) use axis::Axis;
 pub(crate) use bars::{Bar, Bars, Group as BarGroup, PARTS};
 pub(crate) use dots::{Band, Dots, Lane};
 pub(crate) use lines::{Lines, Series};
-pub(crate) use marker::pgf as pgf_mark;
 
 /// Width of all charts, in pixels at their natural size: readable on a phone held upright.
 pub(crate) const WIDTH: f64 = 480.0;
@@ -128,35 +126,6 @@ impl Chart {
 /// How a drawing looks, for the page that holds some.
 pub(crate) const STYLE: &str = include_str!("chart.css");
 
-/// About as wide as `text` is drawn, for a wide font, because nobody knows which one is there.
-pub(crate) fn width_of(text: &str) -> f64 {
-    text.chars().map(letter).sum()
-}
-
-/// About as wide as a letter is drawn.
-fn letter(c: char) -> f64 {
-    match c {
-        'i' | 'j' | 'l' | ' ' | '.' | ',' | ':' | ';' | '|' | '\'' => 3.6,
-        'f' | 'r' | 't' | '-' | '/' | '(' | ')' | '[' | ']' => 4.6,
-        'm' | 'w' | 'M' | 'W' | '%' | '=' | '+' | '<' | '>' | '\u{2026}' => 11.0,
-        'A'..='Z' => 8.0,
-        _ => 7.1,
-    }
-}
-
-/// `text` cut to a width, with a sign that something is missing.
-pub(super) fn fitted(text: &str, width: f64) -> String {
-    if width_of(text) <= width {
-        return text.to_owned();
-    }
-    let mut room = width - letter('\u{2026}');
-    let fits = text.chars().take_while(|&c| {
-        room -= letter(c);
-        room >= 0.0
-    });
-    fits.collect::<String>() + "\u{2026}"
-}
-
 /// A legend: markers with names, in lines from `at` on that are at most `width` wide. Returns its
 /// height.
 fn legend(svg: &mut Svg, at: [f64; 2], width: f64, names: &[(usize, bool, &str)]) -> f64 {
@@ -167,7 +136,7 @@ fn legend(svg: &mut Svg, at: [f64; 2], width: f64, names: &[(usize, bool, &str)]
             x = at[0];
             y += LINE;
         }
-        marker::draw(svg, *style, *hollow, [x + 6.0, y + 7.5]);
+        draw_marker(svg, *style, *hollow, [x + 6.0, y + 7.5]);
         svg.text([x + 15.0, y + 11.5], "t", name);
         x += wide;
     }
@@ -178,17 +147,100 @@ fn legend(svg: &mut Svg, at: [f64; 2], width: f64, names: &[(usize, bool, &str)]
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// How many colours there are; `chart.css` has them.
+pub(crate) const COLOURS: usize = 8;
 
-    #[test]
-    fn text_is_cut_where_it_does_not_fit() {
-        assert_eq!(fitted("vtp", 100.0), "vtp");
-        let name = "fwp-mmp{bucket=2,kmax=5000}";
-        let cut = fitted(name, 100.0);
-        assert!(cut.ends_with('\u{2026}') && name.starts_with(cut.trim_end_matches('\u{2026}')));
-        assert!(width_of(&cut) <= 100.0 && width_of(&cut) > 85.0, "{cut}");
-        assert_eq!(fitted(name, 0.0), "\u{2026}");
+/// How many shapes there are. One more than colours, so that it is long until both come again.
+const SHAPES: usize = 9;
+
+/// The class that gives a style its colour.
+pub(crate) fn marker_class(style: usize) -> String {
+    format!("s{}", style % COLOURS)
+}
+
+/// Draws the marker of a style at a point.
+fn draw_marker(svg: &mut Svg, style: usize, hollow: bool, at: [f64; 2]) {
+    let [x, y] = at;
+    let body = if hollow { "open" } else { "mark" };
+    let class = ("class", format!("{body} {}", marker_class(style)));
+    let corners = corners(style);
+    if corners.is_empty() {
+        svg.leaf(
+            "circle",
+            &[class, ("cx", px(x)), ("cy", px(y)), ("r", px(3.6))],
+        );
+        return;
+    }
+    let points: Vec<String> = corners
+        .iter()
+        .map(|[dx, dy]| format!("{},{}", px(x + dx), px(y + dy)))
+        .collect();
+    svg.leaf("polygon", &[class, ("points", points.join(" "))]);
+}
+
+/// The corners of a shape around its middle; none of the circle.
+fn corners(style: usize) -> &'static [[f64; 2]] {
+    match style % SHAPES {
+        0 => &[],
+        // Square.
+        1 => &[[-3.2, -3.2], [3.2, -3.2], [3.2, 3.2], [-3.2, 3.2]],
+        // Triangles upwards and, below, downwards and to the right.
+        2 => &[[0.0, -4.2], [4.2, 3.2], [-4.2, 3.2]],
+        // Diamond.
+        3 => &[[0.0, -4.7], [4.7, 0.0], [0.0, 4.7], [-4.7, 0.0]],
+        4 => &[[0.0, 4.2], [4.2, -3.2], [-4.2, -3.2]],
+        // Plus.
+        5 => &[
+            [-1.3, -4.5],
+            [1.3, -4.5],
+            [1.3, -1.3],
+            [4.5, -1.3],
+            [4.5, 1.3],
+            [1.3, 1.3],
+            [1.3, 4.5],
+            [-1.3, 4.5],
+            [-1.3, 1.3],
+            [-4.5, 1.3],
+            [-4.5, -1.3],
+            [-1.3, -1.3],
+        ],
+        // Cross.
+        6 => &[
+            [0.0, -1.8],
+            [2.3, -4.1],
+            [4.1, -2.3],
+            [1.8, 0.0],
+            [4.1, 2.3],
+            [2.3, 4.1],
+            [0.0, 1.8],
+            [-2.3, 4.1],
+            [-4.1, 2.3],
+            [-1.8, 0.0],
+            [-4.1, -2.3],
+            [-2.3, -4.1],
+        ],
+        7 => &[[4.2, 0.0], [-3.2, -4.2], [-3.2, 4.2]],
+        // Upright bar.
+        _ => &[[-2.0, -4.5], [2.0, -4.5], [2.0, 4.5], [-2.0, 4.5]],
+    }
+}
+
+/// The name of a marker in pgfplots.
+pub(crate) fn pgf_mark(style: usize, hollow: bool) -> &'static str {
+    match (style % SHAPES, hollow) {
+        (0, false) => "*",
+        (0, true) => "o",
+        (1, false) => "square*",
+        (1, true) => "square",
+        (2, false) => "triangle*",
+        (2, true) => "triangle",
+        (3, false) => "diamond*",
+        (3, true) => "diamond",
+        (4, false) => "pentagon*",
+        (4, true) => "pentagon",
+        (5, _) => "+",
+        (6, _) => "x",
+        (7, _) => "asterisk",
+        (_, _) => "|",
     }
 }

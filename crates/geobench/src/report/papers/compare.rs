@@ -1,11 +1,11 @@
 //! A paper's ratios and ours side by side.
 
 use super::PaperTable;
-use crate::export::figures::Figure;
-use crate::export::number::grouped;
+use crate::measure::number::grouped;
 use crate::report::chart::{Axis, Band, Chart, Dots, Lane, Point, Value};
 use crate::report::document::{Block, Column, Entry, Plot, Table, TablePart, slug};
 use crate::report::group::Group;
+use crate::table::figures::Figure;
 
 /// What the paper and we have of one figure of two algorithms.
 #[derive(Clone, Debug)]
@@ -131,8 +131,8 @@ fn pairs(group: &Group<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair>
     pairs
 }
 
-/// The paper's models that are in the group too, with their names there: the one name is part of the other, and
-/// the numbers of faces are within one in a hundred.
+/// The paper's models that are in the group too, with their names there: the one name is part of
+/// the other, and the numbers of faces are within one in a hundred.
 fn same_models(group: &Group<'_>, pairs: &[Pair]) -> Vec<(String, String)> {
     let mut same: Vec<(String, String)> = Vec::new();
     for known in pairs.iter().flat_map(|pair| &pair.paper) {

@@ -1,0 +1,276 @@
+//! Stored distances, as references for checks.
+
+use std::path::{Path, PathBuf};
+use std::{fmt, fs};
+
+/// Where stored distances are looked for.
+///
+/// A file `MODEL.sSOURCE.csv`, with MODEL the model's file name without its endings and SOURCE
+/// the number of the source vertex, holds `vertex,distance` for all vertices or some of them.
+#[derive(Clone, Debug)]
+pub enum Expected {
+    /// Beside the model, or in the folder `expected` beside the model's folder or in it.
+    BesideModels,
+    /// In this one file, whatever its name.
+    File(PathBuf),
+}
+
+/// Distances read from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// The file.
+    pub path: PathBuf,
+    /// Vertices and their distances, at least one.
+    pub distances: Vec<(usize, f64)>,
+}
+
+/// Why there are no stored distances.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExpectedError {
+    /// There is no file for this model and source.
+    #[error("there is no {name} beside the model, in its folder `expected` or in `../expected`")]
+    NotFound {
+        /// Name of the file looked for.
+        name: String,
+    },
+    /// The file cannot be read.
+    #[error("{}: {error}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// A line is not `vertex,distance`.
+    #[error("{}, line {line}: {problem}", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1.
+        line: usize,
+        /// What is wrong.
+        problem: String,
+    },
+}
+
+impl fmt::Display for Expected {
+    /// As on the command line.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BesideModels => f.write_str("file"),
+            Self::File(path) => write!(f, "{}", path.display()),
+        }
+    }
+}
+
+impl Expected {
+    /// The distances stored for a model of `vertices` vertices that was read from `model`, and a
+    /// source.
+    ///
+    /// # Errors
+    ///
+    /// When there is no such file or it cannot be used.
+    pub fn find(&self, model: &Path, source: u32, vertices: usize) -> Result<Field, ExpectedError> {
+        let path = match self {
+            Self::File(path) => path.clone(),
+            Self::BesideModels => {
+                let name = format!("{}.s{source}.csv", stem(model));
+                folders(model)
+                    .into_iter()
+                    .map(|folder| folder.join(&name))
+                    .find(|path| path.is_file())
+                    .ok_or(ExpectedError::NotFound { name })?
+            }
+        };
+        read(&path, vertices)
+    }
+}
+
+/// The sources for which distances are stored for `model`, in order.
+pub fn stored_sources(model: &Path) -> Vec<u32> {
+    let prefix = format!("{}.s", stem(model));
+    let mut sources: Vec<u32> = folders(model)
+        .iter()
+        .filter_map(|folder| fs::read_dir(folder).ok())
+        .flatten()
+        .filter_map(|entry| {
+            let name = entry.ok()?.file_name();
+            let number = name.to_str()?.strip_prefix(&prefix)?.strip_suffix(".csv")?;
+            number.parse().ok()
+        })
+        .collect();
+    sources.sort_unstable();
+    sources.dedup();
+    sources
+}
+
+fn folders(model: &Path) -> [PathBuf; 3] {
+    let folder = match model.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    let expected = folder.join("expected");
+    let beside = match (folder.parent(), folder.file_name()) {
+        (Some(parent), Some(_)) => parent.join("expected"),
+        _ => folder.join("..").join("expected"),
+    };
+    [folder, expected, beside]
+}
+
+/// The file name without `.gz` and the ending before it.
+pub(crate) fn stem(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = match name.len().checked_sub(3) {
+        Some(at) if name.is_char_boundary(at) && name[at..].eq_ignore_ascii_case(".gz") => {
+            &name[..at]
+        }
+        _ => &name,
+    };
+    match name.rsplit_once('.') {
+        Some((stem, _)) if !stem.is_empty() => stem.to_owned(),
+        _ => name.to_owned(),
+    }
+}
+
+fn read(path: &Path, vertices: usize) -> Result<Field, ExpectedError> {
+    let text = fs::read_to_string(path).map_err(|error| ExpectedError::Unreadable {
+        path: path.to_owned(),
+        error,
+    })?;
+    parse(path, &text, vertices)
+}
+
+/// Reads the text of the file `path`.
+///
+/// # Errors
+///
+/// Names the line.
+pub(crate) fn parse(path: &Path, text: &str, vertices: usize) -> Result<Field, ExpectedError> {
+    let mut distances = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || (index == 0 && line.eq_ignore_ascii_case("vertex,distance")) {
+            continue;
+        }
+        distances.push(
+            parse_line(line, vertices).map_err(|problem| ExpectedError::Line {
+                path: path.to_owned(),
+                line: index + 1,
+                problem,
+            })?,
+        );
+    }
+    if distances.is_empty() {
+        return Err(ExpectedError::Line {
+            path: path.to_owned(),
+            line: 1,
+            problem: "the file holds no distances".into(),
+        });
+    }
+    Ok(Field {
+        path: path.to_owned(),
+        distances,
+    })
+}
+
+/// Reads `vertex,distance`, the distance being `inf` where no path leads.
+fn parse_line(line: &str, vertices: usize) -> Result<(usize, f64), String> {
+    let (vertex, distance) = line
+        .split_once(',')
+        .ok_or_else(|| format!("`{}` is not of the form vertex,distance", shown(line)))?;
+    let vertex: usize = vertex
+        .trim()
+        .parse()
+        .map_err(|_| format!("`{}` is not a vertex number", shown(vertex)))?;
+    if vertex >= vertices {
+        return Err(format!(
+            "vertex {vertex} does not exist: the model has {vertices} vertices, numbered from 0"
+        ));
+    }
+    match distance.trim().parse::<f64>() {
+        Ok(value) if value >= 0.0 => Ok((vertex, value)),
+        _ => Err(format!("`{}` is not a distance", shown(distance))),
+    }
+}
+
+/// The start of a text, for messages.
+fn shown(text: &str) -> String {
+    const MOST: usize = 40;
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endings_are_taken_off() {
+        assert_eq!(stem(Path::new("a/horse.obj")), "horse");
+        assert_eq!(stem(Path::new("horse.v2.ply.GZ")), "horse.v2");
+        assert_eq!(stem(Path::new("horse")), "horse");
+        assert_eq!(stem(Path::new(".off")), ".off");
+    }
+
+    #[test]
+    fn files_are_found_beside_the_model_and_beside_its_folder() {
+        let root = tempfile::tempdir().unwrap();
+        let model = root.path().join("models/cow.off");
+        for folder in ["models", "expected"] {
+            fs::create_dir(root.path().join(folder)).unwrap();
+        }
+        fs::write(
+            root.path().join("expected/cow.s3.csv"),
+            "vertex,distance\n3,0.0\n1,inf\n",
+        )
+        .unwrap();
+        fs::write(root.path().join("models/cow.s0.csv"), "0,0\n").unwrap();
+        fs::write(root.path().join("models/cow.sx.csv"), "").unwrap();
+
+        assert_eq!(stored_sources(&model), [0, 3]);
+        let field = Expected::BesideModels.find(&model, 3, 4).unwrap();
+        assert_eq!(field.distances, [(3, 0.0), (1, f64::INFINITY)]);
+        assert!(Expected::BesideModels.find(&model, 0, 4).is_ok());
+        assert_eq!(
+            Expected::BesideModels
+                .find(&model, 1, 4)
+                .unwrap_err()
+                .to_string(),
+            "there is no cow.s1.csv beside the model, in its folder `expected` or in `../expected`"
+        );
+    }
+
+    #[test]
+    fn a_bad_line_is_named() {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("x.csv");
+        for (text, problem) in [
+            (
+                "vertex,distance\n0,0\n1;2\n",
+                "line 3: `1;2` is not of the form vertex,distance",
+            ),
+            ("0,0\n-1,2\n", "line 2: `-1` is not a vertex number"),
+            (
+                "7,0\n",
+                "line 1: vertex 7 does not exist: the model has 4 vertices, numbered from 0",
+            ),
+            ("0,NaN\n", "line 1: `NaN` is not a distance"),
+            ("0,-1\n", "line 1: `-1` is not a distance"),
+            ("vertex,distance\n", "line 1: the file holds no distances"),
+        ] {
+            fs::write(&path, text).unwrap();
+            let error = Expected::File(path.clone())
+                .find(Path::new("x.obj"), 0, 4)
+                .unwrap_err();
+            assert!(error.to_string().ends_with(problem), "{error}");
+        }
+        assert!(
+            Expected::File("/no/such.csv".into())
+                .find(Path::new("x"), 0, 4)
+                .is_err()
+        );
+    }
+}

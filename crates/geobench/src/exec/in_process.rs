@@ -1,0 +1,234 @@
+//! Runs cells in this process.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::{Duration, Instant};
+
+use geobench_mesh::Mesh;
+use geobench_window::{SolveError, Solver};
+
+use crate::exec::limits::DecompressionLimit;
+use crate::exec::model::ModelRef;
+use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
+use crate::measure::memory::PeakMemory;
+use crate::schema::{ModelRecord, Phases, Status};
+
+/// Backend in this process. A panic costs its cell; an endless loop or a memory leak ends the
+/// program.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct InProcess {
+    /// Bytes that a compressed model may decompress to.
+    pub decompressed: DecompressionLimit,
+}
+
+impl Backend for InProcess {
+    fn with_model(
+        &mut self,
+        model: &ModelRef,
+        work: &mut dyn FnMut(&ModelRecord, &mut dyn Session),
+    ) -> Result<(), Refusal> {
+        let loaded = model
+            .load_within(self.decompressed)
+            .map_err(|error| Refusal {
+                message: error.to_string(),
+            })?;
+        let mut session = InProcessSession {
+            mesh: &loaded.mesh,
+            solvers: Vec::new(),
+        };
+        work(&loaded.record, &mut session);
+        Ok(())
+    }
+}
+
+/// The solvers of a mesh, by label. They are set up once and used for all later runs and sources.
+struct InProcessSession<'m> {
+    mesh: &'m Mesh,
+    solvers: Vec<(String, Box<dyn Solver + 'm>)>,
+}
+
+impl Session for InProcessSession<'_> {
+    fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
+        // The solver is dropped after a panic: see below.
+        let result = catch_unwind(AssertUnwindSafe(|| match step.pass {
+            Pass::Warmup | Pass::Time => self.solve(step),
+            Pass::Profile => self.clock(step),
+            Pass::Count => self.count(step),
+        }));
+        match result {
+            Ok(Ok(observation)) => Ok(observation),
+            Ok(Err(error)) => Err(Failure {
+                status: Status::Refused,
+                message: error.to_string(),
+            }),
+            Err(panic) => {
+                self.dismiss(step.algorithm.label());
+                Err(Failure {
+                    status: Status::Crashed,
+                    message: format!("the algorithm panicked: {}", panic_message(&*panic)),
+                })
+            }
+        }
+    }
+}
+
+impl InProcessSession<'_> {
+    /// A run with the solver of the algorithm, set up on first use.
+    fn solve(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
+        let label = step.algorithm.label();
+        let mut setup = None;
+        let known = self.solvers.iter().position(|(l, _)| l == label);
+        let place = known.unwrap_or(self.solvers.len());
+        if place == self.solvers.len() {
+            let start = Instant::now();
+            let solver = step.algorithm.build(self.mesh);
+            setup = Some(start.elapsed());
+            self.solvers.push((label.to_owned(), solver));
+        }
+        let solver = &mut self.solvers[place].1;
+        let start = Instant::now();
+        let solution = solver.solve(&[step.source]);
+        let elapsed = start.elapsed();
+        Ok(Observation {
+            distances: solution?.distances,
+            seconds: Some(elapsed.as_secs_f64()),
+            setup_seconds: setup.as_ref().map(Duration::as_secs_f64),
+            ..Observation::default()
+        })
+    }
+
+    /// Drops the solver of an algorithm.
+    fn dismiss(&mut self, algorithm: &str) {
+        self.solvers.retain(|(label, _)| label != algorithm);
+    }
+
+    /// A run with a new solver, so that its heap is measured from zero. Memory is not measured in
+    /// the counted run, which would include the storage of the counters.
+    fn clock(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
+        // Memory of the solver of the timed runs does not count.
+        self.dismiss(step.algorithm.label());
+        let measure = PeakMemory::start();
+        let result = step.algorithm.build(self.mesh).clock(&[step.source]);
+        let peaks = measure.stop();
+        let (solution, phases) = result?;
+        Ok(Observation {
+            distances: solution.distances,
+            phases: Some(Phases {
+                propagation: Some(phases.propagation.as_secs_f64()),
+                pruning: Some(phases.pruning.as_secs_f64()),
+                management: Some(phases.management.as_secs_f64()),
+            }),
+            peaks,
+            ..Observation::default()
+        })
+    }
+
+    /// A run with a new solver, which is dropped.
+    fn count(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
+        self.dismiss(step.algorithm.label());
+        let (solution, mut counters) = step.algorithm.build(self.mesh).count(&[step.source])?;
+        let wavefront = std::mem::take(&mut counters.wavefront);
+        Ok(Observation {
+            distances: solution.distances,
+            counters: Some(counters),
+            wavefront: wavefront.into_iter().map(Into::into).collect(),
+            ..Observation::default()
+        })
+    }
+}
+
+fn panic_message(panic: &(dyn Any + Send)) -> &str {
+    panic
+        .downcast_ref::<String>()
+        .map(String::as_str)
+        .or_else(|| panic.downcast_ref::<&str>().copied())
+        .unwrap_or("no message")
+}
+
+#[cfg(test)]
+mod tests {
+    use geobench_mesh::{TriangleSoup, VertexId};
+    use geobench_window::Counter;
+
+    use super::*;
+    use crate::measure::memory::Peaks;
+    use crate::registry::{self, Algorithm, Selection, Values};
+
+    static PANICS: Algorithm = Algorithm {
+        name: "panics",
+        family: "test",
+        paper: "",
+        exact: true,
+        summary: "",
+        complexity: "",
+        keeps: "",
+        choose: "",
+        memory_counter: Counter::PeakWindows,
+        comfortable_faces: None,
+        parameters: &[],
+        build: |_, _| panic!("no such luck"),
+    };
+
+    fn on_a_triangle<T>(test: impl FnOnce(&mut InProcessSession<'_>) -> T) -> T {
+        let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+        let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, vec![[0, 1, 2]])).unwrap();
+        test(&mut InProcessSession {
+            mesh: &mesh,
+            solvers: Vec::new(),
+        })
+    }
+
+    fn step(algorithm: &Selection, source: u32, pass: Pass) -> Step<'_> {
+        Step {
+            model: "triangle",
+            algorithm,
+            source: VertexId::new(source),
+            pass,
+        }
+    }
+
+    #[test]
+    fn each_pass_delivers_its_figures_and_the_same_answer() {
+        let algorithm = registry::select_one("mmp").unwrap();
+        on_a_triangle(|session| {
+            let mut run = |pass| session.execute(&step(&algorithm, 1, pass)).unwrap();
+            let warm = run(Pass::Warmup);
+            let timed = run(Pass::Time);
+            let counted = run(Pass::Count);
+            let clocked = run(Pass::Profile);
+            for observation in [&warm, &timed, &counted, &clocked] {
+                assert_eq!(observation.distances, [3.0, 0.0, 5.0]);
+            }
+            assert!(warm.setup_seconds.is_some() && timed.setup_seconds.is_none());
+            assert!(timed.seconds.is_some() && counted.seconds.is_none());
+            assert!(counted.counters.is_some() && timed.counters.is_none());
+            assert!(clocked.phases.is_some() && timed.phases.is_none());
+            // The storage of the counters is not memory of the algorithm.
+            assert_eq!(counted.peaks, Peaks::default());
+            assert_eq!(clocked.peaks.rss.is_some(), cfg!(target_os = "linux"));
+        });
+    }
+
+    #[test]
+    fn a_panic_is_a_crash_of_that_cell_alone() {
+        let panics = Selection::new(&PANICS, Values::default());
+        let mmp = registry::select_one("mmp").unwrap();
+        on_a_triangle(|session| {
+            for pass in [Pass::Time, Pass::Count] {
+                let failure = session.execute(&step(&panics, 0, pass)).unwrap_err();
+                assert_eq!(failure.status, Status::Crashed);
+                assert_eq!(failure.message, "the algorithm panicked: no such luck");
+            }
+            assert!(session.execute(&step(&mmp, 0, Pass::Time)).is_ok());
+        });
+    }
+
+    #[test]
+    fn a_source_that_does_not_exist_is_refused() {
+        let mmp = registry::select_one("mmp").unwrap();
+        on_a_triangle(|session| {
+            let failure = session.execute(&step(&mmp, 3, Pass::Time)).unwrap_err();
+            assert_eq!(failure.status, Status::Refused);
+        });
+    }
+}

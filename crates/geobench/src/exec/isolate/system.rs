@@ -1,0 +1,332 @@
+//! Calls to the operating system. Functions without a counterpart outside Linux do nothing there,
+//! or return `None`.
+
+use std::process::{self, Command};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+use std::{fs, io, thread};
+
+use rustix::process::{
+    Pid, Resource, Rlimit, Signal, WaitId, WaitIdOptions, getpgrp, getppid, kill_process,
+    setrlimit, waitid,
+};
+
+/// A command that starts this program, even if its file has been replaced.
+pub(super) fn this_program() -> Command {
+    if cfg!(target_os = "linux") {
+        Command::new("/proc/self/exe")
+    } else {
+        Command::new(std::env::current_exe().unwrap_or_else(|_| "geobench".into()))
+    }
+}
+
+/// Kills this process when its parent ends.
+pub(super) fn die_with_parent() {
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL));
+}
+
+/// Whether process `parent` is still the parent of this one.
+pub(super) fn is_parent(parent: u32) -> bool {
+    getppid().is_some_and(|pid| u32::try_from(pid.as_raw_pid()) == Ok(parent))
+}
+
+/// Sets the name that `ps` and `top` show.
+pub(super) fn name_this_process() {
+    #[cfg(target_os = "linux")]
+    let _ = rustix::thread::set_name(c"geobench-cell");
+}
+
+/// Disables core dumps, which take long to write.
+pub(super) fn disable_core_dumps() {
+    let none = Rlimit {
+        current: Some(0),
+        maximum: Some(0),
+    };
+    let _ = setrlimit(Resource::Core, none);
+}
+
+/// Makes allocations fail beyond `bytes` of private data, touched or not.
+pub(super) fn limit_data(bytes: u64) {
+    let bound = Rlimit {
+        current: Some(bytes),
+        maximum: Some(bytes),
+    };
+    let _ = setrlimit(Resource::Data, bound);
+}
+
+/// Sets which process the kernel kills first when out of memory: one at work, rather than a waiting
+/// one or the parent, which has all results.
+pub(super) fn raise_oom_score(at_work: bool) {
+    let _ = fs::write(
+        "/proc/self/oom_score_adj",
+        if at_work { "1000" } else { "500" },
+    );
+}
+
+/// Resident bytes of a process and its descendants.
+pub(super) fn resident(pid: u32) -> Option<u64> {
+    let pages = fs::read_to_string(format!("/proc/{pid}/statm")).ok()?;
+    let pages: u64 = pages.split(' ').nth(1)?.parse().ok()?;
+    let own = pages * rustix::param::page_size() as u64;
+    let others: u64 = children(pid).into_iter().filter_map(resident).sum();
+    Some(own + others)
+}
+
+/// Processes whose parent is process `pid`.
+pub(super) fn children(pid: u32) -> Vec<u32> {
+    let Ok(threads) = fs::read_dir(format!("/proc/{pid}/task")) else {
+        return Vec::new();
+    };
+    let lists = threads
+        .flatten()
+        .filter_map(|thread| fs::read_to_string(thread.path().join("children")).ok());
+    lists
+        .flat_map(|list| {
+            let numbers = list.split_whitespace().map(str::parse);
+            numbers.collect::<Vec<_>>()
+        })
+        .flatten()
+        .collect()
+}
+
+/// Number of processes that the kernel has killed for lack of memory.
+pub(super) fn kernel_out_of_memory_kills() -> Option<u64> {
+    let text = fs::read_to_string("/proc/vmstat").ok()?;
+    text.lines()
+        .find_map(|line| line.strip_prefix("oom_kill "))
+        .and_then(|count| count.trim().parse().ok())
+}
+
+/// The environment variable that holds the mark.
+const MARK: &str = "GEOBENCH_CHILD";
+
+/// Time that the orphans of a child have to end after they were killed.
+const GRACE: Duration = Duration::from_secs(1);
+
+/// Whether orphans become children of this process.
+static ADOPTS: AtomicBool = AtomicBool::new(false);
+
+/// The children that have been started and have not ended.
+static STARTED: Mutex<Vec<u32>> = Mutex::new(Vec::new());
+
+/// Makes this process the parent of orphaned descendants from now on.
+pub(crate) fn adopt_orphans() {
+    #[cfg(target_os = "linux")]
+    if rustix::process::set_child_subreaper(Some(rustix::process::getpid())).is_ok() {
+        ADOPTS.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Identifies the descendants of a child, also those that outlive it.
+///
+/// A process that calls `setsid` leaves the process group of its child, and one whose parent has
+/// ended is no longer a descendant of the child. The `geobench` command is therefore a child
+/// subreaper ([`adopt_orphans`]): Linux makes it the parent of such orphans. An orphan is killed with
+/// the child it belongs to, which is told by
+///
+/// 1. the mark of the child in the environment, which descendants inherit, or
+/// 2. its place among the descendants of the child or of its orphans, recorded before these were
+///    killed.
+///
+/// An orphan without either ends when no child is left. Other children of this process are in its
+/// own process group and are left alone. Outside Linux, and in programs that use this library,
+/// nothing is adopted.
+#[derive(Debug)]
+pub(super) struct Descendants {
+    child: u32,
+    /// The entry of the environment.
+    mark: String,
+}
+
+/// A process, identified by id and start time because ids are reused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Process {
+    number: u32,
+    /// When it was started, in ticks of the system.
+    start: u64,
+}
+
+impl Descendants {
+    /// Starts a child with a mark of its own.
+    pub(super) fn of(command: &mut Command) -> io::Result<(process::Child, Self)> {
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let mark = format!("{}.{count}", process::id());
+        command.env(MARK, &mark);
+        // Holds the lock so that the child is not taken for an orphan before its id is recorded.
+        let mut started = started();
+        let child = command.spawn()?;
+        started.push(child.id());
+        let descendants = Self {
+            child: child.id(),
+            mark: format!("{MARK}={mark}"),
+        };
+        Ok((child, descendants))
+    }
+
+    /// The descendants that currently exist below the child.
+    pub(super) fn present(&self) -> Present {
+        let mut present = Present(Vec::new());
+        if ADOPTS.load(Ordering::Relaxed) {
+            present.add_below(self.child);
+        }
+        present
+    }
+
+    /// Resident bytes of the orphans with the mark and their descendants.
+    pub(super) fn resident_orphans(&self) -> u64 {
+        if !ADOPTS.load(Ordering::Relaxed) {
+            return 0;
+        }
+        let orphans = orphans(&started());
+        let marked = orphans.into_iter().filter(|orphan| self.marks(*orphan));
+        marked.filter_map(|orphan| resident(orphan.number)).sum()
+    }
+
+    /// Kills all orphans of the child, which has ended and been waited for; `present` are the
+    /// descendants recorded before.
+    pub(super) fn end(&self, mut present: Present) {
+        let mut started = started();
+        started.retain(|child| *child != self.child);
+        if !ADOPTS.load(Ordering::Relaxed) {
+            return;
+        }
+        let deadline = Instant::now() + GRACE;
+        loop {
+            let mut left = false;
+            for orphan in orphans(&started) {
+                let belongs =
+                    present.0.contains(&orphan) || started.is_empty() || self.marks(orphan);
+                if belongs {
+                    left = true;
+                    present.add_below(orphan.number);
+                    // A child not waited for keeps its id.
+                    if let Some(pid) = pid(orphan.number) {
+                        let _ = kill_process(pid, Signal::KILL);
+                    }
+                }
+                forget_if_ended(orphan.number);
+            }
+            if !left || Instant::now() >= deadline {
+                return;
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    fn marks(&self, orphan: Process) -> bool {
+        let environment = fs::read(format!("/proc/{}/environ", orphan.number)).unwrap_or_default();
+        let mut entries = environment.split(|byte| *byte == 0);
+        entries.any(|entry| entry == self.mark.as_bytes())
+    }
+}
+
+/// Processes that belong to a child.
+pub(super) struct Present(Vec<Process>);
+
+impl Present {
+    /// Adds all descendants of a process.
+    fn add_below(&mut self, number: u32) {
+        for child in children(number) {
+            if let Some((process, _)) = look(child)
+                && !self.0.contains(&process)
+            {
+                self.0.push(process);
+                self.add_below(child);
+            }
+        }
+    }
+}
+
+fn started() -> MutexGuard<'static, Vec<u32>> {
+    STARTED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The children of this process that others have started.
+fn orphans(started: &[u32]) -> Vec<Process> {
+    let own_group = getpgrp().as_raw_pid();
+    let children = children(process::id());
+    let strangers = children.into_iter().filter(|c| !started.contains(c));
+    strangers
+        .filter_map(look)
+        .filter(|(_, group)| *group != own_group)
+        .map(|(process, _)| process)
+        .collect()
+}
+
+/// A process and the number of its process group.
+fn look(number: u32) -> Option<(Process, i32)> {
+    let text = fs::read(format!("/proc/{number}/stat")).ok()?;
+    let text = String::from_utf8_lossy(&text);
+    // The name of the program stands in parentheses and may hold anything.
+    let (_, facts) = text.rsplit_once(") ")?;
+    let mut facts = facts.split(' ');
+    let group = facts.nth(2)?.parse().ok()?;
+    let start = facts.nth(16)?.parse().ok()?;
+    Some((Process { number, start }, group))
+}
+
+/// Waits for a child if it has ended.
+fn forget_if_ended(number: u32) {
+    if let Some(pid) = pid(number) {
+        let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG;
+        let _ = waitid(WaitId::Pid(pid), options);
+    }
+}
+
+fn pid(number: u32) -> Option<Pid> {
+    i32::try_from(number).ok().and_then(Pid::from_raw)
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn linux_tells_what_is_asked() {
+        assert!(kernel_out_of_memory_kills().is_some());
+        let own = resident(std::process::id()).unwrap();
+        assert!(own > 1 << 20, "{own}");
+        assert_eq!(resident(u32::MAX), None);
+    }
+
+    #[test]
+    fn processes_that_a_process_started_count_with_it() {
+        let mut shell = Command::new("sh")
+            .args(["-c", "sleep 60 & echo; wait"])
+            .stdout(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut line = [0];
+        std::io::Read::read_exact(shell.stdout.as_mut().unwrap(), &mut line).unwrap();
+        let started = children(shell.id());
+        assert_eq!(started.len(), 1);
+        let both = resident(shell.id()).unwrap();
+        assert!(both > resident(started[0]).unwrap());
+        let sleep = rustix::process::Pid::from_raw(started[0].cast_signed()).unwrap();
+        rustix::process::kill_process(sleep, rustix::process::Signal::KILL).unwrap();
+        shell.wait().unwrap();
+    }
+
+    #[test]
+    fn a_process_is_known_by_its_number_and_start() {
+        let (own, group) = look(process::id()).unwrap();
+        assert_eq!(group, getpgrp().as_raw_pid());
+        assert!(own.start > 0);
+        assert_eq!(look(process::id()).unwrap().0, own);
+        assert_eq!(look(u32::MAX), None);
+    }
+
+    #[test]
+    fn a_library_leaves_children_alone() {
+        let mut command = Command::new("sh");
+        command.args(["-c", "exec sleep 60"]);
+        let (mut child, descendants) = Descendants::of(&mut command).unwrap();
+        descendants.end(descendants.present());
+        assert_eq!(child.try_wait().unwrap(), None);
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+}

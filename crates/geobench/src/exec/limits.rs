@@ -1,0 +1,205 @@
+//! Limits of a run: time, memory, size of decompressed models.
+
+use std::fmt;
+use std::str::FromStr;
+use std::time::Duration;
+
+/// Limits of the process of a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Limits {
+    /// Time of each run (warm-up, timed, counted or profiled), with its set-up. Loading the model
+    /// has the same limit.
+    pub timeout: Timeout,
+    /// Resident memory of the process and its descendants.
+    pub memory: MemoryLimit,
+    /// Bytes that a compressed model may decompress to.
+    pub decompressed: DecompressionLimit,
+}
+
+impl Limits {
+    /// The defaults.
+    pub const USUAL: Self = Self {
+        timeout: Timeout::USUAL,
+        memory: MemoryLimit(None),
+        decompressed: DecompressionLimit(None),
+    };
+}
+
+/// A limit of time; none by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Timeout(pub Option<Duration>);
+
+/// A limit of memory in bytes; none by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MemoryLimit(pub Option<u64>);
+
+/// A limit of what a compressed model decompresses to, in bytes; by default the usual one
+/// ([`usual_decompression_limit`](geobench_mesh::io::usual_decompression_limit)).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DecompressionLimit(pub Option<u64>);
+
+impl Timeout {
+    /// The usual limit of a run.
+    pub const USUAL: Self = Self(Some(Duration::from_secs(10 * 60)));
+}
+
+/// Why a limit was not understood.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LimitError {
+    /// It is no span of time.
+    #[error("`{0}` is not a time; give one such as 90s, 10m or 1h30m, or none")]
+    Time(String),
+    /// It is no amount of memory.
+    #[error("`{0}` is not a size; give one such as 512MiB, 8GiB or 4GB, or none")]
+    Size(String),
+    /// It is no amount of memory, which must be given.
+    #[error("`{0}` is not a size; give one such as 512MiB, 8GiB or 4GB")]
+    Decompressed(String),
+}
+
+impl FromStr for Timeout {
+    type Err = LimitError;
+
+    fn from_str(text: &str) -> Result<Self, LimitError> {
+        if text.trim().eq_ignore_ascii_case("none") {
+            return Ok(Self(None));
+        }
+        match humantime::parse_duration(text.trim()) {
+            Ok(time) if !time.is_zero() => Ok(Self(Some(time))),
+            _ => Err(LimitError::Time(text.to_owned())),
+        }
+    }
+}
+
+/// Units of memory, in lower case, and their bytes. Bare letters are binary, as `ulimit`, `dd` and
+/// systemd have them.
+const UNITS: [(&str, u64); 14] = [
+    ("", 1),
+    ("b", 1),
+    ("k", 1 << 10),
+    ("m", 1 << 20),
+    ("g", 1 << 30),
+    ("t", 1 << 40),
+    ("kib", 1 << 10),
+    ("mib", 1 << 20),
+    ("gib", 1 << 30),
+    ("tib", 1 << 40),
+    ("kb", 1_000),
+    ("mb", 1_000_000),
+    ("gb", 1_000_000_000),
+    ("tb", 1_000_000_000_000),
+];
+
+impl FromStr for MemoryLimit {
+    type Err = LimitError;
+
+    fn from_str(text: &str) -> Result<Self, LimitError> {
+        if text.trim().eq_ignore_ascii_case("none") {
+            return Ok(Self(None));
+        }
+        match size(text) {
+            Some(bytes) => Ok(Self(Some(bytes))),
+            None => Err(LimitError::Size(text.to_owned())),
+        }
+    }
+}
+
+impl FromStr for DecompressionLimit {
+    type Err = LimitError;
+
+    fn from_str(text: &str) -> Result<Self, LimitError> {
+        match size(text) {
+            Some(bytes) => Ok(Self(Some(bytes))),
+            None => Err(LimitError::Decompressed(text.to_owned())),
+        }
+    }
+}
+
+/// The bytes that a number and a unit say.
+fn size(text: &str) -> Option<u64> {
+    let lower = text.trim().to_ascii_lowercase();
+    let end = lower
+        .find(|c: char| !c.is_ascii_digit() && c != '.')
+        .unwrap_or(lower.len());
+    let (number, unit) = lower.split_at(end);
+    let (_, unit) = UNITS.iter().find(|(name, _)| *name == unit.trim_start())?;
+    let bytes = number.parse::<f64>().ok()? * *unit as f64;
+    // Beyond 2^53 no machine has it, and the number would not be exact.
+    (1.0..=9e15).contains(&bytes).then(|| whole(bytes))
+}
+
+#[expect(clippy::cast_sign_loss, reason = "it is 1 or more")]
+const fn whole(bytes: f64) -> u64 {
+    bytes as u64
+}
+
+impl fmt::Display for Timeout {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(time) => write!(f, "{}", humantime::format_duration(time)),
+            None => f.write_str("none"),
+        }
+    }
+}
+
+impl fmt::Display for MemoryLimit {
+    /// In the greatest binary unit that leaves a number of 1 or more, with one decimal.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(bytes) = self.0 else {
+            return f.write_str("none");
+        };
+        let units = [("TiB", 40), ("GiB", 30), ("MiB", 20), ("KiB", 10)];
+        match units.iter().find(|(_, shift)| bytes >> shift > 0) {
+            Some((unit, shift)) => {
+                let number = format!("{:.1}", bytes as f64 / (1_u64 << shift) as f64);
+                write!(f, "{} {unit}", number.strip_suffix(".0").unwrap_or(&number))
+            }
+            None => write!(f, "{bytes} bytes"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_read_and_shown() {
+        for (text, shown) in [
+            ("90s", "1m 30s"),
+            ("10m", "10m"),
+            ("250ms", "250ms"),
+            ("1h30m", "1h 30m"),
+            ("None", "none"),
+        ] {
+            assert_eq!(text.parse::<Timeout>().unwrap().to_string(), shown);
+        }
+        for text in ["", "10", "0s", "-1s", "soon", "1e99h"] {
+            assert!(text.parse::<Timeout>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn sizes_are_read_and_shown() {
+        for (text, bytes, shown) in [
+            ("8GiB", 8 << 30, "8 GiB"),
+            ("8g", 8 << 30, "8 GiB"),
+            ("1.5 MiB", 3 << 19, "1.5 MiB"),
+            ("500MB", 500_000_000, "476.8 MiB"),
+            ("1000", 1000, "1000 bytes"),
+        ] {
+            let limit: MemoryLimit = text.parse().unwrap();
+            assert_eq!(limit, MemoryLimit(Some(bytes)));
+            assert_eq!(limit.to_string(), shown);
+        }
+        assert_eq!("none".parse(), Ok(MemoryLimit(None)));
+        for text in [
+            "", "GiB", "-1", "0", "0.2", "1e9", "8 eggs", "99999TiB", "1..2k",
+        ] {
+            assert!(text.parse::<MemoryLimit>().is_err(), "{text}");
+        }
+        assert_eq!("1g".parse(), Ok(DecompressionLimit(Some(1 << 30))));
+        assert!("none".parse::<DecompressionLimit>().is_err());
+    }
+}

@@ -1,0 +1,121 @@
+//! A backend that computes nothing, for tests: results are made up.
+
+use geobench_window::{Counter, Counters};
+
+use crate::exec::model::ModelRef;
+use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
+use crate::measure::memory::Peaks;
+use crate::schema::{ModelRecord, Phases, Status};
+
+/// Changes what a run delivers, or lets it fail.
+pub(crate) type Alter = fn(&Step<'_>, &mut Observation) -> Option<Failure>;
+
+/// Returns made-up results and logs the steps.
+#[derive(Default)]
+pub(crate) struct MockBackend {
+    /// Every run in order, such as `time mmp 0`.
+    pub(crate) log: Vec<String>,
+    /// Models that are refused.
+    pub(crate) refuse: Vec<&'static str>,
+    /// Changes what a run delivers.
+    pub(crate) alter: Option<Alter>,
+}
+
+/// Vertices of every made-up model.
+pub(crate) const VERTICES: usize = 4;
+
+impl Backend for MockBackend {
+    fn with_model(
+        &mut self,
+        model: &ModelRef,
+        work: &mut dyn FnMut(&ModelRecord, &mut dyn Session),
+    ) -> Result<(), Refusal> {
+        if self.refuse.contains(&model.name.as_str()) {
+            return Err(Refusal {
+                message: format!("{}: edge 3-7 has 3 faces", model.path),
+            });
+        }
+        let record = ModelRecord {
+            sha256: Some("00ff".into()),
+            vertices: Some(VERTICES as u64),
+            faces: Some(96_966),
+            edges: Some(5),
+            boundary_edges: Some(4),
+            components: Some(1),
+            genus: Some(0),
+            saddles: Some(0),
+            anisotropy: Some(1.25),
+            load_seconds: Some(0.5),
+            build_seconds: Some(0.25),
+            ..model.record()
+        };
+        work(&record, self);
+        Ok(())
+    }
+}
+
+impl Session for MockBackend {
+    fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
+        let name = step.algorithm.label();
+        let pass = match step.pass {
+            Pass::Warmup => "warm",
+            Pass::Time => "time",
+            Pass::Count => "count",
+            Pass::Profile => "clock",
+        };
+        self.log.push(format!("{pass} {name} {}", step.source));
+        let size = name.len() as u64 + u64::from(name == "mmp") * 1_000_000;
+        let mut observation = Observation {
+            distances: vec![0.0, 1.0, 1.5, f64::INFINITY],
+            ..Observation::default()
+        };
+        match step.pass {
+            Pass::Warmup => observation.setup_seconds = Some(0.125),
+            Pass::Time => {
+                // Different for every run, so that a sample that is lost or taken twice shows.
+                let base = if name == "vtp" { 0.329 } else { 1.204 };
+                observation.seconds = Some(base + self.log.len() as f64 / 1024.0);
+            }
+            Pass::Count => {
+                let mut counters = Counters::default();
+                counters.set(Counter::Propagated, 3 * size);
+                counters.set(Counter::PeakWindows, 10);
+                counters.set(Counter::StoredWindows, size);
+                counters.set(Counter::WindowBytes, 64);
+                observation.counters = Some(counters);
+            }
+            Pass::Profile => {
+                observation.phases = Some(Phases {
+                    propagation: Some(0.5),
+                    pruning: Some(0.25),
+                    management: Some(0.125),
+                });
+                observation.peaks = Peaks {
+                    heap: Some(100_000 * size),
+                    rss: Some(1 << 30),
+                };
+            }
+        }
+        let failure = self.alter.and_then(|alter| alter(step, &mut observation));
+        failure.map_or(Ok(observation), Err)
+    }
+}
+
+/// Makes an answer of `vtp` wrong at vertex 2, from the timed runs on.
+pub(crate) fn spoil_vtp(step: &Step<'_>, observation: &mut Observation) -> Option<Failure> {
+    if step.algorithm.label() == "vtp" && step.pass == Pass::Time {
+        observation.distances[2] = 1.75;
+    }
+    None
+}
+
+/// Lets `ich` crash when it is timed.
+pub(crate) fn crash_ich(step: &Step<'_>, _: &mut Observation) -> Option<Failure> {
+    if step.algorithm.label() == "ich" && step.pass == Pass::Time {
+        return Some(Failure {
+            status: Status::Crashed,
+            message: "the algorithm panicked: index out of bounds".into(),
+        });
+    }
+    None
+}

@@ -1,0 +1,163 @@
+//! Where runs happen: in this process, in child processes, in outside programs or, for tests, not
+//! at all.
+//!
+//! A benchmark knows no algorithm and no clock. It asks a [`Backend`] for a [`Session`] per model,
+//! and the session carries out single runs. A [`Listener`] hears of the progress.
+
+pub mod affinity;
+pub mod expected;
+pub mod in_process;
+pub mod interrupt;
+pub mod isolate;
+pub mod limits;
+#[cfg(test)]
+pub(crate) mod mock;
+pub mod model;
+pub mod outside;
+mod protocol;
+
+use geobench_mesh::VertexId;
+use geobench_window::Counters;
+use serde::{Deserialize, Serialize};
+
+use crate::exec::model::ModelRef;
+use crate::measure::memory::Peaks;
+use crate::registry::Selection;
+use crate::schema::{Cell, InstructionCount, ModelRecord, Phases, Status, WavefrontSample};
+
+/// What a run is for. Journals hold the names in snake case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pass {
+    /// Warms caches and memory up; not timed.
+    #[serde(rename = "warm_up")]
+    Warmup,
+    /// Times the solve.
+    Time,
+    /// Counts windows and events.
+    Count,
+    /// Clocks the phases and measures memory.
+    #[serde(rename = "clock")]
+    Profile,
+}
+
+/// One run of one algorithm.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a> {
+    /// Name of the model.
+    pub model: &'a str,
+    /// The algorithm.
+    pub algorithm: &'a Selection,
+    /// The source.
+    pub source: VertexId,
+    /// What it is for.
+    pub pass: Pass,
+}
+
+/// Result of one run. Which figures are set depends on the [`Pass`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Observation {
+    /// The answer.
+    #[serde(with = "protocol::distances")]
+    pub distances: Vec<f64>,
+    /// Seconds that the solve took.
+    pub seconds: Option<f64>,
+    /// Seconds that the set-up took, if this run needed one.
+    pub setup_seconds: Option<f64>,
+    /// What was counted.
+    #[serde(with = "protocol::counters")]
+    pub counters: Option<Counters>,
+    /// The wavefront at even intervals of the run that counted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub wavefront: Vec<WavefrontSample>,
+    /// Peak memory.
+    pub peaks: Peaks,
+    /// Seconds in each phase.
+    pub phases: Option<Phases>,
+}
+
+/// Why a run has no result.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Failure {
+    /// Status of the cell.
+    pub status: Status,
+    /// What happened, in one line.
+    pub message: String,
+}
+
+/// Runs algorithms on one loaded model.
+pub trait Session {
+    /// Carries out one run.
+    ///
+    /// # Errors
+    ///
+    /// When the run fails, with the status of its cell.
+    fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure>;
+}
+
+/// Loads models and opens sessions.
+pub trait Backend {
+    /// Loads `model` and calls `work` with its record and a session for it.
+    ///
+    /// # Errors
+    ///
+    /// When the model cannot be used; then `work` is not called.
+    fn with_model(
+        &mut self,
+        model: &ModelRef,
+        work: &mut dyn FnMut(&ModelRecord, &mut dyn Session),
+    ) -> Result<(), Refusal>;
+}
+
+/// A model that cannot be used.
+#[derive(Clone, Debug)]
+pub struct Refusal {
+    /// Why, in one line that names the file and the element.
+    pub message: String,
+}
+
+/// Receives progress. No method is called while a run is timed.
+pub trait Listener {
+    /// A model is about to be loaded.
+    fn loading(&mut self, model: &str) {
+        let _ = model;
+    }
+
+    /// A run is about to start.
+    fn step(&mut self, step: &Step<'_>) {
+        let _ = step;
+    }
+
+    /// A run has ended, now or in an earlier process that wrote the journal: the status of a
+    /// failure, or the seconds of a timed run.
+    fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
+        let _ = (step, outcome);
+    }
+
+    /// Whether to stop. Then no run starts, finished runs are kept, and a run that the interruption
+    /// ended does not count as failed.
+    fn interrupted(&self) -> bool {
+        false
+    }
+
+    /// Counts the instructions of the solve of a cell that ended well, if asked for and possible.
+    fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<InstructionCount> {
+        let _ = (model, cell);
+        None
+    }
+
+    /// Planned runs that will not happen.
+    fn skipped(&mut self, runs: usize) {
+        let _ = runs;
+    }
+
+    /// All cells of a model are done; `cells` are the last of them.
+    ///
+    /// # Errors
+    ///
+    /// Ends the benchmark with the results so far.
+    fn model_done(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
+        let _ = (model, cells);
+        Ok(())
+    }
+}

@@ -1,0 +1,466 @@
+//! Models: what users name, and loading it.
+
+use std::collections::HashMap;
+use std::ffi::OsStr;
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use geobench_mesh::generate::{self, Spec};
+use geobench_mesh::{InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, io as mesh_io};
+use sha2::{Digest, Sha256};
+
+use crate::exec::expected::stem;
+use crate::exec::limits::{DecompressionLimit, MemoryLimit};
+use crate::schema::ModelRecord;
+
+/// A model that a user named, not loaded yet.
+#[derive(Clone, Debug)]
+pub struct ModelRef {
+    /// Its name in tables and results, unique among the models of the command.
+    pub name: String,
+    /// The file as the user wrote it, or `gen:` and the spec.
+    pub path: String,
+    origin: Origin,
+}
+
+#[derive(Clone, Debug)]
+enum Origin {
+    File(PathBuf),
+    Generated(Spec),
+}
+
+/// A model in memory.
+#[derive(Clone, Debug)]
+pub struct LoadedModel {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Its counts and sizes.
+    pub measures: MeshMeasures,
+    /// What was noticed or repaired.
+    pub report: Report,
+    /// What result files say about it.
+    pub record: ModelRecord,
+}
+
+/// Why a model cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// There is no such file, or it cannot be looked at.
+    #[error("{path}: {problem}; give a mesh file, a directory or `gen:NAME,...`")]
+    Missing {
+        /// The argument.
+        path: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The file's ending is none of those that are read.
+    #[error(
+        "{path}: not a mesh file by its ending; OBJ, PLY, OFF and STL are read, each also with .gz"
+    )]
+    NotAMesh {
+        /// The argument.
+        path: String,
+    },
+    /// No mesh file in a directory.
+    #[error("{path}: no mesh file (OBJ, PLY, OFF, STL, also .gz) in this directory or below it")]
+    EmptyDirectory {
+        /// The argument.
+        path: String,
+    },
+    /// The file or the spec cannot be read.
+    #[error("{message}")]
+    Unreadable {
+        /// What is wrong and where.
+        message: String,
+    },
+    /// The mesh has fatal defects.
+    #[error("{path}: {error}")]
+    Invalid {
+        /// The argument.
+        path: String,
+        /// Which.
+        error: InvalidMesh,
+    },
+}
+
+/// The models that `arguments` name: files, directories (searched recursively, sorted by name)
+/// and `gen:` specs.
+///
+/// # Errors
+///
+/// When an argument is none of these; models themselves are only read by [`ModelRef::load`].
+pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelError> {
+    let mut models = Vec::new();
+    for argument in arguments {
+        let argument = argument.as_ref();
+        if Spec::is_spec(argument) {
+            models.push(ModelRef::generated(argument)?);
+            continue;
+        }
+        let path = Path::new(argument);
+        let missing = |error: io::Error| ModelError::Missing {
+            path: argument.to_owned(),
+            problem: match error.kind() {
+                io::ErrorKind::NotFound => "no such file or directory".to_owned(),
+                kind => kind.to_string(),
+            },
+        };
+        if fs::metadata(path).map_err(missing)?.is_dir() {
+            let mut found = Vec::new();
+            search(path, &mut found).map_err(missing)?;
+            if found.is_empty() {
+                return Err(ModelError::EmptyDirectory {
+                    path: argument.to_owned(),
+                });
+            }
+            models.extend(found.into_iter().map(ModelRef::file));
+        } else if mesh_io::is_mesh_file(path) {
+            models.push(ModelRef::file(path.to_owned()));
+        } else {
+            return Err(ModelError::NotAMesh {
+                path: argument.to_owned(),
+            });
+        }
+    }
+    make_names_unique(&mut models);
+    Ok(models)
+}
+
+/// Adds the mesh files in `directory` and below it, sorted by name. Links to directories are not
+/// followed: they could lead in a circle.
+fn search(directory: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
+    let mut entries = fs::read_dir(directory)?.collect::<io::Result<Vec<_>>>()?;
+    entries.sort_unstable_by_key(fs::DirEntry::file_name);
+    for entry in entries {
+        let path = entry.path();
+        if entry.file_type()?.is_dir() {
+            search(&path, found)?;
+        } else if mesh_io::is_mesh_file(&path) && path.is_file() {
+            found.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// Models of the same name are called by their whole path, and numbered if that is the same too.
+pub(crate) fn make_names_unique(models: &mut [ModelRef]) {
+    let mut uses = HashMap::<String, usize>::new();
+    for model in models.iter() {
+        *uses.entry(model.name.clone()).or_default() += 1;
+    }
+    let mut seen = HashMap::<String, usize>::new();
+    for model in models {
+        if uses[&model.name] > 1 {
+            model.name.clone_from(&model.path);
+        }
+        let count = seen.entry(model.name.clone()).or_default();
+        *count += 1;
+        if *count > 1 {
+            model.name = format!("{} #{count}", model.name);
+        }
+    }
+}
+
+impl ModelRef {
+    fn file(path: PathBuf) -> Self {
+        Self {
+            name: stem(&path),
+            path: path.display().to_string(),
+            origin: Origin::File(path),
+        }
+    }
+
+    /// The model that a generator makes from `spec`. It is called by the spec as written, without
+    /// `gen:`, and its path is the spec with all defaults written out.
+    ///
+    /// # Errors
+    ///
+    /// When there is no such generator or its parameters are not valid.
+    pub fn generated(spec: &str) -> Result<Self, ModelError> {
+        let parsed: Spec = spec.parse().map_err(|error| ModelError::Unreadable {
+            message: format!("{spec}: {error}"),
+        })?;
+        Ok(Self {
+            name: spec.strip_prefix("gen:").unwrap_or(spec).to_owned(),
+            path: parsed.to_string(),
+            origin: Origin::Generated(parsed),
+        })
+    }
+
+    /// The model of a file with every face split into four so many times. It is called by the file
+    /// and how many times as many faces it has.
+    ///
+    /// # Errors
+    ///
+    /// When that cannot be asked for.
+    pub(crate) fn subdivided(&self, times: u32) -> Result<Self, ModelError> {
+        let Some(path) = self.file_path().filter(|_| times > 0) else {
+            return Ok(self.clone());
+        };
+        let spec = format!("gen:file,path={},subdivide={times}", path.display());
+        Ok(Self {
+            name: format!("{}-x{}", stem(path), 4_u64.saturating_pow(times)),
+            ..Self::generated(&spec)?
+        })
+    }
+
+    /// A model that does not exist, for tests.
+    #[cfg(test)]
+    pub(crate) fn named(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            path: format!("{name}.obj"),
+            origin: Origin::File(PathBuf::from(format!("{name}.obj"))),
+        }
+    }
+
+    /// The model that [`argument`](Self::argument) of another one stands for.
+    ///
+    /// # Errors
+    ///
+    /// When it is not understood.
+    pub(crate) fn named_by(argument: &OsStr, name: String) -> Result<Self, ModelError> {
+        let model = match argument.to_str().filter(|text| Spec::is_spec(text)) {
+            Some(spec) => Self::generated(spec)?,
+            None => Self::file(argument.into()),
+        };
+        Ok(Self { name, ..model })
+    }
+
+    /// Identifies the model, except its name, to a child process.
+    pub(crate) fn argument(&self) -> &OsStr {
+        match &self.origin {
+            Origin::File(path) => path.as_os_str(),
+            Origin::Generated(_) => OsStr::new(&self.path),
+        }
+    }
+
+    /// The file behind it; none if it is generated.
+    pub fn file_path(&self) -> Option<&Path> {
+        match &self.origin {
+            Origin::File(path) => Some(path),
+            Origin::Generated(_) => None,
+        }
+    }
+
+    /// The generator's spec with all defaults written out; none if it is read from a file.
+    pub fn spec(&self) -> Option<String> {
+        match &self.origin {
+            Origin::File(_) => None,
+            Origin::Generated(spec) => Some(spec.to_string()),
+        }
+    }
+
+    /// SHA-256 of the file that it is read from, or that its generator starts from; none if there
+    /// is no such file or it cannot be read.
+    pub fn file_sha256(&self) -> Option<String> {
+        let path = match &self.origin {
+            Origin::File(path) => path,
+            Origin::Generated(spec) => Path::new(spec.path()?),
+        };
+        hash_file(path).ok()
+    }
+
+    /// What is known before it is loaded.
+    pub fn record(&self) -> ModelRecord {
+        ModelRecord {
+            name: self.name.clone(),
+            path: self.path.clone(),
+            ..ModelRecord::default()
+        }
+    }
+
+    /// Reads or generates the triangles, unchecked. A compressed file may decompress to `limit`.
+    ///
+    /// # Errors
+    ///
+    /// When there is no such file or generator, or it cannot be understood.
+    pub fn read(&self, limit: DecompressionLimit) -> Result<TriangleSoup, ModelError> {
+        match &self.origin {
+            Origin::File(path) => read_file(path, limit),
+            Origin::Generated(spec) => {
+                let made = match spec.path() {
+                    Some(path) => spec.modifiers().apply(read_file(Path::new(path), limit)?),
+                    None => generate::generate(spec),
+                };
+                made.map_err(|error| ModelError::Unreadable {
+                    message: format!("{}: {error}", self.path),
+                })
+            }
+        }
+    }
+
+    /// Reads or generates the model, checks it and builds its mesh. A compressed file may
+    /// decompress to the usual number of bytes.
+    ///
+    /// # Errors
+    ///
+    /// Names the file and the line or the elements that make it unusable.
+    pub fn load(&self) -> Result<LoadedModel, ModelError> {
+        self.load_within(DecompressionLimit::default())
+    }
+
+    /// As [`load`](Self::load), but a compressed file may decompress to `limit`.
+    ///
+    /// # Errors
+    ///
+    /// As [`load`](Self::load).
+    pub fn load_within(&self, limit: DecompressionLimit) -> Result<LoadedModel, ModelError> {
+        let start = Instant::now();
+        let soup = self.read(limit)?;
+        let load_seconds = start.elapsed().as_secs_f64();
+        let sha256 = match &self.origin {
+            Origin::File(path) => hash_file(path).ok(),
+            Origin::Generated(_) => Some(hash_soup(&soup)),
+        };
+        let start = Instant::now();
+        let (mesh, report) = Mesh::from_soup(soup).map_err(|error| ModelError::Invalid {
+            path: self.path.clone(),
+            error,
+        })?;
+        let build_seconds = start.elapsed().as_secs_f64();
+        let measures = MeshMeasures::of(&mesh);
+        let record = ModelRecord {
+            sha256,
+            vertices: Some(measures.vertices as u64),
+            faces: Some(measures.faces as u64),
+            edges: Some(measures.edges as u64),
+            boundary_edges: Some(measures.boundary_edges as u64),
+            components: Some(measures.components as u64),
+            genus: Some(measures.genus as u64),
+            saddles: Some(measures.saddles as u64),
+            anisotropy: Some(measures.anisotropy),
+            load_seconds: Some(load_seconds),
+            build_seconds: Some(build_seconds),
+            ..self.record()
+        };
+        Ok(LoadedModel {
+            mesh,
+            measures,
+            report,
+            record,
+        })
+    }
+}
+
+fn read_file(path: &Path, limit: DecompressionLimit) -> Result<TriangleSoup, ModelError> {
+    mesh_io::read_with_limit(path, limit.0).map_err(|error| ModelError::Unreadable {
+        message: match error {
+            mesh_io::ReadError::TooLarge {
+                path,
+                compressed,
+                limit,
+            } => format!(
+                "{}: {} decompress to more than {}; if the file can be trusted, raise the limit \
+                 with --max-decompressed SIZE",
+                path.display(),
+                MemoryLimit(Some(compressed)),
+                MemoryLimit(Some(limit))
+            ),
+            error => error.to_string(),
+        },
+    })
+}
+
+/// SHA-256 of a file's bytes in hexadecimal.
+fn hash_file(path: &Path) -> io::Result<String> {
+    let mut hash = Sha256::new();
+    io::copy(&mut File::open(path)?, &mut HashWriter(&mut hash))?;
+    Ok(hexadecimal(hash))
+}
+
+/// SHA-256 of positions and triangles as little-endian numbers.
+fn hash_soup(soup: &TriangleSoup) -> String {
+    let mut hash = Sha256::new();
+    for coordinate in soup.positions.as_flattened() {
+        hash.update(coordinate.to_le_bytes());
+    }
+    for vertex in soup.triangles.as_flattened() {
+        hash.update(vertex.to_le_bytes());
+    }
+    hexadecimal(hash)
+}
+
+fn hexadecimal(hash: Sha256) -> String {
+    use std::fmt::Write;
+    hash.finalize()
+        .iter()
+        .fold(String::new(), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}"); // Writing to a string cannot fail.
+            text
+        })
+}
+
+struct HashWriter<'h>(&'h mut Sha256);
+
+impl io::Write for HashWriter<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FACE: &str = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+    fn names(arguments: &[String]) -> Vec<String> {
+        let models = collect(arguments).unwrap();
+        models.into_iter().map(|model| model.name).collect()
+    }
+
+    #[test]
+    fn names_are_short_where_they_can_be_and_always_unique() {
+        let root = tempfile::tempdir().unwrap();
+        let path = |name: &str| root.path().join(name).display().to_string();
+        for name in ["a.off", "b.off", "b.off.gz", "b.txt"] {
+            fs::write(path(name), FACE).unwrap();
+        }
+        assert_eq!(
+            names(&[path("a.off"), "gen:cube,n=2".into()]),
+            ["a", "cube,n=2"]
+        );
+        assert_eq!(
+            names(&[path("a.off"), path("a.off")]),
+            [path("a.off"), format!("{} #2", path("a.off"))]
+        );
+        assert_eq!(
+            names(&[path("")]),
+            ["a".to_owned(), path("b.off"), path("b.off.gz")]
+        );
+    }
+
+    #[test]
+    fn a_file_is_hashed_as_it_lies_on_the_disk() {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("abc");
+        fs::write(&path, "abc").unwrap();
+        // The example of FIPS 180-2.
+        assert_eq!(
+            hash_file(&path).unwrap(),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+        );
+    }
+
+    #[test]
+    fn a_generated_model_is_hashed_by_its_data() {
+        let load = |spec: &str| ModelRef::generated(spec).unwrap().load().unwrap().record;
+        let plain = load("gen:cube,n=2");
+        assert_eq!(plain.path, "gen:cube,n=2,side=1");
+        assert_eq!(plain.sha256, load("gen:cube,side=1,n=2").sha256);
+        assert_ne!(plain.sha256, load("gen:cube,n=2,side=2").sha256);
+        assert_eq!(
+            (plain.vertices, plain.faces, plain.genus),
+            (Some(26), Some(48), Some(0))
+        );
+    }
+}

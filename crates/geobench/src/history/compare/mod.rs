@@ -1,0 +1,719 @@
+//! Two result files side by side, and whether the newer one is worse.
+//!
+//! Cells are the same if model (by its hash), algorithm with parameters, source, threads and group
+//! are. What is compared how depends on what it is:
+//!
+//! * Times vary, so a difference is only one if it is larger than they vary. Samples of runs that
+//!   took turns ([`ResultFile::pairing`]) are compared pair by pair; others by a bootstrap interval
+//!   of the ratio of their medians, with the test of Mann and Whitney beside it. A rule on time is
+//!   broken if the interval lies wholly beyond its limit.
+//! * Counts do not vary: any other count means that the algorithm does something else, be it more
+//!   or less. Instructions and memory are costs, of which less is never wrong.
+//! * A figure that a rule is on and that one of the files lacks breaks the rule: a gate must not
+//!   fall silent because there is nothing left to watch.
+//! * A cell that was well and is not any more is a regression under any rules.
+//! * A cell that the new file lacks is one only under a rule on missing cells: to compare a part of
+//!   a benchmark with the whole is nothing unusual.
+
+use std::collections::HashMap;
+use std::fmt;
+
+use geobench_window::{Counter, Counters};
+use serde::{Serialize, Serializer};
+
+use crate::measure::number::group;
+use crate::measure::statistics::{mann_whitney, paired_ratio, unpaired_ratio};
+use crate::schema::{Cell, ResultFile, Status, Time};
+
+mod rules;
+#[cfg(test)]
+mod tests;
+
+pub use rules::{Rule, RuleError, Rules, Subject};
+
+/// The schema of a comparison in JSON.
+pub const SCHEMA: &str = "geobench-comparison/1";
+
+/// What comparing two files found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Always [`SCHEMA`].
+    pub schema: &'static str,
+    /// The older file.
+    pub old: Side,
+    /// The newer file.
+    pub new: Side,
+    /// The rules, as they are written.
+    pub rules: Vec<String>,
+    /// Whether the runs of both files took turns.
+    pub paired: bool,
+    /// How many cells are worse.
+    pub regressions: usize,
+    /// Cells of both files, in the order of the new one.
+    pub cells: Vec<CellChange>,
+    /// Cells of the old file that the new one lacks.
+    pub missing: Vec<Key>,
+    /// Cells of the new file that the old one lacks.
+    pub added: Vec<Key>,
+    /// In what the new file as a whole is worse.
+    pub overall: Vec<Regression>,
+    /// What else a reader must know.
+    pub notes: Vec<String>,
+}
+
+impl Comparison {
+    /// Whether anything is worse.
+    pub fn is_worse(&self) -> bool {
+        self.regressions > 0 || !self.overall.is_empty()
+    }
+}
+
+/// One of the two files.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Side {
+    /// Its name.
+    pub file: String,
+    /// Version of the program.
+    pub version: String,
+    /// Commit of the program.
+    pub commit: Option<String>,
+    /// When it started.
+    pub started: String,
+}
+
+/// A cell of both files.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CellChange {
+    /// Which.
+    pub cell: Key,
+    /// How it ended in each file.
+    pub status: [Status; 2],
+    /// Time; null unless both have samples.
+    pub time: Option<TimeChange>,
+    /// All other figures that at least one of them has, or must have for a rule.
+    pub figures: Vec<FigureChange>,
+    /// In what it is worse; empty if it is not.
+    pub regressions: Vec<Regression>,
+}
+
+/// A figure that is compared as it is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FigureChange {
+    /// Its name in result files.
+    pub name: &'static str,
+    /// Its old value, if there is one.
+    #[serde(serialize_with = "whole_if_it_is")]
+    pub old: Option<f64>,
+    /// Its new value, if there is one.
+    #[serde(serialize_with = "whole_if_it_is")]
+    pub new: Option<f64>,
+}
+
+/// Writes counts and bytes without a point, as result files do.
+#[allow(clippy::ref_option, clippy::cast_sign_loss)] // Serde wants the one; no count is negative.
+fn whole_if_it_is<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    match value {
+        Some(value) if value.fract() == 0.0 => serializer.serialize_u64(*value as u64),
+        Some(value) => serializer.serialize_f64(*value),
+        None => serializer.serialize_none(),
+    }
+}
+
+impl FigureChange {
+    /// New divided by old, if there are both; of two zeros, 1.
+    pub fn ratio(&self) -> Option<f64> {
+        let (old, new) = (self.old?, self.new?);
+        Some(if old == new { 1.0 } else { new / old })
+    }
+}
+
+/// Something that is worse.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Regression {
+    /// The rule that is broken; none where the cell does not end well any more.
+    pub rule: Option<String>,
+    /// What happened, in words.
+    pub what: String,
+}
+
+/// Two files that cannot be compared.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{old} and {new} have no cell in common: models (by their hash), algorithms, sources, threads \
+     and groups must be the same"
+)]
+pub struct NothingInCommon {
+    old: String,
+    new: String,
+}
+
+/// Compares `new` with `old`, each with the name of its file.
+///
+/// # Errors
+///
+/// When they have no cell in common.
+pub fn compare(
+    (old_name, old): (&str, &ResultFile),
+    (new_name, new): (&str, &ResultFile),
+    rules: &Rules,
+) -> Result<Comparison, NothingInCommon> {
+    let matched = matched(old, new);
+    if matched.common.is_empty() {
+        return Err(NothingInCommon {
+            old: old_name.to_owned(),
+            new: new_name.to_owned(),
+        });
+    }
+    let notes_on_instructions = notes_on_instructions(&matched.common);
+    let paired = old.pairing.is_some() && old.pairing == new.pairing;
+    let cells: Vec<CellChange> = matched
+        .common
+        .into_iter()
+        .map(|(key, old, new)| change(key, old, new, rules, paired))
+        .collect();
+    let mut notes = matched.notes;
+    notes.extend(notes_on_machines(old, new));
+    notes.extend(notes_on_rules(&cells, rules));
+    notes.extend(notes_on_instructions);
+    Ok(Comparison {
+        schema: SCHEMA,
+        old: side(old_name, old),
+        new: side(new_name, new),
+        rules: rules.iter().map(Rule::to_string).collect(),
+        paired,
+        regressions: cells.iter().filter(|c| !c.regressions.is_empty()).count(),
+        cells,
+        overall: too_many_missing(matched.missing.len(), old.cells.len(), rules)
+            .into_iter()
+            .collect(),
+        missing: matched.missing,
+        added: matched.added,
+        notes,
+    })
+}
+
+/// That more cells are missing than a rule allows.
+fn too_many_missing(missing: usize, all: usize, rules: &Rules) -> Option<Regression> {
+    let rule = rules.on(Subject::Missing)?;
+    let share = missing as f64 / all as f64;
+    let are = if missing == 1 { "is" } else { "are" };
+    (share > rule.limit).then(|| Regression {
+        rule: Some(rule.to_string()),
+        what: format!("{missing} of {all} cells {are} missing"),
+    })
+}
+
+fn side(name: &str, file: &ResultFile) -> Side {
+    Side {
+        file: name.to_owned(),
+        version: file.tool.version.clone(),
+        commit: file.tool.commit.clone(),
+        started: file.started.clone(),
+    }
+}
+
+fn change(cell: Key, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> CellChange {
+    let mut regressions = Vec::new();
+    if old.status == Status::Ok && new.status != Status::Ok {
+        let why = new.message.as_deref().unwrap_or("no message");
+        regressions.push(Regression {
+            rule: None,
+            what: format!("was ok, is {}: {why}", new.status.name().replace('_', " ")),
+        });
+    }
+    let both_ok = old.status == Status::Ok && new.status == Status::Ok;
+    let time = TimeChange::between(&old.time, &new.time, paired).filter(|_| both_ok);
+    if let Some(rule) = rules.on(Subject::Time).filter(|_| both_ok)
+        && let Some(what) = worse_time(time.as_ref(), old, new, rule)
+    {
+        regressions.push(Regression {
+            rule: Some(rule.to_string()),
+            what,
+        });
+    }
+    let mut figures = Vec::new();
+    for measure in Measure::all() {
+        let figure = FigureChange {
+            name: measure.name(),
+            old: measure.of(old),
+            new: measure.of(new),
+        };
+        let rule = rules.on(Subject::Figure(measure)).filter(|_| both_ok);
+        let is_due = rule.is_some() && measure.is_due(new);
+        if figure.old.is_none() && figure.new.is_none() && !is_due {
+            continue;
+        }
+        figures.push(figure);
+        let Some(rule) = rule else {
+            continue;
+        };
+        let kinds = different_instructions(old, new).filter(|_| measure == Measure::Instructions);
+        let what = match (figure.old, figure.new, kinds) {
+            // Such a difference may hide a slower solver.
+            (Some(old), Some(new), Some([from, to])) => {
+                let [old, new] = [old, new].map(exact);
+                format!("instructions {old} with {from} -> {new} with {to} do not compare")
+            }
+            (Some(old), Some(new), None) if rule.is_broken(old, new) => {
+                let [from, to] = [old, new].map(exact);
+                format!("{} {from} -> {to} ({})", figure.name, percent(new / old))
+            }
+            (Some(_), Some(_), _) => continue,
+            (old, new, _) => missing(figure.name, old.map(exact), new.map(exact)),
+        };
+        regressions.push(Regression {
+            rule: Some(rule.to_string()),
+            what,
+        });
+    }
+    CellChange {
+        cell,
+        status: [old.status, new.status],
+        time,
+        figures,
+        regressions,
+    }
+}
+
+/// That one of two files lacks a figure, or both do.
+fn missing(name: &str, old: Option<String>, new: Option<String>) -> String {
+    let file = match (&old, &new) {
+        (Some(_), None) => "the new file",
+        (None, Some(_)) => "the old file",
+        _ => "both files",
+    };
+    let [old, new] = [old, new].map(|value| value.unwrap_or_else(|| "none".to_owned()));
+    format!("{name} {old} -> {new}: missing in {file}")
+}
+
+/// In what a cell that ends well breaks the rule on times, if it does.
+fn worse_time(time: Option<&TimeChange>, old: &Cell, new: &Cell, rule: &Rule) -> Option<String> {
+    if let Some(time) = time {
+        let is_worse = time.is_above(rule.limit);
+        return is_worse.then(|| format!("time {}", time.in_words()));
+    }
+    let median = |cell: &Cell| cell.time.median.map(|median| format!("{median} s"));
+    match [median(old), median(new)] {
+        // They are there, but one of them is 0.
+        [Some(_), Some(_)] => None,
+        [old, new] => Some(missing("time", old, new)),
+    }
+}
+
+/// A ratio as a change in per cent.
+pub(crate) fn percent(ratio: f64) -> String {
+    let change = 100.0 * (ratio - 1.0);
+    match change.abs() {
+        0.0 => "=".to_owned(),
+        size if size < 0.01 => format!("{change:+.4} %"),
+        size if size < 9.95 => format!("{change:+.2} %"),
+        _ => format!("{change:+.1} %"),
+    }
+}
+
+/// A figure in full, the thousands of a count apart.
+pub(crate) fn exact(value: f64) -> String {
+    if value.fract() == 0.0 {
+        group(&format!("{value:.0}"))
+    } else {
+        value.to_string()
+    }
+}
+
+/// What of the machines makes times hard to compare.
+fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
+    let mut notes = Vec::new();
+    let machine = |file: &ResultFile| (file.host.cpu.clone(), file.host.cores);
+    if machine(old) != machine(new) {
+        notes.push("the files are from different machines: times say little".to_owned());
+    }
+    if old.tool.rustc != new.tool.rustc {
+        let name = |file: &ResultFile| file.tool.rustc.clone().unwrap_or_else(|| "unknown".into());
+        notes.push(format!(
+            "the compilers differ: {} and {}",
+            name(old),
+            name(new)
+        ));
+    }
+    if let (Some(a), Some(b)) = (&old.tool.rustflags, &new.tool.rustflags)
+        && a != b
+    {
+        notes.push(format!("the compilers' flags differ: '{a}' and '{b}'"));
+    }
+    for (which, file) in [("old", old), ("new", new)] {
+        if file.tool.profile != "release" {
+            notes.push(format!(
+                "the {which} file is of a {} build: its times mean little",
+                file.tool.profile
+            ));
+        }
+        let warnings = file.conditions.iter().flat_map(|c| &c.warnings);
+        notes.extend(warnings.map(|warning| format!("during the {which} runs {warning}")));
+    }
+    notes
+}
+
+/// The vector instructions that were counted in a cell of two files, if they differ.
+fn different_instructions<'c>(old: &'c Cell, new: &'c Cell) -> Option<[&'c str; 2]> {
+    let old = old.instructions_simd.as_deref()?;
+    let new = new.instructions_simd.as_deref()?;
+    (old != new).then_some([old, new])
+}
+
+/// Which cells have instructions that were counted with other vector instructions.
+fn notes_on_instructions(cells: &[(Key, &Cell, &Cell)]) -> Option<String> {
+    let mut others = cells.iter().filter_map(|(key, old, new)| {
+        let [old, new] = different_instructions(old, new)?;
+        Some(format!("{key} ({old} and {new})"))
+    });
+    let first = others.next()?;
+    let more = match others.count() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    Some(format!(
+        "`instructions` were counted with different vector instructions and do not compare: {first}{more}"
+    ))
+}
+
+/// Which rules could not be applied.
+fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
+    let well: Vec<&CellChange> = cells
+        .iter()
+        .filter(|c| c.status == [Status::Ok; 2])
+        .collect();
+    let mut notes = Vec::new();
+    let rule_on_time = rules.on(Subject::Time).map(Rule::to_string);
+    let without_effect = rule_on_time.as_ref().map_or_else(String::new, |rule| {
+        format!(", so that the rule {rule} cannot be broken there")
+    });
+    let mut note_on_times = |cells: usize, what: &str| {
+        if cells > 0 {
+            let all = well.len();
+            notes.push(format!("{cells} of {all} cells {what}{without_effect}"));
+        }
+    };
+    let times = well.iter().filter_map(|c| c.time.as_ref());
+    note_on_times(
+        times.filter(|time| time.ci95.is_none()).count(),
+        "have too few samples for an interval of the time",
+    );
+    let broken = |c: &CellChange| {
+        let mut rules = c.regressions.iter().filter_map(|r| r.rule.as_ref());
+        rules.any(|rule| Some(rule) == rule_on_time.as_ref())
+    };
+    note_on_times(
+        well.iter()
+            .filter(|c| c.time.is_none() && !broken(c))
+            .count(),
+        "lack times above 0 in one of the files",
+    );
+    for rule in rules.iter() {
+        let Subject::Figure(measure) = rule.subject else {
+            continue;
+        };
+        let name = measure.name();
+        let of = |cell: &&&CellChange| cell.figures.iter().find(|f| f.name == name).copied();
+        // That some algorithms lack a counter is as it should be.
+        if well.iter().all(|cell| of(&cell).is_none()) {
+            notes.push(format!(
+                "`{name}` is not compared in {0} of {0} cells: neither file has it",
+                well.len()
+            ));
+        }
+        let lacks = |cell: &&&CellChange| {
+            of(cell).is_some_and(|figure| figure.old.is_none() || figure.new.is_none())
+        };
+        let lacking = well.iter().filter(lacks).count();
+        if lacking > 0 {
+            let how = match measure {
+                Measure::Instructions => "run both versions with --instructions",
+                _ => "run both versions so that it is measured",
+            };
+            notes.push(format!(
+                "`{name}` is missing in {lacking} of {} cells: {how}, or leave the rule out",
+                well.len()
+            ));
+        }
+    }
+    notes
+}
+
+/// A figure that is compared as it is; times are not among them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// A count.
+    Counter(Counter),
+    /// The deviation of the wavefront.
+    WavefrontDeviation,
+    /// Instructions.
+    Instructions,
+    /// A figure of memory, by its place in the list of them.
+    Memory(usize),
+}
+
+type MemoryFigure = (&'static str, fn(&Cell) -> Option<u64>);
+
+/// The figures of memory by their names in result files.
+const MEMORY: [MemoryFigure; 4] = [
+    ("papers_bytes", |c| c.memory.papers_bytes),
+    ("windows_peak_bytes", |c| c.memory.windows_peak_bytes),
+    ("heap_peak_bytes", |c| c.memory.heap_peak_bytes),
+    ("rss_peak_bytes", |c| c.memory.rss_peak_bytes),
+];
+
+impl Measure {
+    /// All of them, in the order of the result file.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let counters = Counter::ALL.iter().copied().map(Self::Counter);
+        counters
+            .chain([Self::WavefrontDeviation, Self::Instructions])
+            .chain((0..MEMORY.len()).map(Self::Memory))
+    }
+
+    /// Its name, that of the field in result files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Counter(counter) => counter.key(),
+            Self::WavefrontDeviation => Counters::WAVEFRONT_DEVIATION,
+            Self::Instructions => "instructions",
+            Self::Memory(place) => MEMORY[place].0,
+        }
+    }
+
+    /// Its value in `cell`, if it has one.
+    pub fn of(self, cell: &Cell) -> Option<f64> {
+        match self {
+            Self::Counter(counter) => cell.counters.get(counter).map(|n| n as f64),
+            Self::WavefrontDeviation => cell.counters.wavefront_deviation,
+            Self::Instructions => cell.instructions.map(|n| n as f64),
+            Self::Memory(place) => MEMORY[place].1(cell).map(|n| n as f64),
+        }
+    }
+
+    /// Whether `cell` must have it. A counter is lacking where the algorithm does not count it, and
+    /// nothing is certain of outside programs.
+    pub fn is_due(self, cell: &Cell) -> bool {
+        // The other figures of memory follow from counters.
+        let is_measured = matches!(
+            self.name(),
+            "instructions" | "heap_peak_bytes" | "rss_peak_bytes"
+        );
+        is_measured && !cell.algorithm.starts_with("ext:")
+    }
+
+    /// Whether more of it is worse and less is better. Of counters that is not so: another count
+    /// means that the algorithm does something else.
+    pub const fn is_cost(self) -> bool {
+        matches!(self, Self::Instructions | Self::Memory(_))
+    }
+}
+
+/// How times are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TimeMethod {
+    /// Sample by sample, which were taken next to each other.
+    Paired,
+    /// All with all.
+    Unpaired,
+}
+
+/// The times of a cell in two files.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TimeChange {
+    /// How they were compared.
+    pub method: TimeMethod,
+    /// Medians of the old and the new times, in seconds.
+    pub medians: [f64; 2],
+    /// Numbers of old and new samples.
+    pub samples: [usize; 2],
+    /// New to old: the median of the ratios of pairs, or the ratio of the medians.
+    pub ratio: f64,
+    /// 95 % interval of the ratio; null from fewer than five samples.
+    pub ci95: Option<[f64; 2]>,
+    /// The probability of Mann and Whitney that times so different come from the same
+    /// distribution; null for pairs.
+    pub p: Option<f64>,
+}
+
+impl TimeChange {
+    /// How `new` compares with `old`; none if one of them has no samples, or one of 0.
+    fn between(old: &Time, new: &Time, paired: bool) -> Option<Self> {
+        let pairs = paired_ratio(&new.samples, &old.samples).filter(|_| paired);
+        let (method, ratio) = match pairs {
+            Some(ratio) => (TimeMethod::Paired, ratio),
+            None => (
+                TimeMethod::Unpaired,
+                unpaired_ratio(&new.samples, &old.samples)?,
+            ),
+        };
+        Some(Self {
+            method,
+            medians: [old.median?, new.median?],
+            samples: [old.samples.len(), new.samples.len()],
+            ratio: ratio.ratio,
+            ci95: ratio.ci95,
+            p: mann_whitney(&new.samples, &old.samples)
+                .filter(|_| method == TimeMethod::Unpaired)
+                .map(|test| test.p),
+        })
+    }
+
+    /// Whether it has certainly grown by more than `limit`, a share of the old time.
+    pub fn is_above(&self, limit: f64) -> bool {
+        self.ci95.is_some_and(|[low, _]| low > 1.0 + limit)
+    }
+
+    /// The change with its interval, such as `+3.00 % (+1.0 to +5.0)`.
+    pub fn in_words(&self) -> String {
+        let change = percent(self.ratio);
+        if let Some(ends) = self.ci95 {
+            let [low, high] = ends.map(|ratio| 100.0 * (ratio - 1.0));
+            format!("{change} ({low:+.1} to {high:+.1})")
+        } else {
+            let samples = self.samples[0].min(self.samples[1]);
+            format!("{change} (of {samples}: no interval)")
+        }
+    }
+}
+
+/// What makes a cell the one it is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Key {
+    /// Name of the model, in the file that has the cell; in the new one if both have.
+    pub model: String,
+    /// Hash of the model, if it could be read.
+    pub sha256: Option<String>,
+    /// Algorithm with its parameters.
+    pub algorithm: String,
+    /// Source vertex.
+    pub source: Option<u32>,
+    /// Threads.
+    pub threads: usize,
+    /// Name of the group.
+    pub group: Option<String>,
+}
+
+/// All but the name of the model, which is only what people call it; without a hash, the name.
+#[derive(PartialEq, Eq, Hash)]
+struct Identity {
+    model: Result<String, String>,
+    algorithm: String,
+    source: Option<u32>,
+    threads: usize,
+    group: Option<String>,
+}
+
+/// The cells of two files.
+struct Matched<'f> {
+    /// Those of both, in the order of the new file.
+    common: Vec<(Key, &'f Cell, &'f Cell)>,
+    /// Those of the old file alone.
+    missing: Vec<Key>,
+    /// Those of the new file alone.
+    added: Vec<Key>,
+    /// Models that have the same name and are not the same.
+    notes: Vec<String>,
+}
+
+/// Matches the cells of two files.
+fn matched<'f>(old: &'f ResultFile, new: &'f ResultFile) -> Matched<'f> {
+    // Copies of one model are the same by their hash; each has its own cells.
+    let mut waiting: HashMap<Identity, Vec<(Key, &Cell)>> = HashMap::new();
+    for cell in &old.cells {
+        let key = Key::of(old, cell);
+        waiting.entry(key.identity()).or_default().push((key, cell));
+    }
+    let (mut common, mut added) = (Vec::new(), Vec::new());
+    for cell in &new.cells {
+        let key = Key::of(new, cell);
+        match waiting.get_mut(&key.identity()) {
+            Some(candidates) if !candidates.is_empty() => {
+                let namesake = candidates.iter().position(|(k, _)| k.model == key.model);
+                let (_, old) = candidates.remove(namesake.unwrap_or(0));
+                common.push((key, old, cell));
+            }
+            _ => added.push(key),
+        }
+    }
+    let is_left = |key: &Key| {
+        let candidates = waiting.get(&key.identity());
+        candidates.is_some_and(|c| c.iter().any(|(k, _)| k == key))
+    };
+    let missing = old.cells.iter().map(|cell| Key::of(old, cell));
+    let missing = missing.filter(is_left).collect();
+    Matched {
+        common,
+        missing,
+        added,
+        notes: changed_models(old, new),
+    }
+}
+
+fn changed_models(old: &ResultFile, new: &ResultFile) -> Vec<String> {
+    let changed = new.models.iter().filter(|model| {
+        let before = old.models.iter().find(|m| m.name == model.name);
+        before.is_some_and(|m| {
+            m.sha256.is_some() && model.sha256.is_some() && m.sha256 != model.sha256
+        })
+    });
+    changed
+        .map(|model| {
+            format!(
+                "the model {} is not what it was: its hash differs",
+                model.name
+            )
+        })
+        .collect()
+}
+
+impl Key {
+    fn of(file: &ResultFile, cell: &Cell) -> Self {
+        let model = file.models.iter().find(|m| m.name == cell.model);
+        Self {
+            model: cell.model.clone(),
+            sha256: model.and_then(|m| m.sha256.clone()),
+            algorithm: cell.algorithm.clone(),
+            source: cell.source,
+            threads: cell.threads,
+            group: cell.group.clone(),
+        }
+    }
+
+    fn identity(&self) -> Identity {
+        Identity {
+            model: self.sha256.clone().ok_or_else(|| self.model.clone()),
+            algorithm: self.algorithm.clone(),
+            source: self.source,
+            threads: self.threads,
+            group: self.group.clone(),
+        }
+    }
+}
+
+impl Key {
+    /// What a reader needs to find the cell among others: `horse, vtp, source 0`, after the group;
+    /// group and source only if they are asked for.
+    pub fn among(&self, with_group: bool, with_source: bool) -> String {
+        let group = match &self.group {
+            Some(group) if with_group => format!("{group}: "),
+            _ => String::new(),
+        };
+        let source = match self.source {
+            Some(source) if with_source => format!(", source {source}"),
+            _ => String::new(),
+        };
+        let threads = match self.threads {
+            1 => String::new(),
+            threads => format!(", {threads} threads"),
+        };
+        format!("{group}{}, {}{source}{threads}", self.model, self.algorithm)
+    }
+}
+
+impl fmt::Display for Key {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.among(true, true))
+    }
+}

@@ -1,0 +1,267 @@
+//! What counts as a regression: `time=10%,propagated=0,heap_peak_bytes=5%`.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::Measure;
+use crate::registry::nearest;
+
+/// What a rule is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// Times.
+    Time,
+    /// How many cells of the old file the new one lacks.
+    Missing,
+    /// A figure that is compared as it is.
+    Figure(Measure),
+}
+
+impl Subject {
+    fn all() -> impl Iterator<Item = Self> {
+        [Self::Time, Self::Missing]
+            .into_iter()
+            .chain(Measure::all().map(Self::Figure))
+    }
+
+    /// The name of rules on it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Missing => "missing",
+            Self::Figure(measure) => measure.name(),
+        }
+    }
+
+    /// Whether more of it is worse and less is better.
+    fn is_cost(self) -> bool {
+        match self {
+            Self::Time | Self::Missing => true,
+            Self::Figure(measure) => measure.is_cost(),
+        }
+    }
+}
+
+/// How far something may go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rule {
+    /// What.
+    pub subject: Subject,
+    /// The largest change that passes, as a share of the old value; of missing cells, their largest
+    /// share of all that the old file has.
+    pub limit: f64,
+    /// Whether a change for the smaller passes, whatever its size.
+    pub only_more: bool,
+}
+
+/// Rules, each on something else.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rules(Vec<Rule>);
+
+/// Why rules were not understood.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RuleError {
+    /// Not of the form `NAME=LIMIT`.
+    #[error("`{0}` is not a rule; write NAME=LIMIT, such as time=10%")]
+    Form(String),
+    /// No such figure.
+    #[error("there is no rule `{name}`{}; known are {known}", did_you_mean(suggestion.as_deref()))]
+    Unknown {
+        /// The name.
+        name: String,
+        /// The nearest known one, if one is near.
+        suggestion: Option<String>,
+        /// All of them.
+        known: String,
+    },
+    /// The limit is no percentage.
+    #[error(
+        "`{name}={limit}`: a limit is 0 or a percentage such as 5%; +5% lets any decrease pass"
+    )]
+    Limit {
+        /// The name.
+        name: String,
+        /// The limit as it was given.
+        limit: String,
+    },
+    /// Two rules are on the same.
+    #[error("there are two rules for `{0}`")]
+    Twice(String),
+}
+
+fn did_you_mean(suggestion: Option<&str>) -> String {
+    suggestion.map_or_else(String::new, |name| format!(", did you mean `{name}`?"))
+}
+
+impl Rule {
+    /// Whether a change from `old` to `new` of a figure that is compared as it is breaks the rule.
+    pub fn is_broken(&self, old: f64, new: f64) -> bool {
+        // From nothing, any change is infinitely large.
+        let change = if new == old { 0.0 } else { (new - old) / old };
+        change > self.limit || (!self.only_more && change < -self.limit)
+    }
+}
+
+impl Rules {
+    /// The rule on `subject`.
+    pub fn on(&self, subject: Subject) -> Option<&Rule> {
+        self.0.iter().find(|rule| rule.subject == subject)
+    }
+
+    /// Each of them.
+    pub fn iter(&self) -> impl Iterator<Item = &Rule> {
+        self.0.iter()
+    }
+}
+
+impl FromStr for Rules {
+    type Err = RuleError;
+
+    fn from_str(text: &str) -> Result<Self, RuleError> {
+        let mut rules: Vec<Rule> = Vec::new();
+        for item in text.split(',') {
+            let rule: Rule = item.parse()?;
+            if rules.iter().any(|other| other.subject == rule.subject) {
+                return Err(RuleError::Twice(rule.subject.name().to_owned()));
+            }
+            rules.push(rule);
+        }
+        Ok(Self(rules))
+    }
+}
+
+impl FromStr for Rule {
+    type Err = RuleError;
+
+    fn from_str(item: &str) -> Result<Self, RuleError> {
+        let (name, limit) = item
+            .split_once('=')
+            .ok_or_else(|| RuleError::Form(item.trim().to_owned()))?;
+        let name = name.trim().to_lowercase();
+        let Some(subject) = Subject::all().find(|subject| subject.name() == name) else {
+            return Err(unknown(name));
+        };
+        let (sign, size) = match limit.trim().strip_prefix('+') {
+            Some(size) => (true, size),
+            None => (false, limit.trim()),
+        };
+        let percent = match size.strip_suffix('%') {
+            Some(percent) => percent.trim().parse().ok(),
+            None => size.parse().ok().filter(|number: &f64| *number == 0.0),
+        };
+        match percent.filter(|p: &f64| p.is_finite() && *p >= 0.0) {
+            Some(percent) => Ok(Self {
+                subject,
+                limit: percent / 100.0,
+                only_more: sign || subject.is_cost(),
+            }),
+            None => Err(RuleError::Limit {
+                name,
+                limit: limit.trim().to_owned(),
+            }),
+        }
+    }
+}
+
+fn unknown(name: String) -> RuleError {
+    let known: Vec<&str> = Subject::all().map(Subject::name).collect();
+    RuleError::Unknown {
+        suggestion: nearest(&name, &known),
+        name,
+        known: known.join(", "),
+    }
+}
+
+impl fmt::Display for Rule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sign = if self.only_more && !self.subject.is_cost() {
+            "+"
+        } else {
+            ""
+        };
+        write!(f, "{}={sign}", self.subject.name())?;
+        if self.limit == 0.0 {
+            f.write_str("0")
+        } else {
+            // Not the binary digits of a hundredth.
+            write!(f, "{}%", (self.limit * 1e8).round() / 1e6)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rules(text: &str) -> Rules {
+        text.parse().unwrap()
+    }
+
+    fn refused(text: &str) -> String {
+        text.parse::<Rules>().unwrap_err().to_string()
+    }
+
+    #[test]
+    fn rules_are_read_and_shown_as_they_were_written() {
+        let text =
+            "time=10%,missing=0,propagated=0,heap_peak_bytes=5%,kept=+2.5%,instructions=0.1%";
+        let shown: Vec<String> = rules(text).iter().map(Rule::to_string).collect();
+        assert_eq!(shown.join(","), text);
+        assert_eq!(rules(" Time = 10 % "), rules("time=10%"));
+        for subject in Subject::all() {
+            let rules = rules(&format!("{}=1%", subject.name()));
+            assert_eq!(rules.on(subject).unwrap().limit, 0.01);
+            let others = Subject::all().filter(|other| *other != subject);
+            assert!(
+                others
+                    .map(|other| rules.on(other))
+                    .all(|rule| rule.is_none())
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_no_rule_is_refused() {
+        assert_eq!(
+            refused("time"),
+            "`time` is not a rule; write NAME=LIMIT, such as time=10%"
+        );
+        assert!(refused("").contains("is not a rule"));
+        assert!(refused("time=10%,").contains("is not a rule"));
+        let unknown = refused("propogated=0");
+        assert!(
+            unknown.starts_with(
+                "there is no rule `propogated`, did you mean `propagated`?; known are time, missing, "
+            ),
+            "{unknown}"
+        );
+        for limit in ["10", "-5%", "%", "x%", "nan%", "inf%", ""] {
+            assert!(
+                refused(&format!("time={limit}"))
+                    .starts_with(&format!("`time={limit}`: a limit is 0 or a percentage")),
+                "{limit}"
+            );
+        }
+        assert_eq!(refused("time=1%,time=2%"), "there are two rules for `time`");
+    }
+
+    #[test]
+    fn counts_may_not_change_and_costs_may_not_rise() {
+        let broken = |text: &str, old: f64, new: f64| {
+            let rule: Rule = text.parse().unwrap();
+            rule.is_broken(old, new)
+        };
+        assert!(!broken("propagated=0", 100.0, 100.0));
+        assert!(broken("propagated=0", 100.0, 101.0));
+        assert!(broken("propagated=0", 100.0, 99.0));
+        assert!(!broken("propagated=+0", 100.0, 99.0));
+        assert!(broken("propagated=+0", 100.0, 101.0));
+        assert!(!broken("kept=1%", 100.0, 101.0) && broken("kept=1%", 100.0, 102.0));
+        assert!(broken("instructions=2%", 100.0, 103.0));
+        assert!(!broken("instructions=2%", 100.0, 90.0));
+        assert!(!broken("heap_peak_bytes=2%", 100.0, 102.0));
+        // Nothing stays nothing, and something in its place is no small change.
+        assert!(!broken("trimmed=5%", 0.0, 0.0) && broken("trimmed=5%", 0.0, 1.0));
+    }
+}

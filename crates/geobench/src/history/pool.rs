@@ -1,0 +1,210 @@
+//! Joining the rounds of a benchmark that was started again and again.
+//!
+//! Two versions of a program can only take turns if each is started for one round at a time: old,
+//! new, old, new. What the rounds of one of them measured is then one result file, with a sample
+//! of every round, and the files of both carry the same `pairing`.
+
+use crate::measure::conditions;
+use crate::measure::statistics::{self, median};
+use crate::schema::{Cell, ResultFile, Status, Time};
+
+/// Why rounds cannot be joined.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PoolError {
+    /// There is none.
+    #[error("there are no rounds to join")]
+    Nothing,
+    /// They differ in what should be the same.
+    #[error("{round}: not a round of the same benchmark as {first}: {difference}")]
+    Differs {
+        /// The first round.
+        first: String,
+        /// The one that differs from it.
+        round: String,
+        /// In what.
+        difference: String,
+    },
+}
+
+/// Joins `rounds`, each with the name of its file, in the order in which they were run. Samples of
+/// the same cell follow each other. A cell that failed in one round has failed; counts are those of
+/// the first round, peaks of memory the largest, set-up and phases the medians, and the conditions
+/// of the machine the worst.
+///
+/// # Errors
+///
+/// When there are no rounds, or they are not of the same program, models and cells.
+pub fn pool(
+    rounds: Vec<(String, ResultFile)>,
+    pairing: Option<String>,
+) -> Result<ResultFile, PoolError> {
+    let mut rest = rounds.into_iter();
+    let (first, mut joined) = rest.next().ok_or(PoolError::Nothing)?;
+    let mut conditions = vec![joined.conditions.take()];
+    let mut cells: Vec<Vec<Cell>> = joined.cells.drain(..).map(|cell| vec![cell]).collect();
+    for (name, round) in rest {
+        if let Some(difference) = difference(&joined, &cells, &round) {
+            return Err(PoolError::Differs {
+                first,
+                round: name,
+                difference,
+            });
+        }
+        joined.finished = round.finished;
+        joined.sessions.extend(round.sessions);
+        conditions.push(round.conditions);
+        for (all, cell) in cells.iter_mut().zip(round.cells) {
+            all.push(cell);
+        }
+    }
+    joined.pairing = pairing;
+    joined.conditions = conditions::worst(conditions.into_iter().flatten());
+    joined.cells = cells.into_iter().map(join).collect();
+    Ok(joined)
+}
+
+/// In what `round` is not one of the same benchmark.
+fn difference(joined: &ResultFile, cells: &[Vec<Cell>], round: &ResultFile) -> Option<String> {
+    if joined.tool != round.tool {
+        let of = |file: &ResultFile| {
+            let tool = &file.tool;
+            let commit = tool.commit.as_deref().unwrap_or("unknown");
+            format!("{} {} of commit {commit}", tool.version, tool.profile)
+        };
+        let (old, new) = (of(joined), of(round));
+        return Some(format!("the program is {new} and not {old}"));
+    }
+    for (a, b) in joined.models.iter().zip(&round.models) {
+        if (&a.name, &a.sha256) != (&b.name, &b.sha256) {
+            return Some(format!(
+                "model {} is not {}, or has changed",
+                b.name, a.name
+            ));
+        }
+    }
+    if joined.models.len() != round.models.len() || cells.len() != round.cells.len() {
+        return Some("it has another number of models or cells".to_owned());
+    }
+    let key = |c: &Cell| {
+        let source = c
+            .source
+            .map_or_else(|| "unknown".to_owned(), |s| s.to_string());
+        format!("{}, {}, source {source}", c.model, c.algorithm)
+    };
+    cells.iter().zip(&round.cells).find_map(|(all, cell)| {
+        let same = key(&all[0]) == key(cell) && all[0].group == cell.group;
+        (!same).then(|| format!("it has the cell {} instead of {}", key(cell), key(&all[0])))
+    })
+}
+
+/// Joins the rounds of one cell, of which there is at least one.
+fn join(mut rounds: Vec<Cell>) -> Cell {
+    if let Some(failed) = rounds.iter().position(|c| c.status != Status::Ok) {
+        return rounds.swap_remove(failed);
+    }
+    let over = |of: fn(&Cell) -> Option<f64>| {
+        let known: Vec<f64> = rounds.iter().filter_map(of).collect();
+        median(&known)
+    };
+    let most = |of: fn(&Cell) -> Option<u64>| rounds.iter().filter_map(of).max();
+    let largest = |of: fn(&Cell) -> Option<f64>| rounds.iter().filter_map(of).reduce(f64::max);
+    let mut cell = rounds[0].clone();
+    let samples = rounds.iter().flat_map(|c| c.time.samples.clone()).collect();
+    cell.time = Time {
+        places: rounds.iter().flat_map(|c| c.time.places.clone()).collect(),
+        ..statistics::time(samples, over(|c| c.time.setup))
+    };
+    cell.phases.propagation = over(|c| c.phases.propagation);
+    cell.phases.pruning = over(|c| c.phases.pruning);
+    cell.phases.management = over(|c| c.phases.management);
+    cell.memory.heap_peak_bytes = most(|c| c.memory.heap_peak_bytes);
+    cell.memory.rss_peak_bytes = most(|c| c.memory.rss_peak_bytes);
+    cell.check.max_abs = largest(|c| c.check.max_abs);
+    cell.check.max_rel = largest(|c| c.check.max_rel);
+    if let Some(counted) = rounds.iter().find(|c| c.instructions.is_some()) {
+        cell.instructions = counted.instructions;
+        cell.instructions_simd
+            .clone_from(&counted.instructions_simd);
+    }
+    cell
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exec::mock::{MockBackend, crash_ich};
+    use crate::run::mock::{plan, result, run_mock};
+
+    fn round(backend: &mut MockBackend) -> ResultFile {
+        let mut plan = plan(&["horse"], "mmp,ich", "0");
+        plan.repeat = 1;
+        result(run_mock(&plan, backend))
+    }
+
+    fn named(rounds: Vec<ResultFile>) -> Vec<(String, ResultFile)> {
+        let names = (1..).map(|i| format!("{i}.json"));
+        names.zip(rounds).collect()
+    }
+
+    #[test]
+    fn samples_follow_each_other_and_are_summarised_anew() {
+        // One backend for all rounds: the made-up times go on rising.
+        let mut backend = MockBackend::default();
+        let rounds: Vec<ResultFile> = (0..5).map(|_| round(&mut backend)).collect();
+        let samples: Vec<f64> = rounds.iter().map(|r| r.cells[1].time.samples[0]).collect();
+        assert!(rounds[0].cells[1].time.ci95.is_none() && rounds[0].cells[1].time.note.is_some());
+
+        let joined = pool(named(rounds), Some("turns".to_owned())).unwrap();
+        assert_eq!(joined.pairing.as_deref(), Some("turns"));
+        assert_eq!(joined.cells.len(), 2);
+        let time = &joined.cells[1].time;
+        assert_eq!(time.samples, samples);
+        assert_eq!(time.median, Some(samples[2]));
+        assert!(time.ci95.is_some() && time.note.is_none());
+    }
+
+    #[test]
+    fn a_failure_in_one_round_is_one_of_the_cell() {
+        let mut crashing = MockBackend {
+            alter: Some(crash_ich),
+            ..MockBackend::default()
+        };
+        let rounds = vec![round(&mut MockBackend::default()), round(&mut crashing)];
+        let joined = pool(named(rounds), None).unwrap();
+        assert_eq!(joined.cells[0].time.samples.len(), 2);
+        assert_eq!(joined.cells[1].status, Status::Crashed);
+        assert!(joined.cells[1].time.samples.is_empty());
+    }
+
+    #[test]
+    fn rounds_of_something_else_are_refused() {
+        let refused = |change: fn(&mut ResultFile)| {
+            let first = round(&mut MockBackend::default());
+            let mut second = first.clone();
+            change(&mut second);
+            let error = pool(named(vec![first, second]), None).unwrap_err();
+            error.to_string()
+        };
+        let start = "2.json: not a round of the same benchmark as 1.json: ";
+        assert_eq!(
+            refused(|r| r.tool.commit = Some("c0ffee".into())),
+            format!(
+                "{start}the program is 1.2.3 release of commit c0ffee and not 1.2.3 release of commit unknown"
+            )
+        );
+        assert_eq!(
+            refused(|r| r.models[0].sha256 = None),
+            format!("{start}model horse is not horse, or has changed")
+        );
+        assert_eq!(
+            refused(|r| r.cells[1].source = Some(9)),
+            format!("{start}it has the cell horse, ich, source 9 instead of horse, ich, source 0")
+        );
+        assert_eq!(
+            refused(|r| r.cells.truncate(1)),
+            format!("{start}it has another number of models or cells")
+        );
+        assert_eq!(pool(Vec::new(), None), Err(PoolError::Nothing));
+    }
+}

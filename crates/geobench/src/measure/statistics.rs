@@ -1,0 +1,529 @@
+//! What is reported of repeated times: robust figures, never the mean alone.
+//!
+//! * One set of samples: [`summarise`], median, deviation, interval and outliers.
+//! * Two sets that were taken in turns: [`paired_ratio`], which a drifting machine does not
+//!   disturb.
+//! * Two sets that were not: [`unpaired_ratio`] for the size of the difference, [`mann_whitney()`]
+//!   for whether there is one.
+//!
+//! Intervals come from the percentile bootstrap of Efron (1979) with a fixed seed, so that the same
+//! samples always give the same interval.
+
+use std::f64::consts::SQRT_2;
+
+use crate::measure::rng::SplitMix64;
+use crate::schema::Time;
+
+/// Fewest samples from which a confidence interval is given.
+pub const FEWEST_FOR_INTERVAL: usize = 5;
+
+/// Robust figures of a set of samples, in the unit of the samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// Median; of an even number of samples the mean of the middle two.
+    pub median: f64,
+    /// Smallest sample.
+    pub min: f64,
+    /// Median absolute deviation from the median, unscaled.
+    pub mad: f64,
+    /// 95 % confidence interval of the median by the percentile bootstrap; none from fewer than
+    /// [`FEWEST_FOR_INTERVAL`] samples.
+    pub ci95: Option<[f64; 2]>,
+    /// How many of the samples are [`outliers()`]; they count in all other figures. None from fewer
+    /// than [`FEWEST_FOR_INTERVAL`] samples.
+    pub outliers: Option<usize>,
+}
+
+/// Summarises `samples`, or nothing if there are none.
+pub fn summarise(samples: &[f64]) -> Option<Summary> {
+    let median = median(samples)?;
+    let enough = samples.len() >= FEWEST_FOR_INTERVAL;
+    Some(Summary {
+        median,
+        min: samples.iter().copied().fold(f64::INFINITY, f64::min),
+        mad: deviation(samples, median)?,
+        ci95: enough.then(|| bootstrap_interval(&[samples], |resamples| resamples[0])),
+        outliers: enough.then(|| outliers(samples).len()),
+    })
+}
+
+/// The samples of a cell and what result files say of them; their places are left empty.
+pub fn time(samples: Vec<f64>, setup: Option<f64>) -> Time {
+    let summary = summarise(&samples);
+    Time {
+        median: summary.map(|s| s.median),
+        min: summary.map(|s| s.min),
+        mad: summary.map(|s| s.mad),
+        ci95: summary.and_then(|s| s.ci95),
+        note: too_few(samples.len()),
+        outliers: summary.and_then(|s| s.outliers),
+        setup,
+        samples,
+        places: Vec::new(),
+    }
+}
+
+/// Why `samples` samples have no interval, if they have none.
+pub fn too_few(samples: usize) -> Option<String> {
+    (samples < FEWEST_FOR_INTERVAL)
+        .then(|| format!("no confidence interval from fewer than {FEWEST_FOR_INTERVAL} samples"))
+}
+
+/// The median of `values`, in any order; none if there are none.
+pub fn median(values: &[f64]) -> Option<f64> {
+    let mut values = values.to_vec();
+    median_in_place(&mut values)
+}
+
+fn median_in_place(values: &mut [f64]) -> Option<f64> {
+    values.sort_unstable_by(f64::total_cmp);
+    let n = values.len();
+    match n {
+        0 => None,
+        _ if n % 2 == 1 => Some(values[n / 2]),
+        _ => Some(f64::midpoint(values[n / 2 - 1], values[n / 2])),
+    }
+}
+
+/// The median absolute deviation of `values` from `center`.
+fn deviation(values: &[f64], center: f64) -> Option<f64> {
+    let mut deviations: Vec<f64> = values.iter().map(|v| (v - center).abs()).collect();
+    median_in_place(&mut deviations)
+}
+
+/// Resamples of the bootstrap.
+const RESAMPLES: usize = 10_000;
+
+/// Seed of the bootstrap, fixed so that the same samples always give the same interval.
+const SEED: u64 = 0x6765_6f62_656e_6368;
+
+/// The 2.5th and 97.5th percentiles of `figure`, a function of the medians of resamples that are
+/// drawn with replacement from each of `samples`, none of which is empty. O(10,000 n log n).
+fn bootstrap_interval<const N: usize>(
+    samples: &[&[f64]; N],
+    figure: impl Fn([f64; N]) -> f64,
+) -> [f64; 2] {
+    let mut random = SplitMix64::new(SEED);
+    let mut resample = Vec::new();
+    let mut figures: Vec<f64> = (0..RESAMPLES)
+        .map(|_| {
+            figure(samples.map(|samples| {
+                resample.clear();
+                resample.extend(samples.iter().map(|_| samples[random.below(samples.len())]));
+                median_in_place(&mut resample).unwrap_or(f64::NAN)
+            }))
+        })
+        .collect();
+    figures.sort_unstable_by(f64::total_cmp);
+    let tail = RESAMPLES / 40;
+    [figures[tail], figures[RESAMPLES - 1 - tail]]
+}
+
+/// The modified z-score from which a sample counts as an outlier: ten times the distance that one
+/// standard deviation of a normal distribution has.
+///
+/// The 3.5 that is often taken would call one of the usual five samples an outlier in every fifth
+/// cell of a machine that is perfectly quiet, because the deviation of so few is often small by
+/// chance.
+pub const OUTLIER_SCORE: f64 = 10.0;
+
+/// Mean absolute deviation of the standard normal distribution, sqrt(2/π).
+const NORMAL_MEAN_DEVIATION: f64 = 0.797_884_560_802_865_4;
+
+/// Median absolute deviation of the standard normal distribution, its 75th percentile.
+const NORMAL_MEDIAN_DEVIATION: f64 = 0.674_489_750_196_081_7;
+
+/// The places of the samples whose modified z-score (Iglewicz and Hoaglin 1993), 0.6745 |x -
+/// median| / MAD, is above [`OUTLIER_SCORE`]. If more than half of the samples are equal, so that
+/// their median absolute deviation is 0, the mean absolute deviation takes its place.
+pub fn outliers(samples: &[f64]) -> Vec<usize> {
+    let Some(median) = median(samples) else {
+        return Vec::new();
+    };
+    let scale = match deviation(samples, median) {
+        Some(mad) if mad > 0.0 => mad / NORMAL_MEDIAN_DEVIATION,
+        _ => {
+            let sum: f64 = samples.iter().map(|x| (x - median).abs()).sum();
+            sum / samples.len() as f64 / NORMAL_MEAN_DEVIATION
+        }
+    };
+    let far = |x: f64| (x - median).abs() > OUTLIER_SCORE * scale;
+    (0..samples.len()).filter(|&i| far(samples[i])).collect()
+}
+
+/// A ratio with its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ratio {
+    /// The estimate.
+    pub ratio: f64,
+    /// Its 95 % interval by the percentile bootstrap; none from fewer than
+    /// [`FEWEST_FOR_INTERVAL`] samples on a side.
+    pub ci95: Option<[f64; 2]>,
+}
+
+impl Ratio {
+    /// Whether the interval lies wholly above `limit`.
+    pub fn exceeds(&self, limit: f64) -> bool {
+        self.ci95.is_some_and(|[low, _]| low > limit)
+    }
+
+    /// Whether the interval lies wholly below `limit`.
+    pub fn falls_below(&self, limit: f64) -> bool {
+        self.ci95.is_some_and(|[_, high]| high < limit)
+    }
+}
+
+/// The median of `over[i] / under[i]`, where the samples at the same place were taken next to each
+/// other. Whatever changes slowly on the machine changes both, and leaves their ratio alone.
+///
+/// None unless there are as many of both, at least one, and all are finite and above 0.
+pub fn paired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
+    if over.len() != under.len() || !usable(over) || !usable(under) {
+        return None;
+    }
+    let ratios: Vec<f64> = over.iter().zip(under).map(|(a, b)| a / b).collect();
+    Some(Ratio {
+        ratio: median(&ratios)?,
+        ci95: (ratios.len() >= FEWEST_FOR_INTERVAL)
+            .then(|| bootstrap_interval(&[&ratios], |[ratio]| ratio)),
+    })
+}
+
+/// The ratio of the medians of two sets of samples that have nothing to do with each other; for
+/// the interval each is resampled by itself.
+///
+/// None unless there is at least one of each and all are finite and above 0.
+pub fn unpaired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
+    if !usable(over) || !usable(under) {
+        return None;
+    }
+    let enough = over.len().min(under.len()) >= FEWEST_FOR_INTERVAL;
+    Some(Ratio {
+        ratio: median(over)? / median(under)?,
+        ci95: enough.then(|| bootstrap_interval(&[over, under], |[a, b]| a / b)),
+    })
+}
+
+fn usable(samples: &[f64]) -> bool {
+    !samples.is_empty() && samples.iter().all(|&x| x.is_finite() && x > 0.0)
+}
+
+/// Most samples of both sets together for which the probability is exact. Up to here every count
+/// of arrangements, at most 50 choose 25, is a whole number that a float holds.
+const MOST_FOR_EXACT: usize = 50;
+
+/// The outcome of a test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MannWhitney {
+    /// Pairs of a sample of the first set and one of the second in which the first is the larger;
+    /// equal ones count one half.
+    pub u: f64,
+    /// How likely so uneven a `u` or a more uneven one is if nothing distinguishes the sets,
+    /// two-sided.
+    pub p: f64,
+}
+
+/// The test of Mann and Whitney (1947), two-sided: whether samples of one set tend to be larger
+/// than those of the other. None if a set is empty or has a sample that is no number.
+///
+/// The probability is exact from up to fifty samples without ties, else that of the normal
+/// distribution, corrected for ties (Lehmann 1975, section 1.4) and for continuity. O(n³ log n) for
+/// the exact one, of at most fifty; else O(n log n).
+///
+/// Written out because `statrs` 0.19 returns the exact probability of the other tail wherever the
+/// first set is not the larger one.
+pub fn mann_whitney(first: &[f64], second: &[f64]) -> Option<MannWhitney> {
+    let (m, n) = (first.len(), second.len());
+    if m == 0 || n == 0 {
+        return None;
+    }
+    let mut all: Vec<(f64, bool)> = Vec::with_capacity(m + n);
+    all.extend(first.iter().map(|&x| (x, true)));
+    all.extend(second.iter().map(|&x| (x, false)));
+    if all.iter().any(|(x, _)| x.is_nan()) {
+        return None;
+    }
+    all.sort_unstable_by(|(x, _), (y, _)| x.total_cmp(y));
+
+    // Twice the sum of the ranks of the first set, which ties may make odd; and the tie term, the
+    // sum of t³ - t over the ties.
+    let (mut twice_ranks, mut ties, mut start) = (0, 0.0, 0);
+    // `chunk_by` compares with ==, under which -0 and 0 are a tie.
+    for tie in all.chunk_by(|(x, _), (y, _)| x == y) {
+        let twice_rank = 2 * start + tie.len() + 1;
+        twice_ranks += twice_rank * tie.iter().filter(|(_, is_first)| *is_first).count();
+        let t = tie.len() as f64;
+        ties += t.powi(3) - t;
+        start += tie.len();
+    }
+    let twice_u = twice_ranks - m * (m + 1);
+    let p = if ties == 0.0 && m + n <= MOST_FOR_EXACT {
+        exact(m, n, twice_u / 2)
+    } else {
+        normal(m as f64, n as f64, twice_u as f64 / 2.0, ties)
+    };
+    Some(MannWhitney {
+        u: twice_u as f64 / 2.0,
+        p,
+    })
+}
+
+/// The probability from the counts of all arrangements of `m` and `n` samples.
+fn exact(m: usize, n: usize, u: usize) -> f64 {
+    let counts = arrangements(m, n);
+    let total: f64 = counts.iter().sum();
+    let tail: f64 = counts[..=u.min(m * n - u)].iter().sum();
+    (2.0 * tail / total).min(1.0)
+}
+
+/// How many arrangements of `m` and `n` different samples have each value of U, from 0 to `m n`:
+/// the coefficients of the Gaussian binomial, the product of (1 - q^(n+i)) / (1 - q^i) for i from 1
+/// to m. All of them on the way are whole and at most the largest binomial.
+fn arrangements(m: usize, n: usize) -> Vec<f64> {
+    let mut counts = vec![0.0; m * n + 1];
+    counts[0] = 1.0;
+    for i in 1..=m {
+        for u in (n + i..counts.len()).rev() {
+            counts[u] -= counts[u - n - i];
+        }
+        for u in i..counts.len() {
+            counts[u] += counts[u - i];
+        }
+    }
+    counts
+}
+
+/// The probability by the normal distribution.
+fn normal(m: f64, n: f64, u: f64, ties: f64) -> f64 {
+    let all = m + n;
+    let variance = m * n / 12.0 * (all + 1.0 - ties / (all * (all - 1.0)));
+    if variance <= 0.0 {
+        return 1.0; // All samples are equal.
+    }
+    let distance = ((u - m * n / 2.0).abs() - 0.5).max(0.0);
+    libm::erfc(distance / (variance.sqrt() * SQRT_2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn odd_even_and_no_samples() {
+        assert_eq!(median(&[]), None);
+        assert_eq!(median(&[3.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(&[4.0, 1.0, 3.0, 2.0]), Some(2.5));
+        assert_eq!(summarise(&[]), None);
+    }
+
+    #[test]
+    fn an_outlier_moves_neither_median_nor_deviation() {
+        let summary = summarise(&[1.0, 1.1, 0.9, 1.0, 50.0]).unwrap();
+        assert_eq!(summary.median, 1.0);
+        assert_eq!(summary.min, 0.9);
+        assert!((summary.mad - 0.1).abs() < 1e-12);
+        assert_eq!(summary.outliers, Some(1));
+    }
+
+    #[test]
+    fn few_samples_have_no_interval_and_say_so() {
+        let few = summarise(&[1.0, 2.0, 3.0, 4.0]).unwrap();
+        assert_eq!((few.ci95, few.outliers), (None, None));
+        assert!(too_few(4).unwrap().contains("fewer than 5"));
+        let enough = summarise(&[1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
+        assert!(enough.ci95.is_some() && too_few(5).is_none());
+    }
+
+    #[test]
+    fn the_interval_holds_the_median_and_narrows_with_more_samples() {
+        let spread = |n: usize| -> f64 {
+            let samples: Vec<f64> = (0..n).map(|i| (i * 37 % 101) as f64).collect();
+            let summary = summarise(&samples).unwrap();
+            let [low, high] = summary.ci95.unwrap();
+            assert!(low <= summary.median && summary.median <= high);
+            high - low
+        };
+        // 95 % intervals of the median of 101 and of 10 values spread over 0..=100: about
+        // 100 / sqrt(n) to either side.
+        let (few, many) = (spread(10), spread(101));
+        assert!(many < few, "{many} {few}");
+        assert!((10.0..40.0).contains(&many), "{many}");
+    }
+
+    #[test]
+    fn equal_samples_have_a_point_interval_and_the_seed_is_fixed() {
+        assert_eq!(summarise(&[2.0; 7]).unwrap().ci95, Some([2.0, 2.0]));
+        let samples = [0.3, 0.1, 0.9, 0.4, 0.7, 0.2];
+        assert_eq!(summarise(&samples), summarise(&samples));
+    }
+
+    #[test]
+    fn what_lies_far_out_on_either_side_is_found() {
+        let samples = [1.0, 1.02, 0.98, 1.01, 0.99, 9.0, 0.1];
+        assert_eq!(outliers(&samples), [5, 6]);
+        assert!(outliers(&[1.0, 1.02, 0.98, 1.01, 0.99]).is_empty());
+        assert!(outliers(&[]).is_empty());
+    }
+
+    #[test]
+    fn where_most_samples_are_equal_the_mean_deviation_decides() {
+        assert!(outliers(&[2.0; 9]).is_empty());
+        let mut samples = [2.0; 99];
+        samples[17] = 2.5;
+        assert_eq!(outliers(&samples), [17]);
+        // Of nine, one is no less than a ninth of all deviation there is.
+        assert!(outliers(&samples[..9]).is_empty());
+    }
+
+    /// The figure that the choice of [`OUTLIER_SCORE`] rests on.
+    #[test]
+    fn a_quiet_machine_has_few_outliers() {
+        let mut random = crate::measure::rng::SplitMix64::new(3);
+        let mut uniform = || (random.below(1 << 30) as f64 + 0.5) / f64::from(1 << 30);
+        let mut share = |n: usize| {
+            let cells = 20_000;
+            let hit = (0..cells)
+                .filter(|_| {
+                    let samples: Vec<f64> = (0..n)
+                        .map(|_| {
+                            let (r, turn) = (uniform(), uniform());
+                            (-2.0 * r.ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
+                        })
+                        .collect();
+                    !outliers(&samples).is_empty()
+                })
+                .count();
+            hit as f64 / f64::from(cells)
+        };
+        let (five, twenty) = (share(5), share(20));
+        assert!(five < 0.05 && twenty < 0.001, "{five} {twenty}");
+    }
+
+    #[test]
+    fn drift_leaves_a_paired_ratio_alone() {
+        // The machine becomes three times as slow; the second program always takes 1.2 times as
+        // long as the first.
+        let under: Vec<f64> = (0..9).map(|i| 1.0 + 0.25 * f64::from(i)).collect();
+        let over: Vec<f64> = under.iter().map(|t| 1.2 * t).collect();
+        let paired = paired_ratio(&over, &under).unwrap();
+        assert!((paired.ratio - 1.2).abs() < 1e-12);
+        let [low, high] = paired.ci95.unwrap();
+        assert!((low - 1.2).abs() < 1e-12 && (high - 1.2).abs() < 1e-12);
+        assert!(paired.exceeds(1.1) && !paired.exceeds(1.21) && !paired.falls_below(1.1));
+
+        let unpaired = unpaired_ratio(&over, &under).unwrap();
+        assert!((unpaired.ratio - 1.2).abs() < 1e-12);
+        let [low, high] = unpaired.ci95.unwrap();
+        assert!(low < 0.9 && high > 1.5, "{low} {high}");
+        assert!(!unpaired.exceeds(1.0));
+    }
+
+    #[test]
+    fn too_few_samples_have_a_ratio_and_no_interval() {
+        let ratio = paired_ratio(&[3.0, 3.0], &[2.0, 2.0]).unwrap();
+        assert_eq!((ratio.ratio, ratio.ci95), (1.5, None));
+        assert!(!ratio.exceeds(1.0) && !ratio.falls_below(9.0));
+        let ratio = unpaired_ratio(&[3.0; 9], &[2.0; 4]).unwrap();
+        assert_eq!((ratio.ratio, ratio.ci95), (1.5, None));
+    }
+
+    #[test]
+    fn what_has_no_ratio_has_none() {
+        assert_eq!(paired_ratio(&[], &[]), None);
+        assert_eq!(paired_ratio(&[1.0], &[1.0, 2.0]), None);
+        assert_eq!(paired_ratio(&[1.0], &[0.0]), None);
+        assert_eq!(unpaired_ratio(&[1.0], &[]), None);
+        assert_eq!(unpaired_ratio(&[f64::NAN], &[1.0]), None);
+    }
+
+    fn close(found: f64, published: f64) {
+        assert!((found - published).abs() < 1e-12, "{found} {published}");
+    }
+
+    /// The example in the documentation of `scipy.stats.mannwhitneyu`, and the same with the sets
+    /// exchanged.
+    #[test]
+    fn the_example_of_scipy() {
+        let males = [19.0, 22.0, 16.0, 29.0, 24.0];
+        let females = [20.0, 11.0, 17.0, 12.0];
+        let test = mann_whitney(&males, &females).unwrap();
+        assert_eq!(test.u, 17.0);
+        close(test.p, 0.111_111_111_111_111_1);
+        let test = mann_whitney(&females, &males).unwrap();
+        assert_eq!(test.u, 3.0);
+        close(test.p, 0.111_111_111_111_111_1);
+        // The same documentation gives this for the normal approximation.
+        close(normal(5.0, 4.0, 17.0, 0.0), 0.111_346_886_533_140_41);
+    }
+
+    /// Critical values of the two-sided test at 5 %, from the tables that textbooks reproduce: the
+    /// largest U whose probability is not above it.
+    #[test]
+    fn the_critical_values_of_the_tables() {
+        let table = [
+            (4, 4, 0),
+            (5, 5, 2),
+            (5, 8, 6),
+            (6, 6, 5),
+            (7, 7, 8),
+            (8, 8, 13),
+            (10, 10, 23),
+            (12, 15, 49),
+            (20, 20, 127),
+        ];
+        for (m, n, critical) in table {
+            assert!(exact(m, n, critical) <= 0.05, "{m} {n}");
+            assert!(exact(m, n, critical + 1) > 0.05, "{m} {n}");
+            assert_eq!(exact(m, n, critical), exact(n, m, m * n - critical));
+        }
+    }
+
+    #[test]
+    fn sets_apart_are_as_unlikely_as_one_arrangement_in_all() {
+        let low: Vec<f64> = (0..5).map(f64::from).collect();
+        let high: Vec<f64> = (10..15).map(f64::from).collect();
+        for (first, second, u) in [(&low, &high, 0.0), (&high, &low, 25.0)] {
+            let test = mann_whitney(first, second).unwrap();
+            assert_eq!(test.u, u);
+            close(test.p, 2.0 / 252.0);
+        }
+    }
+
+    #[test]
+    fn the_counts_are_those_of_all_arrangements() {
+        // Every choice of 3 of 7 ranks, one by one.
+        let mut counted = vec![0.0; 13];
+        for a in 1..=7_usize {
+            for b in a + 1..=7 {
+                for c in b + 1..=7 {
+                    counted[a + b + c - 6] += 1.0;
+                }
+            }
+        }
+        assert_eq!(arrangements(3, 4), counted);
+        assert_eq!(arrangements(4, 3), counted);
+        let largest = arrangements(25, 25);
+        assert_eq!(largest.iter().sum::<f64>(), 126_410_606_437_752.0);
+    }
+
+    #[test]
+    fn ties_and_many_samples_go_by_the_normal_distribution() {
+        assert_eq!(mann_whitney(&[1.0; 6], &[1.0; 6]).unwrap().p, 1.0);
+        // Ranks 1.5, 1.5, 3.5, 3.5, 5, 6; U = 0.5; variance 0.75 (7 - 12/30) = 4.95.
+        let test = mann_whitney(&[1.0, 1.0, 2.0], &[2.0, 3.0, 4.0]).unwrap();
+        assert_eq!(test.u, 0.5);
+        close(test.p, libm::erfc(3.5 / (2.0 * 4.95_f64).sqrt()));
+        // On its border the approximation is near the exact value.
+        for u in [180, 220, 250, 312] {
+            let (exact, normal) = (exact(25, 25, u), normal(25.0, 25.0, u as f64, 0.0));
+            assert!((exact - normal).abs() < 0.003, "{u}: {exact} {normal}");
+        }
+    }
+
+    #[test]
+    fn without_samples_there_is_no_test() {
+        assert_eq!(mann_whitney(&[], &[1.0]), None);
+        assert_eq!(mann_whitney(&[1.0], &[]), None);
+        assert_eq!(mann_whitney(&[1.0], &[f64::NAN]), None);
+    }
+}

@@ -1,0 +1,358 @@
+//! What a run is to do, before any of it is done.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::exec::expected::Expected;
+use crate::exec::limits::Limits;
+use crate::exec::model::ModelRef;
+use crate::plan::source::SourceSpec;
+use crate::registry::{self, Programs, SelectError, Selection, UnknownProgram, Value};
+use crate::schema::plan_record::{PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel};
+use crate::schema::{GroupRecord, IsolationRecord, Shard};
+
+pub mod source;
+pub mod suite;
+
+/// A benchmark: a cell for every algorithm on every model from every source. How many there are is
+/// known before any model is loaded.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// How its results are shown.
+    pub group: GroupRecord,
+    /// The models, with unique names.
+    pub models: Vec<ModelRef>,
+    /// The algorithms, each once.
+    pub algorithms: Vec<Selection>,
+    /// The sources in each model.
+    pub sources: SourceSpec,
+    /// Timed runs of each cell.
+    pub repeat: usize,
+    /// Untimed runs of each cell before those.
+    pub warmup: usize,
+    /// What the answers must agree with.
+    pub reference: Reference,
+    /// Largest relative difference that passes.
+    pub tolerance: f64,
+    /// What the order of the runs is drawn from.
+    pub seed: u64,
+    /// The part of it that is to be carried out; all of it if none.
+    pub shard_range: Option<ShardRange>,
+    /// What each run may use.
+    pub limits: Limits,
+}
+
+/// What answers are compared with.
+#[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is one in a plan")]
+pub enum Reference {
+    /// Nothing.
+    None,
+    /// The answer of an algorithm, which need not be one of those that are measured.
+    Algorithm(Selection),
+    /// Stored distances.
+    Files(Expected),
+}
+
+/// Why what answers are to agree with was not understood.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReferenceError {
+    /// It asks for several algorithms.
+    #[error("{0}")]
+    Several(SelectError),
+    /// It is no algorithm and nothing else.
+    #[error("{0}; also `none`, `file` or a .csv file")]
+    Unknown(SelectError),
+    /// The file of distances cannot be opened.
+    #[error("{}: {error}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+}
+
+impl Reference {
+    /// The usual reference: `mmp` if it runs, else the first algorithm.
+    pub fn usual(algorithms: &[Selection]) -> Self {
+        let usual = algorithms.iter().find(|a| a.label() == "mmp");
+        match usual.or(algorithms.first()) {
+            Some(selection) => Self::Algorithm(selection.clone()),
+            None => Self::None,
+        }
+    }
+
+    /// What `text` asks for: `none`, `file`, the path of a .csv file, relative to `directory`, or
+    /// an algorithm.
+    ///
+    /// # Errors
+    ///
+    /// When it is none of these, or the file cannot be opened.
+    pub fn parse(text: &str, directory: &Path) -> Result<Self, ReferenceError> {
+        if text.eq_ignore_ascii_case("none") {
+            return Ok(Self::None);
+        }
+        if text.eq_ignore_ascii_case("file") {
+            return Ok(Self::Files(Expected::BesideModels));
+        }
+        let ending = Path::new(text).extension();
+        if ending.is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
+            let path = directory.join(text);
+            return match File::open(&path) {
+                Ok(_) => Ok(Self::Files(Expected::File(path))),
+                Err(error) => Err(ReferenceError::File { path, error }),
+            };
+        }
+        match registry::select_one(text) {
+            Ok(one) => Ok(Self::Algorithm(one)),
+            Err(error @ SelectError::Several { .. }) => Err(ReferenceError::Several(error)),
+            Err(error) => Err(ReferenceError::Unknown(error)),
+        }
+    }
+}
+
+/// A file of distances from one source in one model, where more are asked for.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{}: one file holds the distances from one source in one model, but more are asked for; use `file`",
+    path.display()
+)]
+pub struct OneFileForMore {
+    /// The file.
+    pub path: PathBuf,
+}
+
+impl Plan {
+    /// Refuses a single file of distances for more than one model or source.
+    ///
+    /// # Errors
+    ///
+    /// When that is what the plan says.
+    pub fn check_reference(&self) -> Result<(), OneFileForMore> {
+        match &self.reference {
+            Reference::Files(Expected::File(path))
+                if self.models.len() > 1 || self.sources.count() > 1 =>
+            {
+                Err(OneFileForMore { path: path.clone() })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Looks up the outside programs that it asks for.
+    ///
+    /// # Errors
+    ///
+    /// Names one that there is not.
+    pub fn find_programs(&mut self, programs: &Programs) -> Result<(), UnknownProgram> {
+        let reference = match &mut self.reference {
+            Reference::Algorithm(reference) => Some(reference),
+            Reference::None | Reference::Files(_) => None,
+        };
+        for algorithm in self.algorithms.iter_mut().chain(reference) {
+            algorithm.find_program(programs)?;
+        }
+        Ok(())
+    }
+
+    /// Number of units, model x source, of the whole plan.
+    pub fn units(&self) -> u128 {
+        self.models.len() as u128 * self.sources.count() as u128
+    }
+
+    /// Whether a source of a model, both by their places in the plan, is to be worked on.
+    pub fn has_unit(&self, model: usize, source: usize) -> bool {
+        self.shard_range.is_none_or(|shard_range| {
+            let before = model as u128 * self.sources.count() as u128;
+            shard_range
+                .shard
+                .holds(shard_range.first_unit + before + source as u128)
+        })
+    }
+
+    /// Number of units of a model that are to be worked on.
+    pub fn units_of_model(&self, model: usize) -> u128 {
+        let sources = self.sources.count() as u128;
+        self.shard_range.map_or(sources, |shard_range| {
+            let first = shard_range.first_unit + model as u128 * sources;
+            shard_range.shard.held(first..first + sources)
+        })
+    }
+
+    /// Number of runs of all cells together, as far as it can be counted.
+    pub fn runs(&self) -> usize {
+        (0..self.models.len())
+            .map(|model| self.runs_of_model(model))
+            .fold(0, usize::saturating_add)
+    }
+
+    /// Number of runs of all cells of one model, as far as it can be counted.
+    pub fn runs_of_model(&self, model: usize) -> usize {
+        let units = usize::try_from(self.units_of_model(model)).unwrap_or(usize::MAX);
+        units
+            .saturating_mul(self.algorithms.len())
+            .saturating_mul(self.runs_per_cell())
+    }
+
+    /// Runs that a cell takes: warm-ups, timed ones, a counted one and a clocked one.
+    pub const fn runs_per_cell(&self) -> usize {
+        self.warmup + self.repeat + 2
+    }
+}
+
+/// The plan of a benchmark whose groups have these plans and whose cells run there. Reads the files
+/// of all models once, to hash them.
+pub fn record(plans: &[Plan], isolation: IsolationRecord) -> PlanRecord {
+    PlanRecord {
+        isolation,
+        shard: plans.iter().find_map(|plan| Some(plan.shard_range?.shard)),
+        groups: plans.iter().map(group).collect(),
+    }
+}
+
+fn group(plan: &Plan) -> PlannedGroup {
+    PlannedGroup {
+        name: plan.group.name.clone(),
+        models: plan.models.iter().map(model).collect(),
+        algorithms: plan.algorithms.iter().map(algorithm).collect(),
+        sources: plan.sources.to_string(),
+        repeat: plan.repeat,
+        warmup: plan.warmup,
+        reference: match &plan.reference {
+            Reference::None => "none".to_owned(),
+            Reference::Algorithm(selection) => selection.label().to_owned(),
+            Reference::Files(files) => files.to_string(),
+        },
+        tolerance: plan.tolerance,
+        seed: plan.seed,
+        timeout: plan.limits.timeout.0.map(|time| time.as_secs_f64()),
+        memory_limit: plan.limits.memory.0,
+        max_decompressed: plan.limits.decompressed.0,
+    }
+}
+
+fn model(model: &ModelRef) -> PlannedModel {
+    PlannedModel {
+        name: model.name.clone(),
+        spec: model.spec(),
+        file_sha256: model.file_sha256(),
+    }
+}
+
+fn algorithm(selection: &Selection) -> PlannedAlgorithm {
+    let parameters = selection.algorithm().parameters.iter();
+    let program = selection.program().into_iter().flat_map(|program| {
+        [
+            ("command", program.command.clone().into()),
+            ("protocol", program.keeping.name().into()),
+            ("approximate", program.approximate.into()),
+            ("threads", selection.threads().into()),
+        ]
+    });
+    PlannedAlgorithm {
+        label: selection.label().to_owned(),
+        parameters: parameters
+            .map(|parameter| {
+                let value = match selection.value(parameter) {
+                    Value::Integer(n) => n.into(),
+                    Value::Real(x) => x.into(),
+                    Value::Word(word) => word.into(),
+                };
+                (parameter.name.to_owned(), value)
+            })
+            .chain(program.map(|(name, value)| (name.to_owned(), value)))
+            .collect(),
+    }
+}
+
+/// The part of one plan that a shard runs.
+///
+/// A *unit* is one model with one source of one group: the cells that are compared with each other
+/// and whose runs are interleaved. Units are numbered from 0 through the groups, the models of each
+/// and the sources of each, in the order of the plan; unit `u` belongs to shard `u mod N + 1` of
+/// `N`. The plan alone decides, so every machine splits it alike without loading a model.
+/// Neighbours, often alike in size, go to different shards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShardRange {
+    /// Which part.
+    pub shard: Shard,
+    /// Number of the first unit of the plan.
+    pub first_unit: u128,
+}
+
+/// Restricts `plans`, which are those of one benchmark, to a part of it.
+pub fn restrict(plans: &mut [Plan], shard: Shard) {
+    let mut first_unit = 0;
+    for plan in plans {
+        plan.shard_range = Some(ShardRange { shard, first_unit });
+        first_unit += plan.units();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::exec::mock::MockBackend;
+    use crate::run::mock::{plan, run_mock};
+
+    proptest! {
+        #[test]
+        fn every_unit_belongs_to_exactly_one_part(count in 1_u32..20, start in 0_u128..50, length in 0_u128..50) {
+            let units = start..start + length;
+            let mut held = 0;
+            for index in 1..=count {
+                let shard = Shard { index, count };
+                let those = units.clone().filter(|&unit| shard.holds(unit)).count() as u128;
+                prop_assert_eq!(shard.held(units.clone()), those);
+                held += those;
+            }
+            prop_assert_eq!(held, length);
+        }
+
+        /// The cells of all parts together are those of the whole, each once; cells that are
+        /// compared are never apart.
+        #[test]
+        fn parts_are_disjoint_and_complete(
+            models in 1_usize..5,
+            sources in prop::sample::select(vec!["0", "3,1", "random:3", "2,0,1,3", "random:9", "1,7"]),
+            count in 1_u32..9,
+            groups in 1_usize..3,
+        ) {
+            let names = ["a", "b", "c", "d"];
+            let mut plans: Vec<Plan> = (0..groups)
+                .map(|g| {
+                    let mut plan = plan(&names[..models - g.min(models - 1)], "mmp,vtp", sources);
+                    plan.group.name = Some(format!("group {g}"));
+                    plan.repeat = 1;
+                    plan
+                })
+                .collect();
+            let keys = |plans: &[Plan]| -> Vec<(String, String, Option<u32>, String)> {
+                let mut backend = MockBackend { refuse: vec!["b"], ..MockBackend::default() };
+                plans
+                    .iter()
+                    .flat_map(|plan| run_mock(plan, &mut backend).cells)
+                    .map(|c| (c.group.unwrap(), c.model, c.source, c.algorithm))
+                    .collect()
+            };
+            let mut whole = keys(&plans);
+            let mut parts = Vec::new();
+            for index in 1..=count {
+                restrict(&mut plans, Shard { index, count });
+                let part = keys(&plans);
+                for pair in part.chunks(2) {
+                    prop_assert_eq!((&pair[0].1, pair[0].2), (&pair[1].1, pair[1].2));
+                }
+                parts.extend(part);
+            }
+            whole.sort();
+            parts.sort();
+            prop_assert_eq!(parts, whole);
+        }
+    }
+}

@@ -1,0 +1,446 @@
+//! What a benchmark is made of before it is a plan: settings from the command line, from a suite
+//! file, or the usual ones.
+//!
+//! A suite file (`geobench run --config SUITE.toml`) has one or more groups, each with models,
+//! algorithms and a text on what it is to show; settings above the first group hold for all
+//! groups. `bench-configs/README.md` describes the format.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use crate::exec::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
+use crate::exec::model::{self, ModelError, ModelRef};
+use crate::plan::source::SourceSpec;
+use crate::plan::{OneFileForMore, Plan, Reference};
+use crate::registry::{self, Selection};
+use crate::schema::GroupRecord;
+
+mod document;
+mod file;
+mod programs;
+
+pub use document::SuiteError;
+pub use file::{Suite, SuiteGroup};
+pub use programs::read_programs;
+
+/// Most runs of one cell that can be asked for.
+pub const MOST_RUNS: u32 = 1_000_000;
+
+/// What the order of the runs is drawn from where nothing else is said.
+pub const DEFAULT_SEED: u64 = 1;
+
+/// What is known of a benchmark in one place; what is `None` is decided in another.
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
+    /// The models.
+    pub models: Option<Vec<WantedModel>>,
+    /// The algorithms.
+    pub algorithms: Option<Vec<Selection>>,
+    /// The sources in each model.
+    pub sources: Option<SourceSpec>,
+    /// Timed runs of each cell; at least 1.
+    pub repeat: Option<u32>,
+    /// Untimed runs of each cell before those.
+    pub warmup: Option<u32>,
+    /// Largest relative difference that passes.
+    pub tolerance: Option<f64>,
+    /// What the order of the runs is drawn from.
+    pub seed: Option<u64>,
+    /// Threads of the parallel algorithms.
+    pub threads: Option<u32>,
+    /// Time that each run may take.
+    pub timeout: Option<Timeout>,
+    /// Memory that the process of each cell may occupy.
+    pub memory_limit: Option<MemoryLimit>,
+    /// Bytes that a compressed model may decompress to.
+    pub max_decompressed: Option<DecompressionLimit>,
+    /// What answers must agree with.
+    pub reference: Option<Reference>,
+    /// Names of the rows of tables.
+    pub rows: Option<Vec<String>>,
+    /// Label of the algorithm to which the others are compared in a table of ratios.
+    pub ratios_to: Option<String>,
+    /// Whether results hold the wavefronts of the runs.
+    pub wavefront: Option<bool>,
+}
+
+/// A model or a directory of models, as someone asked for it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WantedModel {
+    /// A file, a directory or a generator's spec.
+    pub argument: String,
+    /// Whether it is left out, with a word about it, where there is no such file.
+    pub optional: bool,
+    /// Names of the model that it stands for, which takes its place where somebody has it.
+    pub real: Vec<String>,
+    /// How many times each of its faces is then split into four.
+    pub subdivide: u32,
+    /// Line of the suite file that names it.
+    pub line: Option<usize>,
+}
+
+impl WantedModel {
+    /// A model that must be there, named on the command line.
+    pub fn new(argument: &str) -> Self {
+        Self {
+            argument: argument.to_owned(),
+            optional: false,
+            real: Vec::new(),
+            subdivide: 0,
+            line: None,
+        }
+    }
+}
+
+impl Settings {
+    /// These settings, and where they leave something open, those of `other`.
+    #[must_use]
+    pub fn or(&self, other: &Self) -> Self {
+        let (a, b) = (self.clone(), other.clone());
+        Self {
+            models: a.models.or(b.models),
+            algorithms: a.algorithms.or(b.algorithms),
+            sources: a.sources.or(b.sources),
+            repeat: a.repeat.or(b.repeat),
+            warmup: a.warmup.or(b.warmup),
+            tolerance: a.tolerance.or(b.tolerance),
+            seed: a.seed.or(b.seed),
+            threads: a.threads.or(b.threads),
+            timeout: a.timeout.or(b.timeout),
+            memory_limit: a.memory_limit.or(b.memory_limit),
+            max_decompressed: a.max_decompressed.or(b.max_decompressed),
+            reference: a.reference.or(b.reference),
+            rows: a.rows.or(b.rows),
+            ratios_to: a.ratios_to.or(b.ratios_to),
+            wavefront: a.wavefront.or(b.wavefront),
+        }
+    }
+}
+
+/// Reads a tolerance.
+///
+/// # Errors
+///
+/// When it is not a finite number that is 0 or more.
+pub fn tolerance(value: Option<f64>) -> Result<f64, String> {
+    value
+        .filter(|value| value.is_finite() && *value >= 0.0)
+        .ok_or_else(|| "a tolerance is a number, 0 or more, such as 1e-9".to_owned())
+}
+
+/// What is to be run.
+#[derive(Clone, Debug)]
+pub struct Plans {
+    /// One for each group, in order. A model has the same name in all of them.
+    pub plans: Vec<Plan>,
+    /// What is left out, and why, each in one line.
+    pub notes: Vec<String>,
+}
+
+/// Why there is no plan.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// A model of the command line.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The suite file.
+    #[error(transparent)]
+    Suite(#[from] SuiteError),
+    /// The reference.
+    #[error(transparent)]
+    Reference(#[from] OneFileForMore),
+}
+
+/// Which models a suite is run on, of those that it has to offer.
+#[derive(Clone, Debug, Default)]
+pub struct Scale {
+    /// Whether in the sizes of the paper, not in those for a small machine.
+    pub full: bool,
+    /// The models that take the place of those that stand for them.
+    pub library: Option<Library>,
+}
+
+/// The plans of `suite` in this `scale`, or a single one without it. What `asked` says holds for
+/// all groups, whatever the suite says.
+///
+/// # Errors
+///
+/// When a model does not exist that must, or a group has nothing to compare with.
+pub fn plans(suite: Option<&Suite>, asked: &Settings, scale: &Scale) -> Result<Plans, PlanError> {
+    let mut done = Plans {
+        plans: Vec::new(),
+        notes: Vec::new(),
+    };
+    let Some(suite) = suite else {
+        let models = match &asked.models {
+            Some(models) => {
+                let arguments: Vec<&str> = models.iter().map(|m| m.argument.as_str()).collect();
+                model::collect(&arguments)?
+            }
+            None => model::collect(MODELS)?,
+        };
+        done.plans
+            .push(plan(asked, models, GroupRecord::unnamed())?);
+        return Ok(done);
+    };
+    for group in &suite.groups {
+        let settings = if scale.full {
+            asked.or(&group.full).or(&group.settings)
+        } else {
+            asked.or(&group.settings)
+        };
+        let fail = |line, problem: String| SuiteError {
+            path: suite.path.clone(),
+            line,
+            problem,
+        };
+        let Some(wanted) = &settings.models else {
+            let problem = format!("group `{}` has no models", group.name);
+            return Err(fail(None, problem).into());
+        };
+        let mut models = Vec::new();
+        for wanted in wanted {
+            if let Some(library) = scale.library.as_ref().filter(|_| !wanted.real.is_empty()) {
+                if let Some(real) = library.find(&wanted.real) {
+                    models.push(real.subdivided(wanted.subdivide)?);
+                    continue;
+                }
+                done.notes.push(format!(
+                    "group `{}`: no model called {} is in {}; {} stands for it",
+                    group.name,
+                    wanted.real.join(" or "),
+                    library.directory().display(),
+                    wanted.argument
+                ));
+            }
+            match find(wanted) {
+                Ok(found) => models.extend(found),
+                Err(ModelError::Missing { path, problem }) if wanted.optional => {
+                    done.notes.push(format!(
+                        "group `{}`: the optional model {path} is left out: {problem}",
+                        group.name
+                    ));
+                }
+                Err(error) if wanted.line.is_some() => {
+                    return Err(fail(wanted.line, format!("`models`: {error}")).into());
+                }
+                Err(error) => return Err(error.into()),
+            }
+        }
+        if models.is_empty() {
+            done.notes.push(format!(
+                "group `{}` is left out: none of its models is there",
+                group.name
+            ));
+            continue;
+        }
+        let record = GroupRecord {
+            name: Some(group.name.clone()),
+            shows: group.shows.clone(),
+            ..GroupRecord::unnamed()
+        };
+        done.plans.push(plan(&settings, models, record)?);
+    }
+    name_alike(&mut done.plans);
+    Ok(done)
+}
+
+fn find(wanted: &WantedModel) -> Result<Vec<ModelRef>, ModelError> {
+    model::collect(&[&wanted.argument])
+}
+
+/// Gives a model the same name in all plans, and different models different ones.
+fn name_alike(plans: &mut [Plan]) {
+    let mut all: Vec<ModelRef> = Vec::new();
+    for model in plans.iter().flat_map(|plan| &plan.models) {
+        if all.iter().all(|other| other.path != model.path) {
+            all.push(model.clone());
+        }
+    }
+    model::make_names_unique(&mut all);
+    let names: HashMap<&str, &str> = all
+        .iter()
+        .map(|model| (model.path.as_str(), model.name.as_str()))
+        .collect();
+    for plan in plans {
+        for model in &mut plan.models {
+            names[model.path.as_str()].clone_into(&mut model.name);
+        }
+        // The same model twice in one group would be two columns of one name.
+        let mut seen: Vec<String> = Vec::new();
+        plan.models.retain(|model| {
+            let new = !seen.contains(&model.name);
+            seen.push(model.name.clone());
+            new
+        });
+    }
+}
+
+fn plan(
+    settings: &Settings,
+    models: Vec<ModelRef>,
+    group: GroupRecord,
+) -> Result<Plan, OneFileForMore> {
+    let threads = settings.threads.unwrap_or(1) as usize;
+    let algorithms = settings.algorithms.clone().unwrap_or_else(usual);
+    let algorithms: Vec<Selection> = algorithms
+        .into_iter()
+        .map(|algorithm| algorithm.with_threads(threads))
+        .collect();
+    let reference = match settings.reference.clone() {
+        Some(Reference::Algorithm(one)) => Some(Reference::Algorithm(one.with_threads(threads))),
+        other => other,
+    };
+    let plan = Plan {
+        group: GroupRecord {
+            rows: settings.rows.clone().unwrap_or_default(),
+            ratios_to: settings.ratios_to.clone(),
+            wavefront: settings.wavefront.unwrap_or(false),
+            ..group
+        },
+        models,
+        sources: settings.sources.clone().unwrap_or(SourceSpec::First),
+        repeat: settings.repeat.unwrap_or(5) as usize,
+        warmup: settings.warmup.unwrap_or(1) as usize,
+        reference: reference.unwrap_or_else(|| Reference::usual(&algorithms)),
+        tolerance: settings.tolerance.unwrap_or(1e-9),
+        seed: settings.seed.unwrap_or(DEFAULT_SEED),
+        shard_range: None,
+        limits: Limits {
+            timeout: settings.timeout.unwrap_or(Timeout::USUAL),
+            memory: settings.memory_limit.unwrap_or_default(),
+            decompressed: settings.max_decompressed.unwrap_or_default(),
+        },
+        algorithms,
+    };
+    plan.check_reference()?;
+    Ok(plan)
+}
+
+/// The algorithms that run where none are named.
+fn usual() -> Vec<Selection> {
+    let known = |name: &&&str| registry::algorithms().iter().any(|a| a.name == **name);
+    let names: Vec<&str> = ALGORITHMS.iter().filter(known).copied().collect();
+    registry::select(&names.join(",")).unwrap_or_default()
+}
+
+/// Closed and open surfaces, with and without handles, of even and of slender triangles, each of
+/// some 3,000 to 20,000 faces; the [`ALGORITHMS`] take well under a minute for all.
+pub const MODELS: &[&str] = &[
+    "gen:sphere,subdiv=4",
+    "gen:torus,faces=20000,bump=0.1,seed=7",
+    "gen:knot,faces=10000",
+    "gen:terrain,n=100,seed=1",
+    "gen:holes",
+    "gen:anisotropic,faces=10000,g=4",
+];
+
+/// Surfaces of the same kinds on which even the slowest algorithm ends within seconds, to compare
+/// answers and not times.
+pub const SMALL_MODELS: &[&str] = &[
+    "gen:sphere,subdiv=3",
+    "gen:torus,faces=1200,bump=0.1,seed=7",
+    "gen:knot,faces=1500",
+    "gen:terrain,n=24,seed=1",
+    "gen:holes",
+    "gen:anisotropic,faces=1200,g=4",
+];
+
+/// The algorithms of the comparisons in the papers. The others are variants of these, made to
+/// show what one of their parts does, and some are slower by orders of magnitude.
+pub const ALGORITHMS: &[&str] = &["mmp", "ich", "fwp-mmp", "fwp-ch", "vtp"];
+
+/// The models in a directory and below it.
+#[derive(Clone, Debug)]
+pub struct Library {
+    directory: PathBuf,
+    models: Vec<ModelRef>,
+}
+
+impl Library {
+    /// Looks through a directory.
+    ///
+    /// # Errors
+    ///
+    /// When it is no directory that can be read, or holds no mesh file.
+    pub fn open(directory: &Path) -> Result<Self, ModelError> {
+        if directory.is_file() {
+            return Err(ModelError::Missing {
+                path: directory.display().to_string(),
+                problem: "a directory of models is expected".to_owned(),
+            });
+        }
+        Ok(Self {
+            directory: directory.to_owned(),
+            models: model::collect(&[directory.display().to_string()])?,
+        })
+    }
+
+    /// The directory.
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
+    /// The first model that goes by one of these names, the first of which counts most: by the name
+    /// of its file without the ending, in which only letters and digits count, in any case.
+    pub fn find(&self, names: &[String]) -> Option<&ModelRef> {
+        names.iter().find_map(|name| {
+            let wanted = letters_and_digits(name);
+            let models = self.models.iter();
+            models.into_iter().find(|model| {
+                let stem = model.file_path().map(crate::exec::expected::stem);
+                stem.is_some_and(|stem| letters_and_digits(&stem) == wanted)
+            })
+        })
+    }
+}
+
+fn letters_and_digits(name: &str) -> String {
+    name.chars()
+        .filter(|c| c.is_alphanumeric())
+        .flat_map(char::to_lowercase)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn models_are_found_by_what_their_files_are_called() {
+        let directory = tempfile::tempdir().unwrap();
+        std::fs::create_dir(directory.path().join("scans")).unwrap();
+        for name in ["horse.obj", "scans/Asian_Dragon.ply.gz", "notes.txt"] {
+            std::fs::write(directory.path().join(name), "").unwrap();
+        }
+        let library = Library::open(directory.path()).unwrap();
+        let find = |names: &[&str]| {
+            let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
+            let path = library.find(&names)?.file_path()?.to_owned();
+            Some(path.strip_prefix(directory.path()).unwrap().to_owned())
+        };
+        assert_eq!(find(&["Horse"]), Some("horse.obj".into()));
+        assert_eq!(
+            find(&["xyzrgb dragon", "asian dragon"]),
+            Some("scans/Asian_Dragon.ply.gz".into())
+        );
+        assert_eq!(find(&["hor", "notes"]), None);
+    }
+
+    #[test]
+    fn a_file_or_an_empty_directory_is_refused() {
+        let directory = tempfile::tempdir().unwrap();
+        let error = Library::open(directory.path()).unwrap_err();
+        assert!(
+            matches!(error, ModelError::EmptyDirectory { .. }),
+            "{error}"
+        );
+        let file = directory.path().join("horse.obj");
+        std::fs::write(&file, "").unwrap();
+        for wrong in [file, directory.path().join("none")] {
+            let error = Library::open(&wrong).unwrap_err();
+            assert!(matches!(error, ModelError::Missing { .. }), "{error}");
+        }
+    }
+}

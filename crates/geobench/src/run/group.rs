@@ -1,0 +1,621 @@
+//! The cells of one model and one source.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use geobench_mesh::VertexId;
+use geobench_window::Counter;
+
+use crate::exec::{Failure, Listener, Observation, Pass, Session, Step};
+use crate::measure::memory::Peaks;
+use crate::measure::rng::SplitMix64;
+use crate::plan::{Plan, Reference};
+use crate::registry::Selection;
+use crate::run::agreement;
+use crate::run::journal::{Journal, RunId, RunOutcome};
+use crate::run::reference_check::{Answer, ReferenceCheck};
+use crate::schema::{Cell, Check, Memory, ModelRecord, Status, Time};
+
+/// The cells of one model and source. Their runs are interleaved, so that drift of the machine
+/// affects all algorithms alike.
+pub(crate) struct Group<'p> {
+    plan: &'p Plan,
+    model: &'p ModelRecord,
+    source: VertexId,
+    turns: Turns,
+    /// One for each algorithm.
+    entries: Vec<Entry<'p>>,
+}
+
+impl<'p> Group<'p> {
+    /// The cells of `plan` in `model` from `source`, with the runs in `journal`.
+    pub(crate) fn new(
+        plan: &'p Plan,
+        model: &'p ModelRecord,
+        source: VertexId,
+        journal: Option<&Journal>,
+    ) -> Self {
+        let algorithms = &plan.algorithms;
+        let mut group = Self {
+            plan,
+            model,
+            source,
+            turns: Turns::new(plan.seed, &model.name, source.raw(), algorithms.len()),
+            entries: algorithms.iter().map(Entry::new).collect(),
+        };
+        // The reference has one warm-up even if the plan has none.
+        let warmups = (0..plan.warmup.max(1)).map(|round| (Pass::Warmup, round));
+        let times = (0..plan.repeat).map(|round| (Pass::Time, round));
+        let last = [(Pass::Profile, 0), (Pass::Count, 0)];
+        for (pass, round) in warmups.chain(times).chain(last) {
+            for (place, algorithm) in algorithms.iter().enumerate() {
+                let run = group.run_id(algorithm, pass, round);
+                if let Some(outcome) = journal.and_then(|journal| journal.outcome(&run)) {
+                    group.entries[place].add(pass, round, outcome.clone());
+                }
+            }
+        }
+        group
+    }
+
+    /// Whether all runs are done.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.entries
+            .iter()
+            .all(|entry| entry.is_complete(self.plan))
+    }
+
+    /// Carries out the runs that are missing.
+    ///
+    /// # Errors
+    ///
+    /// When the journal cannot be written.
+    pub(crate) fn run(
+        &mut self,
+        session: &mut dyn Session,
+        journal: Option<&mut Journal>,
+        listener: &mut dyn Listener,
+    ) -> anyhow::Result<()> {
+        for entry in &self.entries {
+            for (pass, outcome) in entry.summaries() {
+                listener.ran(&self.as_step(entry.algorithm, pass), outcome);
+            }
+        }
+        if !self.is_complete() {
+            let mut stage = Stage {
+                session,
+                journal,
+                listener,
+                reference_check: ReferenceCheck::default(),
+            };
+            match self.make_runs(&mut stage) {
+                Err(error) if error.is::<Interrupted>() => {}
+                done => done?,
+            }
+        }
+        let planned = self.plan.runs_per_cell();
+        let skipped = self.entries.iter().map(|e| planned.saturating_sub(e.made));
+        listener.skipped(skipped.sum());
+        Ok(())
+    }
+
+    /// The records of the finished cells.
+    pub(crate) fn cells(self) -> Vec<Cell> {
+        let rounds: Vec<Vec<usize>> = (0..self.plan.repeat)
+            .map(|round| self.turns.round(round))
+            .collect();
+        let ids: Vec<RunId> = self
+            .entries
+            .iter()
+            .map(|entry| self.run_id(entry.algorithm, Pass::Time, 0))
+            .collect();
+        let cells = self.entries.into_iter().zip(ids).enumerate();
+        let mut cells: Vec<Cell> = cells
+            .filter(|(_, (entry, _))| entry.is_complete(self.plan))
+            .map(|(place, (entry, id))| {
+                let places = rounds
+                    .iter()
+                    .filter_map(|round| round.iter().position(|&p| p == place))
+                    .collect();
+                entry.finish(id, places, self.plan.group.wavefront)
+            })
+            .collect();
+        agreement::explain(&mut cells);
+        cells
+    }
+
+    fn make_runs(&mut self, stage: &mut Stage<'_>) -> anyhow::Result<()> {
+        self.restore_clusters(stage)?;
+        let warmed = self.find_reference(stage)?;
+        let all = 0..self.entries.len();
+        for round in 0..self.plan.warmup {
+            for place in all.clone() {
+                // The reference has had its first warm-up.
+                if round > 0 || warmed != Some(place) {
+                    self.step(place, Pass::Warmup, round, stage)?;
+                }
+            }
+        }
+        for round in 0..self.plan.repeat {
+            for place in self.turns.round(round) {
+                self.step(place, Pass::Time, round, stage)?;
+            }
+        }
+        // Profile before Count: the storage of the counters fragments the heap, and the memory of
+        // later runs could not be measured.
+        for pass in [Pass::Profile, Pass::Count] {
+            for place in all.clone() {
+                self.step(place, pass, 0, stage)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Determines the reference answer. If that takes a run of an algorithm of the plan, the run
+    /// counts as its warm-up and the index of its cell is returned.
+    fn find_reference(&mut self, stage: &mut Stage<'_>) -> anyhow::Result<Option<usize>> {
+        let reference = match &self.plan.reference {
+            Reference::None => return Ok(None),
+            Reference::Files(files) => {
+                let vertices = self.model.vertices.unwrap_or(0) as usize;
+                match files.find(Path::new(&self.model.path), self.source.raw(), vertices) {
+                    Ok(field) => {
+                        stage.reference_check.answer = Some(Answer {
+                            name: field.path.display().to_string(),
+                            distances: field.distances,
+                            vertices,
+                        });
+                    }
+                    Err(error) => stage.reference_check.unchecked = Some(error.to_string()),
+                }
+                return Ok(None);
+            }
+            Reference::Algorithm(reference) => reference,
+        };
+        let run = self.run_id(reference, Pass::Warmup, 0);
+        let failed = |failure: &Failure| {
+            let label = reference.label();
+            Some(format!("the reference {label} failed: {}", failure.message))
+        };
+        let known = stage.journal.as_deref().and_then(|j| j.outcome(&run));
+        if let Some(failure) = known.and_then(|outcome| outcome.failure.as_ref()) {
+            // Not tried again.
+            stage.reference_check.unchecked = failed(failure);
+            return Ok(None);
+        }
+        let place = self
+            .entries
+            .iter()
+            .position(|e| e.algorithm.label() == reference.label());
+        let done = stage.execute(&self.as_step(reference, Pass::Warmup))?;
+        match &done {
+            Ok(observation) => {
+                stage.reference_check.answer =
+                    Some(Answer::of(reference.label(), &observation.distances));
+            }
+            Err(failure) => stage.reference_check.unchecked = failed(failure),
+        }
+        match place {
+            Some(place) if self.entries[place].lacks(self.plan, Pass::Warmup, 0) => {
+                self.take_in(place, Pass::Warmup, 0, done, stage)?;
+            }
+            // Not a cell of the plan. The journal keeps a failure, so that it is not tried again.
+            None => {
+                let outcome = self.judge(reference, done, &mut stage.reference_check);
+                stage.keep(run, &outcome)?;
+            }
+            // The timed runs of its cell are done, and the new answer changes nothing.
+            Some(_) => {}
+        }
+        Ok(place)
+    }
+
+    /// Repeats runs whose answers differed from the reference before an interruption, so that later
+    /// answers can be compared with them.
+    fn restore_clusters(&self, stage: &mut Stage<'_>) -> anyhow::Result<()> {
+        let mut restored = Vec::new();
+        for entry in &self.entries {
+            let Some(cluster) = entry.odd_cluster() else {
+                continue;
+            };
+            if !restored.contains(&cluster) {
+                restored.push(cluster);
+                let done = stage.execute(&self.as_step(entry.algorithm, Pass::Warmup))?;
+                let answer = done.ok().map(|observation| observation.distances);
+                stage.reference_check.clusters.restore(cluster, answer);
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes a run, unless it is done or its cell has failed.
+    fn step(
+        &mut self,
+        place: usize,
+        pass: Pass,
+        round: usize,
+        stage: &mut Stage<'_>,
+    ) -> anyhow::Result<()> {
+        let entry = &self.entries[place];
+        if !entry.lacks(self.plan, pass, round) {
+            return Ok(());
+        }
+        let done = stage.execute(&self.as_step(entry.algorithm, pass))?;
+        self.take_in(place, pass, round, done, stage)
+    }
+
+    /// Checks the result of a run, writes it to the journal and adds it to its cell.
+    fn take_in(
+        &mut self,
+        place: usize,
+        pass: Pass,
+        round: usize,
+        done: Result<Observation, Failure>,
+        stage: &mut Stage<'_>,
+    ) -> anyhow::Result<()> {
+        let run = self.run_id(self.entries[place].algorithm, pass, round);
+        let algorithm = self.entries[place].algorithm;
+        let outcome = self.judge(algorithm, done, &mut stage.reference_check);
+        stage.keep(run, &outcome)?;
+        let step = self.as_step(algorithm, pass);
+        stage.listener.ran(&step, summary(&outcome));
+        let entry = &mut self.entries[place];
+        entry.made += 1;
+        entry.add(pass, round, outcome);
+        Ok(())
+    }
+
+    fn judge(
+        &self,
+        algorithm: &Selection,
+        done: Result<Observation, Failure>,
+        reference_check: &mut ReferenceCheck,
+    ) -> RunOutcome {
+        match done {
+            Ok(mut observation) => {
+                let distances = std::mem::take(&mut observation.distances);
+                let is_approximate = algorithm.is_approximate();
+                let (check, failure) =
+                    reference_check.judge(&distances, self.plan.tolerance, is_approximate);
+                // An approximation may differ, but by a finite amount.
+                let failure = failure.filter(|_| !is_approximate || check.max_rel.is_none());
+                RunOutcome {
+                    observation,
+                    check,
+                    unchecked: reference_check.unchecked.clone(),
+                    failure,
+                }
+            }
+            Err(failure) => RunOutcome {
+                failure: Some(failure),
+                ..RunOutcome::default()
+            },
+        }
+    }
+
+    fn as_step<'s>(&'s self, algorithm: &'s Selection, pass: Pass) -> Step<'s> {
+        Step {
+            model: &self.model.name,
+            algorithm,
+            source: self.source,
+            pass,
+        }
+    }
+
+    fn run_id(&self, algorithm: &Selection, pass: Pass, round: usize) -> RunId {
+        RunId {
+            group: self.plan.group.name.clone(),
+            model: self.model.name.clone(),
+            source: self.source.raw(),
+            algorithm: algorithm.label().to_owned(),
+            pass,
+            round,
+        }
+    }
+}
+
+/// Everything that a run needs.
+struct Stage<'s> {
+    session: &'s mut dyn Session,
+    journal: Option<&'s mut Journal>,
+    listener: &'s mut dyn Listener,
+    reference_check: ReferenceCheck,
+}
+
+/// A signal arrived.
+#[derive(Debug, thiserror::Error)]
+#[error("interrupted")]
+struct Interrupted;
+
+impl Stage<'_> {
+    /// Writes the outcome of a run to the journal, if there is one.
+    fn keep(&mut self, run: RunId, outcome: &RunOutcome) -> anyhow::Result<()> {
+        match &mut self.journal {
+            Some(journal) => journal.keep(run, outcome),
+            None => Ok(()),
+        }
+    }
+
+    /// Makes a run, unless a signal arrives first.
+    fn execute(&mut self, step: &Step<'_>) -> Result<Result<Observation, Failure>, Interrupted> {
+        if self.listener.interrupted() {
+            return Err(Interrupted);
+        }
+        self.listener.step(step);
+        let done = self.session.execute(step);
+        if done.is_err() && self.listener.interrupted() {
+            return Err(Interrupted);
+        }
+        Ok(done)
+    }
+}
+
+/// The outcomes of the runs of a cell.
+#[derive(Debug)]
+struct Entry<'p> {
+    algorithm: &'p Selection,
+    outcomes: BTreeMap<(Pass, usize), RunOutcome>,
+    /// Failure of the cell; no further runs are made.
+    failure: Option<Failure>,
+    /// Runs of this process, without those from the journal.
+    made: usize,
+}
+
+impl<'p> Entry<'p> {
+    const fn new(algorithm: &'p Selection) -> Self {
+        Self {
+            algorithm,
+            outcomes: BTreeMap::new(),
+            failure: None,
+            made: 0,
+        }
+    }
+
+    const fn has_failed(&self) -> bool {
+        self.failure.is_some()
+    }
+
+    /// Whether a run is missing. Warm-ups are repeated if timed runs are missing.
+    fn lacks(&self, plan: &Plan, pass: Pass, round: usize) -> bool {
+        !self.has_failed()
+            && match pass {
+                Pass::Warmup => (0..plan.repeat).any(|r| self.lacks(plan, Pass::Time, r)),
+                _ => !self.outcomes.contains_key(&(pass, round)),
+            }
+    }
+
+    /// Whether all runs are done.
+    fn is_complete(&self, plan: &Plan) -> bool {
+        self.has_failed()
+            || (0..plan.repeat).all(|round| !self.lacks(plan, Pass::Time, round))
+                && !self.lacks(plan, Pass::Count, 0)
+                && !self.lacks(plan, Pass::Profile, 0)
+    }
+
+    /// The cluster of an answer that differed from the reference, if one did.
+    fn odd_cluster(&self) -> Option<u32> {
+        let clusters = self
+            .outcomes
+            .values()
+            .filter_map(|found| found.check.cluster);
+        clusters
+            .max()
+            .filter(|&cluster| cluster != agreement::REFERENCE)
+    }
+
+    /// Short outcomes of the known runs.
+    fn summaries(&self) -> impl Iterator<Item = (Pass, Result<Option<f64>, Status>)> {
+        let outcomes = self.outcomes.iter();
+        outcomes.map(|(&(pass, _), outcome)| (pass, summary(outcome)))
+    }
+
+    /// Adds the outcome of a run.
+    fn add(&mut self, pass: Pass, round: usize, outcome: RunOutcome) {
+        self.failure = self.failure.take().or_else(|| outcome.failure.clone());
+        // Of repeated warm-ups the first set the algorithm up.
+        self.outcomes.entry((pass, round)).or_insert(outcome);
+    }
+
+    /// The record of the cell. `places` are the places of its timed runs in their rounds.
+    fn finish(self, run: RunId, places: Vec<usize>, with_wavefront: bool) -> Cell {
+        let mut cell = Cell {
+            group: run.group,
+            source: Some(run.source),
+            check: self.check(),
+            threads: self.algorithm.threads(),
+            ..Cell::new(&run.model, &run.algorithm)
+        };
+        if let Some(failure) = self.failure {
+            cell.status = failure.status;
+            cell.message = Some(failure.message);
+            return cell;
+        }
+        if self.algorithm.is_approximate() {
+            cell.message = Some("approximate: compared, but not held to the tolerance".to_owned());
+        }
+        let (mut samples, mut setup) = (Vec::new(), None);
+        for ((pass, _), outcome) in self.outcomes {
+            let observation = outcome.observation;
+            if let Some(why) = outcome.unchecked {
+                cell.message = Some(format!("not checked: {why}"));
+            }
+            // The set-up of the counted run is not that of the timed runs.
+            setup = setup.or(observation.setup_seconds);
+            match pass {
+                Pass::Warmup => {}
+                Pass::Time => samples.extend(observation.seconds),
+                Pass::Count => {
+                    cell.counters = observation.counters.unwrap_or_default();
+                    if with_wavefront {
+                        cell.wavefront = observation.wavefront;
+                    }
+                }
+                Pass::Profile => cell.phases = observation.phases.unwrap_or_default(),
+            }
+            if matches!(pass, Pass::Profile | Pass::Count) {
+                // Ours are measured in the profiled run; outside programs report them with the
+                // counts.
+                let Peaks { heap, rss } = observation.peaks;
+                cell.memory.heap_peak_bytes = cell.memory.heap_peak_bytes.or(heap);
+                cell.memory.rss_peak_bytes = cell.memory.rss_peak_bytes.or(rss);
+            }
+        }
+        cell.time = Time {
+            places,
+            ..crate::measure::statistics::time(samples, setup)
+        };
+        let count = |counter| cell.counters.get(counter);
+        cell.memory = Memory {
+            papers_bytes: count(self.algorithm.algorithm().memory_counter)
+                .map(|windows| windows * PAPERS_WINDOW_BYTES),
+            windows_peak_bytes: count(Counter::PeakWindows)
+                .zip(count(Counter::WindowBytes))
+                .map(|(windows, bytes)| windows * bytes),
+            ..cell.memory
+        };
+        cell
+    }
+
+    /// The worst comparison. A cell is checked if all its runs were.
+    fn check(&self) -> Check {
+        let outcomes = || self.outcomes.values();
+        let badness = |check: &Check| match check.reference {
+            Some(_) => check.max_rel.unwrap_or(f64::INFINITY),
+            None => -1.0,
+        };
+        let worst = outcomes()
+            .map(|outcome| &outcome.check)
+            .max_by(|a, b| badness(a).total_cmp(&badness(b)));
+        let unreachable = outcomes()
+            .rev()
+            .find_map(|outcome| outcome.check.unreachable);
+        if outcomes().any(|outcome| outcome.unchecked.is_some()) {
+            return Check {
+                unreachable,
+                cluster: worst.and_then(|check| check.cluster),
+                ..Check::default()
+            };
+        }
+        Check {
+            unreachable,
+            ..worst.cloned().unwrap_or_default()
+        }
+    }
+}
+
+/// A short outcome: the status of a failure, or the seconds of a timed run.
+fn summary(outcome: &RunOutcome) -> Result<Option<f64>, Status> {
+    match &outcome.failure {
+        Some(failure) => Err(failure.status),
+        None => Ok(outcome.observation.seconds),
+    }
+}
+
+/// Bytes that the papers charge for each window.
+const PAPERS_WINDOW_BYTES: u64 = 80;
+
+/// The order of the algorithms in each round of timed runs.
+///
+/// A round has one run of every algorithm. The previous run can matter, through caches, memory and
+/// clock frequency, so the order changes from round to round along the rows of a balanced Latin
+/// square (E. J. Williams, Experimental designs balanced for the estimation of residual effects of
+/// treatments, 1949): over all rows every algorithm has every place equally often and follows every
+/// other equally often. Seed, model and source alone decide which algorithm takes which part of the
+/// square and which row is first, so that a run can be repeated.
+#[derive(Clone, Debug)]
+pub(crate) struct Turns {
+    /// The algorithm of each part of the square.
+    parts: Vec<usize>,
+    /// The rows of the square, in order of use.
+    rows: Vec<usize>,
+}
+
+impl Turns {
+    /// The order of `algorithms` algorithms in a model from a source.
+    pub(crate) fn new(seed: u64, model: &str, source: u32, algorithms: usize) -> Self {
+        let mut random = SplitMix64::of(seed, model, source);
+        // An odd number of algorithms needs the square and its mirror image.
+        let rows = algorithms * (1 + algorithms % 2);
+        Self {
+            parts: shuffled(algorithms, &mut random),
+            rows: shuffled(rows, &mut random),
+        }
+    }
+
+    /// The algorithms in their order in `round`, counted from 0.
+    pub(crate) fn round(&self, round: usize) -> Vec<usize> {
+        let n = self.parts.len();
+        if n == 0 {
+            return Vec::new();
+        }
+        let row = self.rows[round % self.rows.len()];
+        let mut order: Vec<usize> = (0..n)
+            // The first row is 0, n - 1, 1, n - 2, ...: neighbours differ by every amount once.
+            .map(|k| if k % 2 == 0 { k / 2 } else { n - k.div_ceil(2) })
+            .map(|part| self.parts[(part + row) % n])
+            .collect();
+        if row >= n {
+            order.reverse();
+        }
+        order
+    }
+}
+
+/// The numbers below `n`, shuffled (Fisher and Yates).
+fn shuffled(n: usize, random: &mut SplitMix64) -> Vec<usize> {
+    let mut all: Vec<usize> = (0..n).collect();
+    for i in 0..n {
+        all.swap(i, i + random.below(n - i));
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_place_and_every_neighbour_is_had_equally_often() {
+        for n in 1..=9 {
+            let turns = Turns::new(7, "horse", 3, n);
+            let (rounds, each) = (n * (1 + n % 2), 1 + n % 2);
+            let mut places = vec![vec![0; n]; n];
+            let mut follows = vec![vec![0; n]; n];
+            for round in 0..rounds {
+                let order = turns.round(round);
+                for (place, &algorithm) in order.iter().enumerate() {
+                    places[algorithm][place] += 1;
+                }
+                for pair in order.windows(2) {
+                    follows[pair[0]][pair[1]] += 1;
+                }
+            }
+            assert!(places.iter().flatten().all(|&count| count == each), "{n}");
+            for (a, row) in follows.iter().enumerate() {
+                for (b, &count) in row.iter().enumerate() {
+                    assert_eq!(count, if a == b { 0 } else { each }, "{n}: {a} {b}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn two_algorithms_alternate_in_going_first() {
+        let turns = Turns::new(1, "cow", 0, 2);
+        let first: Vec<usize> = (0..6).map(|round| turns.round(round)[0]).collect();
+        assert_ne!(first[0], first[1]);
+        assert_eq!(first[..2], first[2..4]);
+        assert_eq!(first[..2], first[4..]);
+    }
+
+    #[test]
+    fn the_order_follows_from_seed_model_and_source_alone() {
+        let all = |turns: &Turns| (0..12).map(|r| turns.round(r)).collect::<Vec<_>>();
+        let order = all(&Turns::new(1, "cow", 0, 5));
+        assert_eq!(order, all(&Turns::new(1, "cow", 0, 5)));
+        assert_ne!(order, all(&Turns::new(2, "cow", 0, 5)));
+        assert_ne!(order, all(&Turns::new(1, "horse", 0, 5)));
+        assert_ne!(order, all(&Turns::new(1, "cow", 1, 5)));
+        assert!(Turns::new(1, "cow", 0, 0).round(3).is_empty());
+    }
+}

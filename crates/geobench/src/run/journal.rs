@@ -1,0 +1,503 @@
+//! The journal of a benchmark: the outcome of every run, synced to disk before the next one starts,
+//! so that a killed benchmark loses at most the run under way.
+//!
+//! A journal is a file of JSON lines. The first is the [`Header`] with program and plan; only the
+//! same program with the same plan continues a journal. The others hold a session, a model, an
+//! instruction count or a run. An incomplete last line is cut off. Any other malformed line is an
+//! error, because the rest of the file cannot be trusted then.
+//!
+//! A run has one line, except warm-ups: a later process repeats them before its timed runs, and so
+//! the run of the reference, whose answer is needed for checks and too large to store.
+
+use std::collections::HashMap;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use crate::exec::{Failure, Observation, Pass};
+use crate::schema::plan_record::{PlanRecord, first_difference};
+use crate::schema::{Check, InstructionCount, ModelRecord, SCHEMA, SessionRecord, Tool};
+
+#[cfg(test)]
+mod tests;
+
+/// Identifies a run within a plan.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct RunId {
+    /// Name of the group; none if that has none.
+    pub group: Option<String>,
+    /// Name of the model.
+    pub model: String,
+    /// The source vertex.
+    pub source: u32,
+    /// Label of the algorithm.
+    pub algorithm: String,
+    /// What it is for.
+    #[serde(rename = "purpose")]
+    pub pass: Pass,
+    /// Index among the runs of this pass.
+    pub round: usize,
+}
+
+/// The outcome of a run, after the check of its answer.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RunOutcome {
+    /// The figures, without the distances.
+    pub observation: Observation,
+    /// Comparison of the distances with the reference.
+    pub check: Check,
+    /// Why there was no reference although one is wanted.
+    pub unchecked: Option<String>,
+    /// Failure of the run, which fails the cell.
+    pub failure: Option<Failure>,
+}
+
+/// An open, locked journal.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    file: File,
+    /// Bytes of complete lines.
+    length: u64,
+    sessions: Vec<SessionRecord>,
+    models: HashMap<String, ModelRecord>,
+    outcomes: HashMap<RunId, RunOutcome>,
+    instructions: HashMap<RunId, InstructionCount>,
+}
+
+/// Why a journal cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum JournalError {
+    /// An error of the file system.
+    #[error("journal {}: cannot be {action}: {error}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// It is a directory, a device or a pipe.
+    #[error("journal {}: not a regular file", path.display())]
+    NotAFile {
+        /// The path.
+        path: PathBuf,
+    },
+    /// Another process has it open.
+    #[error("journal {}: another process is writing it", path.display())]
+    Locked {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It holds something else; it is left as it is.
+    #[error("journal {}: not a journal of geobench; name a file that does not exist to start a new one", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It belongs to another program or plan.
+    #[error(
+        "journal {}: belongs to another run: {difference}; repeat that run or name another file",
+        path.display()
+    )]
+    Differs {
+        /// The file.
+        path: PathBuf,
+        /// What is different.
+        difference: String,
+    },
+    /// A line cannot be understood.
+    #[error("journal {}, line {line}: {problem}; take the line out, or name another file", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
+}
+
+/// Time to wait for the lock.
+const LOCK_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// Interval of attempts.
+const PAUSE: Duration = Duration::from_millis(10);
+
+/// Locks a journal, waiting up to [`LOCK_TIMEOUT`].
+///
+/// A process killed while it starts a child leaves its lock to the child until that has called
+/// exec. A resumed run must not be refused for that.
+fn lock(file: &File) -> Result<(), TryLockError> {
+    let deadline = Instant::now() + LOCK_TIMEOUT;
+    loop {
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) if Instant::now() < deadline => thread::sleep(PAUSE),
+            outcome => return outcome,
+        }
+    }
+}
+
+impl Journal {
+    /// Opens the journal of the run that `header` describes and adds `session`. A missing or empty
+    /// file becomes a new journal.
+    ///
+    /// # Errors
+    ///
+    /// When the file cannot be written, is in use, is not a journal, belongs to another run or is
+    /// damaged. It is then as it was.
+    pub fn open(
+        path: &Path,
+        header: &Header,
+        session: &SessionRecord,
+    ) -> Result<Self, JournalError> {
+        let fail = |action| {
+            move |error| JournalError::Io {
+                path: path.to_owned(),
+                action,
+                error,
+            }
+        };
+        let existed = path.exists();
+        if existed && !path.is_file() {
+            return Err(JournalError::NotAFile {
+                path: path.to_owned(),
+            });
+        }
+        let file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(path)
+            .map_err(fail("opened for writing"))?;
+        match lock(&file) {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(JournalError::Locked {
+                    path: path.to_owned(),
+                });
+            }
+            Err(TryLockError::Error(error)) => return Err(fail("locked")(error)),
+        }
+        let mut journal = Self {
+            path: path.to_owned(),
+            file,
+            length: 0,
+            sessions: Vec::new(),
+            models: HashMap::new(),
+            outcomes: HashMap::new(),
+            instructions: HashMap::new(),
+        };
+        let mut bytes = Vec::new();
+        journal.file.read_to_end(&mut bytes).map_err(fail("read"))?;
+        let first = header.line();
+        let begun = if bytes.len() < first.len() && first.as_bytes().starts_with(&bytes) {
+            // New, or the first line is incomplete.
+            journal.start(&first)
+        } else {
+            journal.read(&bytes, header)?;
+            journal.cut()
+        };
+        let noted = begun.and_then(|()| journal.append(&Line::Session(session.clone())));
+        if let Err(error) = noted {
+            if !existed {
+                // It is empty, so a failure to remove it does no harm.
+                let _ = fs::remove_file(path);
+            }
+            return Err(fail("written")(error));
+        }
+        journal.sessions.push(session.clone());
+        Ok(journal)
+    }
+
+    /// The sessions so far, this one last.
+    pub fn sessions(&self) -> &[SessionRecord] {
+        &self.sessions
+    }
+
+    /// Number of runs that are in it.
+    pub fn runs(&self) -> usize {
+        self.outcomes.len()
+    }
+
+    /// Writes the first line and syncs the file and its directory.
+    fn start(&mut self, first: &str) -> io::Result<()> {
+        self.cut()?;
+        self.append_text(first)?;
+        self.file.sync_all()?;
+        if cfg!(unix) {
+            let directory = match self.path.parent() {
+                Some(parent) if !parent.as_os_str().is_empty() => parent,
+                _ => Path::new("."),
+            };
+            File::open(directory)?.sync_all()?;
+        }
+        Ok(())
+    }
+
+    /// Reads all complete lines.
+    fn read(&mut self, bytes: &[u8], header: &Header) -> Result<(), JournalError> {
+        let mut lines = bytes.split_inclusive(|&byte| byte == b'\n');
+        let first = lines.next().unwrap_or_default();
+        let Ok(found) = serde_json::from_slice::<Header>(first) else {
+            return Err(JournalError::Foreign {
+                path: self.path.clone(),
+            });
+        };
+        if let Some(difference) = found.difference(header) {
+            return Err(JournalError::Differs {
+                path: self.path.clone(),
+                difference,
+            });
+        }
+        self.length = first.len() as u64;
+        for (number, line) in (2..).zip(lines) {
+            if !line.ends_with(b"\n") {
+                break;
+            }
+            let taken = serde_json::from_slice(line)
+                .map_err(|error| format!("not a line of a journal: {error}"))
+                .and_then(|line| self.take_in(line, header));
+            taken.map_err(|problem| JournalError::Line {
+                path: self.path.clone(),
+                line: number,
+                problem,
+            })?;
+            self.length += line.len() as u64;
+        }
+        Ok(())
+    }
+
+    fn take_in(&mut self, line: Line, header: &Header) -> Result<(), String> {
+        match line {
+            Line::Session(session) => self.sessions.push(session),
+            Line::Model(model) => {
+                self.models.insert(model.name.clone(), model);
+            }
+            Line::Instructions { id, found } => {
+                header.check(&id)?;
+                self.instructions.insert(id, found);
+            }
+            Line::Run { id, found } => {
+                header.check(&id)?;
+                self.note(id, found)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Stores the outcome of a run. Of repeated warm-ups the first counts, which set the algorithm
+    /// up, unless a later one failed.
+    fn note(&mut self, id: RunId, found: RunOutcome) -> Result<(), String> {
+        match self.outcomes.get_mut(&id) {
+            None => {
+                self.outcomes.insert(id, found);
+            }
+            Some(known) if id.pass == Pass::Warmup => {
+                if known.failure.is_none() && found.failure.is_some() {
+                    *known = found;
+                }
+            }
+            Some(_) => return Err("the run is on an earlier line already".to_owned()),
+        }
+        Ok(())
+    }
+
+    /// Truncates the file after the complete lines.
+    fn cut(&mut self) -> io::Result<()> {
+        self.file.set_len(self.length)?;
+        self.file.seek(SeekFrom::Start(self.length))?;
+        Ok(())
+    }
+
+    fn append(&mut self, line: &Line) -> io::Result<()> {
+        let mut text = serde_json::to_string(line)?;
+        text.push('\n');
+        self.append_text(&text)
+    }
+
+    /// Writes a line and syncs it.
+    fn append_text(&mut self, line: &str) -> io::Result<()> {
+        let written = self
+            .file
+            .write_all(line.as_bytes())
+            .and_then(|()| self.file.sync_data());
+        match written {
+            Ok(()) => self.length += line.len() as u64,
+            // Removes the incomplete line, which the next process would cut off.
+            Err(_) => self.cut()?,
+        }
+        written
+    }
+
+    fn keep_line(&mut self, line: &Line) -> anyhow::Result<()> {
+        self.append(line).map_err(|error| {
+            anyhow::anyhow!(
+                "journal {}: cannot be written: {error}; it holds all runs up to here, so go on with --resume",
+                self.path.display()
+            )
+        })
+    }
+}
+
+impl Journal {
+    /// The record of a model.
+    pub(super) fn model(&self, name: &str) -> Option<&ModelRecord> {
+        self.models.get(name)
+    }
+
+    /// The outcome of a run, if it is done.
+    pub(super) fn outcome(&self, run: &RunId) -> Option<&RunOutcome> {
+        self.outcomes.get(run)
+    }
+
+    /// The instruction count of a cell, named by its counted run.
+    pub(super) fn instructions(&self, run: &RunId) -> Option<&InstructionCount> {
+        self.instructions.get(run)
+    }
+
+    /// Writes the instruction count of a cell.
+    ///
+    /// # Errors
+    ///
+    /// When the file cannot be written, which ends the benchmark.
+    pub(super) fn keep_instructions(
+        &mut self,
+        id: RunId,
+        found: &InstructionCount,
+    ) -> anyhow::Result<()> {
+        self.keep_line(&Line::Instructions {
+            id: id.clone(),
+            found: found.clone(),
+        })?;
+        self.instructions.insert(id, found.clone());
+        Ok(())
+    }
+
+    /// Writes the record of a model.
+    ///
+    /// # Errors
+    ///
+    /// When the file cannot be written, which ends the benchmark.
+    pub(super) fn keep_model(&mut self, model: &ModelRecord) -> anyhow::Result<()> {
+        self.keep_line(&Line::Model(model.clone()))?;
+        self.models.insert(model.name.clone(), model.clone());
+        Ok(())
+    }
+
+    /// Writes the outcome of a run.
+    ///
+    /// # Errors
+    ///
+    /// When the file cannot be written, which ends the benchmark.
+    pub(super) fn keep(&mut self, id: RunId, outcome: &RunOutcome) -> anyhow::Result<()> {
+        let found = outcome.clone();
+        self.keep_line(&Line::Run {
+            id: id.clone(),
+            found: found.clone(),
+        })?;
+        self.note(id, found).map_err(anyhow::Error::msg)
+    }
+}
+
+/// Identifies the benchmark of a journal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// Always the schema of result files.
+    journal: String,
+    /// The program that measures.
+    tool: Tool,
+    /// The plan, with the hashes of the model files.
+    plan: PlanRecord,
+}
+
+impl Header {
+    /// The first line of a journal of `tool` running `plan`.
+    pub fn new(tool: Tool, plan: PlanRecord) -> Self {
+        Self {
+            journal: SCHEMA.to_owned(),
+            tool,
+            plan,
+        }
+    }
+
+    /// The line itself.
+    fn line(&self) -> String {
+        let mut line = serde_json::to_string(self).unwrap_or_default();
+        line.push('\n');
+        line
+    }
+
+    /// The first difference from `now`, with both values.
+    fn difference(&self, now: &Self) -> Option<String> {
+        let value = |header| serde_json::to_value(header).unwrap_or_default();
+        let found = first_difference(&value(self), &value(now))?;
+        Some(format!(
+            "`{}` is {} there and {} now",
+            found.place, found.left, found.right
+        ))
+    }
+
+    /// Checks that a run is part of the plan.
+    fn check(&self, run: &RunId) -> Result<(), String> {
+        let group = self.plan.groups.iter().find(|g| g.name == run.group);
+        let Some(group) = group else {
+            return Err(format!(
+                "there is no group `{}` in the plan",
+                run.group.as_deref().unwrap_or_default()
+            ));
+        };
+        if group.models.iter().all(|model| model.name != run.model) {
+            return Err(format!("there is no model `{}` in the plan", run.model));
+        }
+        let is_reference = group.reference == run.algorithm && run.pass == Pass::Warmup;
+        if !is_reference && group.algorithms.iter().all(|a| a.label != run.algorithm) {
+            return Err(format!(
+                "there is no algorithm `{}` in the plan",
+                run.algorithm
+            ));
+        }
+        let rounds = match run.pass {
+            Pass::Warmup => group.warmup.max(1),
+            Pass::Time => group.repeat,
+            Pass::Count | Pass::Profile => 1,
+        };
+        if run.round >= rounds {
+            return Err(format!("there is no round {} in the plan", run.round));
+        }
+        Ok(())
+    }
+}
+
+/// A line of a journal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[expect(clippy::large_enum_variant, reason = "there is but one at a time")]
+enum Line {
+    /// A process started.
+    Session(SessionRecord),
+    /// A model was loaded for the first time.
+    Model(ModelRecord),
+    /// The instructions of a cell were counted.
+    Instructions {
+        /// The run that counts in that cell.
+        id: RunId,
+        /// How many, and of what kind.
+        #[serde(flatten)]
+        found: InstructionCount,
+    },
+    /// A run ended.
+    Run {
+        /// Which.
+        id: RunId,
+        /// What came of it.
+        found: RunOutcome,
+    },
+}

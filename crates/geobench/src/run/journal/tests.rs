@@ -1,0 +1,435 @@
+//! Journals of made-up runs.
+
+use std::fs;
+use std::path::PathBuf;
+use std::thread;
+use std::time::Duration;
+
+use super::{Header, Journal, JournalError};
+use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
+use crate::exec::{Failure, Listener, Pass};
+use crate::plan::{Plan, Reference};
+use crate::registry;
+use crate::run::mock::{NullListener, plan};
+use crate::run::{Records, run};
+use crate::schema::{
+    Cell, Host, InstructionCount, IsolationRecord, ModelRecord, SessionRecord, Status, Tool,
+};
+use tempfile::TempDir;
+
+/// A directory with a journal in it.
+struct Desk {
+    directory: TempDir,
+}
+
+impl Desk {
+    fn new() -> Self {
+        Self {
+            directory: tempfile::tempdir().unwrap(),
+        }
+    }
+
+    fn path(&self) -> PathBuf {
+        self.directory.path().join("j.jsonl")
+    }
+
+    fn text(&self) -> String {
+        fs::read_to_string(self.path()).unwrap()
+    }
+
+    fn open(&self, plan: &Plan) -> Result<Journal, JournalError> {
+        Journal::open(&self.path(), &header(plan), &session())
+    }
+
+    /// Opens the journal and carries out the plan.
+    fn run(&self, plan: &Plan, backend: &mut MockBackend) -> Records {
+        let mut journal = self.open(plan).unwrap();
+        run(plan, backend, Some(&mut journal), &mut NullListener).unwrap()
+    }
+
+    /// The message with which the journal is refused, in which the path is `J`.
+    fn refused(&self, plan: &Plan) -> String {
+        let before = fs::read(self.path()).unwrap();
+        let message = self.open(plan).unwrap_err().to_string();
+        assert_eq!(fs::read(self.path()).unwrap(), before, "it is left alone");
+        message.replace(&self.path().display().to_string(), "J")
+    }
+}
+
+fn tool() -> Tool {
+    Tool {
+        version: "1.2.3".into(),
+        commit: Some("c0ffee".into()),
+        rustc: None,
+        rustflags: None,
+        profile: "release".into(),
+        features: Vec::new(),
+    }
+}
+
+fn isolation() -> IsolationRecord {
+    IsolationRecord {
+        process: true,
+        cpus: None,
+    }
+}
+
+fn header(plan: &Plan) -> Header {
+    Header::new(
+        tool(),
+        crate::plan::record(std::slice::from_ref(plan), isolation()),
+    )
+}
+
+fn session() -> SessionRecord {
+    SessionRecord {
+        shard: None,
+        host: Host {
+            cpu: None,
+            cores: 1,
+            memory_bytes: None,
+            os: "some system".into(),
+            kernel: None,
+            load_start: None,
+            simd: None,
+        },
+        command: vec!["geobench".into()],
+        started: "2025-01-01T00:00:00Z".into(),
+        finished: None,
+    }
+}
+
+fn small() -> Plan {
+    let mut plan = plan(&["horse", "cow"], "mmp,vtp,ich", "0");
+    plan.repeat = 2;
+    plan
+}
+
+/// All but the times.
+fn essence(records: &Records) -> String {
+    let mut records = records.clone();
+    for cell in &mut records.cells {
+        let count = cell.time.samples.len();
+        cell.time = crate::schema::Time {
+            samples: vec![0.0; count],
+            places: cell.time.places.clone(),
+            ..Default::default()
+        };
+    }
+    serde_json::to_string(&records.cells).unwrap()
+}
+
+#[test]
+fn what_is_complete_is_not_repeated_and_not_even_loaded() {
+    let desk = Desk::new();
+    let mut first = MockBackend::default();
+    let whole = desk.run(&small(), &mut first);
+    let lines = desk.text().lines().count();
+    // A header, a session, two models, and every run.
+    assert_eq!(lines, 2 + 2 + first.log.len());
+
+    let mut second = MockBackend {
+        refuse: vec!["horse", "cow"],
+        ..MockBackend::default()
+    };
+    let again = desk.run(&small(), &mut second);
+    assert_eq!(second.log, [""; 0]);
+    assert_eq!(
+        serde_json::to_string(&again.cells).unwrap(),
+        serde_json::to_string(&whole.cells).unwrap(),
+        "times included"
+    );
+    assert_eq!(desk.text().lines().count(), lines + 1, "one more session");
+}
+
+/// Cuts the journal at every line, and within it, and goes on from there.
+#[test]
+fn wherever_a_run_is_killed_it_goes_on_to_the_same_result() {
+    for alter in [None, Some(spoil_vtp as _), Some(crash_ich as _)] {
+        let backend = || MockBackend {
+            alter,
+            ..MockBackend::default()
+        };
+        let desk = Desk::new();
+        let mut undisturbed = backend();
+        let whole = essence(&desk.run(&small(), &mut undisturbed));
+        let text = desk.text();
+        let lines: Vec<&str> = text.split_inclusive('\n').collect();
+        for kept in 0..=lines.len() {
+            let mut part: String = lines[..kept].concat();
+            if let Some(next) = lines.get(kept) {
+                part.push_str(&next[..(kept * 37) % next.len()]);
+            }
+            fs::write(desk.path(), &part).unwrap();
+            let mut rest = backend();
+            assert_eq!(essence(&desk.run(&small(), &mut rest)), whole, "{kept}");
+            let runs_kept = kept.saturating_sub(2);
+            let timed = |log: &[String]| log.iter().filter(|l| !l.starts_with("warm")).count();
+            let timed_in = lines[..kept]
+                .iter()
+                .filter(|l| l.starts_with("{\"run\"") && !l.contains("warm_up"))
+                .count();
+            assert_eq!(
+                timed(&rest.log) + timed_in,
+                timed(&undisturbed.log),
+                "{kept}: every run but warm-ups is made exactly once"
+            );
+            assert!(rest.log.len() + runs_kept <= undisturbed.log.len() + 2 + 4);
+            let finished = desk.text();
+            assert!(finished.starts_with(&lines[..kept].concat()));
+        }
+    }
+}
+
+/// Counts instructions and how often it was asked to.
+#[derive(Default)]
+struct Counting(u64);
+
+impl Listener for Counting {
+    fn count_instructions(&mut self, _: &ModelRecord, _: &Cell) -> Option<InstructionCount> {
+        self.0 += 1;
+        Some(InstructionCount {
+            count: 1000 + self.0,
+            simd: Some("avx2".to_owned()),
+        })
+    }
+}
+
+#[test]
+fn instructions_are_counted_once() {
+    let desk = Desk::new();
+    let go = |listener: &mut Counting| {
+        let mut journal = desk.open(&small()).unwrap();
+        let mut backend = MockBackend::default();
+        run(&small(), &mut backend, Some(&mut journal), listener).unwrap()
+    };
+    let mut first = Counting::default();
+    let whole = go(&mut first);
+    assert_eq!(first.0, 6);
+    assert_eq!(whole.cells[5].instructions, Some(1006));
+    let mut second = Counting::default();
+    assert_eq!(go(&mut second).cells, whole.cells);
+    assert_eq!(second.0, 0);
+}
+
+#[test]
+fn a_cell_that_failed_is_not_tried_again() {
+    let desk = Desk::new();
+    let plan = plan(&["horse"], "mmp,vtp,ich", "0,3");
+    let mut crashing = MockBackend {
+        alter: Some(crash_ich),
+        ..MockBackend::default()
+    };
+    desk.run(&plan, &mut crashing);
+    // Killed after ich has failed in the first round.
+    let text = desk.text();
+    let end = text.find("crashed").unwrap();
+    let end = end + text[end..].find('\n').unwrap() + 1;
+    fs::write(desk.path(), &text[..end]).unwrap();
+    let mut rest = MockBackend::default();
+    let records = desk.run(&plan, &mut rest);
+    assert!(!rest.log.contains(&"time ich 0".to_owned()));
+    assert!(!rest.log.contains(&"warm ich 0".to_owned()));
+    assert!(rest.log.contains(&"time ich 3".to_owned()));
+    let statuses: Vec<Status> = records.cells.iter().map(|c| c.status).collect();
+    assert_eq!(statuses[2], Status::Crashed);
+    assert!(statuses[3..].iter().all(|&s| s == Status::Ok));
+}
+
+#[test]
+fn a_reference_that_failed_is_not_tried_again() {
+    let desk = Desk::new();
+    let mut plan = plan(&["horse"], "vtp,ich", "0");
+    plan.reference = Reference::Algorithm(registry::select_one("mmp").unwrap());
+    let mut failing = MockBackend {
+        alter: Some(|step, _| {
+            (step.algorithm.label() == "mmp").then(|| Failure {
+                status: Status::Timeout,
+                message: "too long".into(),
+            })
+        }),
+        ..MockBackend::default()
+    };
+    let whole = desk.run(&plan, &mut failing);
+    let text = desk.text();
+    let some: Vec<&str> = text.split_inclusive('\n').take(8).collect();
+    fs::write(desk.path(), some.concat()).unwrap();
+    let mut rest = MockBackend::default();
+    let records = desk.run(&plan, &mut rest);
+    assert!(rest.log.iter().all(|line| !line.contains("mmp")));
+    assert_eq!(essence(&records), essence(&whole));
+    assert_eq!(
+        records.cells[1].message.as_deref(),
+        Some("not checked: the reference mmp failed: too long")
+    );
+}
+
+#[test]
+fn a_journal_of_another_run_is_refused_and_says_what_differs() {
+    let desk = Desk::new();
+    desk.run(&small(), &mut MockBackend::default());
+    let refused = |change: fn(&mut Plan)| {
+        let mut plan = small();
+        change(&mut plan);
+        let message = desk.refused(&plan);
+        let message = message.strip_prefix("journal J: belongs to another run: ");
+        let message =
+            message.and_then(|m| m.strip_suffix("; repeat that run or name another file"));
+        message.unwrap().to_owned()
+    };
+    assert_eq!(
+        refused(|p| p.repeat = 4),
+        "`plan.groups[0].repeat` is 2 there and 4 now"
+    );
+    assert_eq!(
+        refused(|p| p.tolerance = 1e-6),
+        "`plan.groups[0].tolerance` is 1e-9 there and 1e-6 now"
+    );
+    assert_eq!(
+        refused(|p| p.seed = 9),
+        "`plan.groups[0].seed` is 1 there and 9 now"
+    );
+    assert_eq!(
+        refused(|p| p.sources = "1".parse().unwrap()),
+        "`plan.groups[0].sources` is \"0\" there and \"1\" now"
+    );
+    assert_eq!(
+        refused(|p| p.algorithms = registry::select("mmp,vtp").unwrap()),
+        "`plan.groups[0].algorithms` is a list of 3 there and a list of 2 now"
+    );
+    assert_eq!(
+        refused(
+            |p| p.algorithms = registry::select("mmp,vtp,ich{min_window=0.1}")
+                .unwrap_or_else(|_| registry::select("mmp,vtp,fwp-ch{bucket=2}").unwrap())
+        ),
+        "`plan.groups[0].algorithms[2].label` is \"ich\" there and \"fwp-ch{bucket=2}\" now"
+    );
+    assert_eq!(
+        refused(|p| p.reference = Reference::None),
+        "`plan.groups[0].reference` is \"mmp\" there and \"none\" now"
+    );
+    assert_eq!(
+        refused(|p| p.models.truncate(1)),
+        "`plan.groups[0].models` is a list of 2 there and a list of 1 now"
+    );
+    assert_eq!(
+        refused(|p| crate::plan::restrict(std::slice::from_mut(p), "1/2".parse().unwrap())),
+        "`plan.shard` is null there and {\"count\":2,\"index\":1} now"
+    );
+
+    let mut newer = tool();
+    newer.commit = Some("decaf".into());
+    let record = crate::plan::record(&[small()], isolation());
+    let error = Journal::open(&desk.path(), &Header::new(newer, record), &session());
+    let message = error.unwrap_err().to_string();
+    assert!(message.contains("`tool.commit` is \"c0ffee\" there and \"decaf\" now"));
+}
+
+#[test]
+fn a_model_that_has_changed_is_refused() {
+    let desk = Desk::new();
+    desk.run(&small(), &mut MockBackend::default());
+    let text = desk.text().replace("00ff", "beef");
+    let cut = text.rfind("{\"run\"").unwrap();
+    fs::write(desk.path(), &text[..cut]).unwrap();
+    let mut journal = desk.open(&small()).unwrap();
+    let error = run(
+        &small(),
+        &mut MockBackend::default(),
+        Some(&mut journal),
+        &mut NullListener,
+    )
+    .unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "cow.obj: the model is not the one that the journal holds results of: its SHA-256 is 00ff, and was beef"
+    );
+}
+
+#[test]
+fn only_the_last_line_may_be_torn() {
+    let desk = Desk::new();
+    desk.run(&small(), &mut MockBackend::default());
+    let text = desk.text();
+    let lines: Vec<&str> = text.split_inclusive('\n').collect();
+    let with = |line: usize, replacement: &str| {
+        let mut lines = lines.clone();
+        lines[line] = replacement;
+        fs::write(desk.path(), lines.concat()).unwrap();
+    };
+    let refused = |line, replacement: &str| {
+        with(line, replacement);
+        desk.refused(&small())
+    };
+    let last = lines.len() - 1;
+    for (line, torn) in [(6, &lines[6][..20]), (last, "{\"run\":\n"), (6, "\n")] {
+        let message = refused(line, torn);
+        // A line without its end has become one with the next.
+        assert!(
+            message.starts_with(&format!("journal J, line {}: not a line", line + 1)),
+            "{message}"
+        );
+    }
+    let timed = lines
+        .iter()
+        .position(|l| l.contains("\"time\",\"round\""))
+        .unwrap();
+    assert_eq!(
+        refused(timed + 1, lines[timed]),
+        format!(
+            "journal J, line {}: the run is on an earlier line already; take the line out, or name another file",
+            timed + 2
+        )
+    );
+    for (from, to, problem) in [
+        ("\"horse\"", "\"hearse\"", "no model `hearse`"),
+        ("\"round\":0", "\"round\":7", "no round 7"),
+        ("\"group\":null", "\"group\":\"x\"", "no group `x`"),
+    ] {
+        let message = refused(timed, &lines[timed].replacen(from, to, 1));
+        assert!(message.contains(problem), "{message}");
+    }
+    for foreign in ["hello\n", "{}\n", "{\"schema\": 1}", "no line"] {
+        fs::write(desk.path(), foreign).unwrap();
+        assert_eq!(
+            desk.refused(&small()),
+            "journal J: not a journal of geobench; name a file that does not exist to start a new one"
+        );
+    }
+}
+
+#[test]
+fn a_journal_is_written_by_one_process_at_a_time() {
+    let desk = Desk::new();
+    let first = desk.open(&small()).unwrap();
+    let error = desk.open(&small()).unwrap_err();
+    assert!(matches!(error, JournalError::Locked { .. }), "{error}");
+    drop(first);
+    assert_eq!(desk.open(&small()).unwrap().sessions().len(), 2);
+}
+
+/// The child of a process that was killed holds the lock for a moment. Whoever went on at once was
+/// refused then, once in some hundred times.
+#[test]
+fn a_journal_that_is_let_go_of_soon_is_waited_for() {
+    let desk = Desk::new();
+    let first = desk.open(&small()).unwrap();
+    let holder = thread::spawn(move || {
+        thread::sleep(Duration::from_millis(50));
+        drop(first);
+    });
+    assert_eq!(desk.open(&small()).unwrap().sessions().len(), 2);
+    holder.join().unwrap();
+}
+
+#[test]
+fn findings_are_read_as_they_were_written() {
+    let desk = Desk::new();
+    desk.run(&small(), &mut MockBackend::default());
+    let text = desk.text();
+    for line in text.lines().skip(1) {
+        let read: super::Line = serde_json::from_str(line).unwrap();
+        assert_eq!(serde_json::to_string(&read).unwrap(), line);
+    }
+    assert!(Pass::Warmup < Pass::Time && Pass::Time < Pass::Count);
+}

@@ -1,0 +1,79 @@
+//! Plans, runs and result files for tests, over [`mock`](crate::exec::mock).
+
+use super::{Records, run};
+use crate::exec::Listener;
+use crate::exec::limits::Limits;
+use crate::exec::mock::MockBackend;
+use crate::exec::model::ModelRef;
+use crate::plan::{Plan, Reference};
+use crate::registry;
+use crate::schema::{GroupRecord, Host, ResultFile, SCHEMA, Tool};
+
+/// A plan for models that do not exist.
+pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
+    let algorithms = registry::select(algorithms).unwrap();
+    Plan {
+        group: GroupRecord::unnamed(),
+        models: models.iter().map(|name| ModelRef::named(name)).collect(),
+        reference: Reference::Algorithm(
+            algorithms
+                .iter()
+                .find(|a| a.label() == "mmp")
+                .unwrap_or(&algorithms[0])
+                .clone(),
+        ),
+        algorithms,
+        sources: sources.parse().unwrap(),
+        repeat: 5,
+        warmup: 1,
+        tolerance: 1e-9,
+        seed: 1,
+        shard_range: None,
+        limits: Limits::USUAL,
+    }
+}
+
+/// Ignores all progress.
+pub(crate) struct NullListener;
+
+impl Listener for NullListener {}
+
+/// Carries out `plan` with a mock backend.
+pub(crate) fn run_mock(plan: &Plan, backend: &mut MockBackend) -> Records {
+    run(plan, backend, None, &mut NullListener).unwrap()
+}
+
+/// A result file of these records.
+pub(crate) fn result(records: Records) -> ResultFile {
+    ResultFile {
+        schema: SCHEMA.into(),
+        tool: Tool {
+            version: "1.2.3".into(),
+            commit: None,
+            rustc: Some("rustc 1.89.0".into()),
+            rustflags: Some("-C opt-level=3".into()),
+            profile: "release".into(),
+            features: Vec::new(),
+        },
+        host: Host {
+            cpu: None,
+            cores: 2,
+            memory_bytes: Some(1 << 34),
+            os: "some system".into(),
+            kernel: None,
+            load_start: Some(0.5),
+            simd: Some("avx2".into()),
+        },
+        command: vec!["geobench".into(), "run".into()],
+        started: "2025-01-01T00:00:00Z".into(),
+        finished: "2025-01-01T00:00:01Z".into(),
+        isolation: None,
+        groups: Vec::new(),
+        models: records.models,
+        cells: records.cells,
+        pairing: None,
+        conditions: None,
+        plan: None,
+        sessions: Vec::new(),
+    }
+}

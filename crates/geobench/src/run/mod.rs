@@ -1,0 +1,226 @@
+//! Carries out a [`Plan`], model by model. `group` runs the cells of one model and source.
+
+pub mod agreement;
+pub mod check;
+mod group;
+pub mod journal;
+pub mod merge;
+#[cfg(test)]
+pub(crate) mod mock;
+mod reference_check;
+#[cfg(test)]
+mod tests;
+
+use anyhow::bail;
+use geobench_mesh::VertexId;
+
+use crate::exec::{Backend, Listener, Pass, Session};
+use crate::plan::Plan;
+use crate::plan::source::{SourceError, SourceSpec};
+use crate::run::group::Group;
+use crate::run::journal::{Journal, RunId};
+use crate::schema::{Cell, ModelRecord, Status};
+
+/// Records of the models and cells of a benchmark.
+#[derive(Clone, Debug, Default)]
+pub struct Records {
+    /// One for each model of the plan, or fewer after an interruption.
+    pub models: Vec<ModelRecord>,
+    /// One for each cell of the plan, or fewer after an interruption.
+    pub cells: Vec<Cell>,
+}
+
+impl Records {
+    /// Whether some cell has this status.
+    pub fn has(&self, status: Status) -> bool {
+        self.cells.iter().any(|cell| cell.status == status)
+    }
+}
+
+/// Carries out `plan`, model by model. Runs in `journal` are not repeated, and a model with all
+/// runs in it is not loaded. After an interruption the records cover what is done.
+///
+/// # Errors
+///
+/// Errors of the journal and the listener, and a model that differs from that of the journal.
+/// Failures of runs are in the records of their cells.
+pub fn run(
+    plan: &Plan,
+    backend: &mut dyn Backend,
+    mut journal: Option<&mut Journal>,
+    listener: &mut dyn Listener,
+) -> anyhow::Result<Records> {
+    let mut records = Records::default();
+    for place in 0..plan.models.len() {
+        if plan.units_of_model(place) == 0 || listener.interrupted() {
+            continue;
+        }
+        let mut benchmark = Benchmark {
+            plan,
+            place,
+            journal: journal.as_deref_mut(),
+            listener: &mut *listener,
+        };
+        let (model, mut cells) = benchmark.run(backend)?;
+        for cell in &mut cells {
+            cell.shard = plan.shard_range.map(|shard_range| shard_range.shard.index);
+            benchmark.count_instructions(&model, cell)?;
+        }
+        if listener.interrupted() && cells.is_empty() {
+            break;
+        }
+        listener.model_done(&model, &cells)?;
+        records.models.push(model);
+        records.cells.append(&mut cells);
+    }
+    Ok(records)
+}
+
+/// One model of a plan.
+struct Benchmark<'b> {
+    plan: &'b Plan,
+    /// Index of the model in the plan.
+    place: usize,
+    journal: Option<&'b mut Journal>,
+    listener: &'b mut dyn Listener,
+}
+
+impl Benchmark<'_> {
+    fn run(&mut self, backend: &mut dyn Backend) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
+        let model = &self.plan.models[self.place];
+        if let Some((known, cells)) = self.known() {
+            self.listener.skipped(self.plan.runs_of_model(self.place));
+            return Ok((known, cells));
+        }
+        self.listener.loading(&model.name);
+        let mut result = Ok((ModelRecord::default(), Vec::new()));
+        let done = backend.with_model(model, &mut |found, session| {
+            result = self.run_loaded(found, session);
+        });
+        match done {
+            Ok(()) => result,
+            // The interruption may have caused the refusal.
+            Err(_) if self.listener.interrupted() => Ok((model.record(), Vec::new())),
+            Err(refusal) => {
+                let record = model.record();
+                let cells = self.refused(&refusal.message);
+                Ok((record, cells))
+            }
+        }
+    }
+
+    /// Adds the instructions of a cell, from the journal or counted now.
+    fn count_instructions(&mut self, model: &ModelRecord, cell: &mut Cell) -> anyhow::Result<()> {
+        let (Status::Ok, Some(source)) = (cell.status, cell.source) else {
+            return Ok(());
+        };
+        let run = RunId {
+            group: cell.group.clone(),
+            model: cell.model.clone(),
+            source,
+            algorithm: cell.algorithm.clone(),
+            pass: Pass::Count,
+            round: 0,
+        };
+        let mut found = self
+            .journal
+            .as_deref()
+            .and_then(|journal| journal.instructions(&run).cloned());
+        if found.is_none() && !self.listener.interrupted() {
+            found = self.listener.count_instructions(model, cell);
+            if let (Some(found), Some(journal)) = (&found, &mut self.journal) {
+                journal.keep_instructions(run, found)?;
+            }
+        }
+        if let Some(found) = found {
+            cell.instructions = Some(found.count);
+            cell.instructions_simd = found.simd;
+        }
+        Ok(())
+    }
+
+    /// All cells of the model, if the journal knows every run of them.
+    fn known(&self) -> Option<(ModelRecord, Vec<Cell>)> {
+        let journal = self.journal.as_deref()?;
+        let model = journal.model(&self.plan.models[self.place].name)?;
+        let groups: Vec<Group<'_>> = self
+            .sources(model)
+            .ok()?
+            .into_iter()
+            .map(|source| Group::new(self.plan, model, source, Some(journal)))
+            .collect();
+        groups.iter().all(Group::is_complete).then(|| {
+            let cells = groups.into_iter().flat_map(Group::cells).collect();
+            (model.clone(), cells)
+        })
+    }
+
+    fn run_loaded(
+        &mut self,
+        found: &ModelRecord,
+        session: &mut dyn Session,
+    ) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
+        let model = match self.journal.as_deref().and_then(|j| j.model(&found.name)) {
+            Some(known) if known.sha256 != found.sha256 => bail!(
+                "{}: the model is not the one that the journal holds results of: its SHA-256 is {}, \
+                 and was {}",
+                found.path,
+                found.sha256.as_deref().unwrap_or("not known"),
+                known.sha256.as_deref().unwrap_or("not known"),
+            ),
+            Some(known) => known.clone(),
+            None => {
+                if let Some(journal) = &mut self.journal {
+                    journal.keep_model(found)?;
+                }
+                found.clone()
+            }
+        };
+        let mut cells = Vec::new();
+        match self.sources(&model) {
+            Ok(sources) => {
+                for source in sources {
+                    let mut group = Group::new(self.plan, &model, source, self.journal.as_deref());
+                    group.run(session, self.journal.as_deref_mut(), self.listener)?;
+                    cells.extend(group.cells());
+                }
+            }
+            Err(error) => cells = self.refused(&format!("{}: {error}", model.path)),
+        }
+        Ok((model, cells))
+    }
+
+    /// The sources of this shard.
+    fn sources(&self, model: &ModelRecord) -> Result<Vec<VertexId>, SourceError> {
+        let vertices = model.vertices.unwrap_or(0) as usize;
+        let all = self.plan.sources.resolve(vertices)?.into_iter().enumerate();
+        let mine = |&(number, _): &(usize, VertexId)| self.plan.has_unit(self.place, number);
+        Ok(all.filter(mine).map(|(_, source)| source).collect())
+    }
+
+    /// The cells of a model that cannot be used or lacks a source. Random sources are then unknown
+    /// and have one cell together.
+    fn refused(&mut self, message: &str) -> Vec<Cell> {
+        let plan = self.plan;
+        self.listener.skipped(plan.runs_of_model(self.place));
+        let sources: Vec<Option<u32>> = match &plan.sources {
+            SourceSpec::First => vec![Some(0)],
+            SourceSpec::List(list) => list.iter().copied().map(Some).collect(),
+            SourceSpec::Random { .. } => vec![None],
+        };
+        sources
+            .iter()
+            .enumerate()
+            .filter(|&(number, _)| plan.has_unit(self.place, number))
+            .flat_map(|(_, &source)| plan.algorithms.iter().map(move |a| (source, a)))
+            .map(|(source, algorithm)| Cell {
+                group: plan.group.name.clone(),
+                source,
+                status: Status::Refused,
+                message: Some(message.to_owned()),
+                threads: algorithm.threads(),
+                ..Cell::new(&plan.models[self.place].name, algorithm.label())
+            })
+            .collect()
+    }
+}

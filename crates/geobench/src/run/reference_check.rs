@@ -1,0 +1,111 @@
+//! The reference answer of a group, and comparison with it.
+
+use crate::exec::Failure;
+use crate::run::agreement::{self, Clusters};
+use crate::run::check::{self, Comparison, LengthMismatch};
+use crate::schema::{Check, Status};
+
+/// The reference answer, or why there is none.
+#[derive(Debug, Default)]
+pub(super) struct ReferenceCheck {
+    /// The expected answer.
+    pub(super) answer: Option<Answer>,
+    /// Why there is no expected answer although one is wanted.
+    pub(super) unchecked: Option<String>,
+    /// Answers that differ from the expected one.
+    pub(super) clusters: Clusters,
+}
+
+/// A reference answer and its name.
+#[derive(Debug)]
+pub(super) struct Answer {
+    pub(super) name: String,
+    pub(super) distances: Vec<(usize, f64)>,
+    pub(super) vertices: usize,
+}
+
+impl Answer {
+    /// The answer of an algorithm.
+    pub(super) fn of(name: &str, distances: &[f64]) -> Self {
+        Self {
+            name: name.to_owned(),
+            vertices: distances.len(),
+            distances: distances.iter().copied().enumerate().collect(),
+        }
+    }
+}
+
+impl ReferenceCheck {
+    /// Compares an answer with the reference. Returns the comparison and the failure of the cell,
+    /// if it fails. Approximate answers belong to no cluster.
+    pub(super) fn judge(
+        &mut self,
+        distances: &[f64],
+        tolerance: f64,
+        is_approximate: bool,
+    ) -> (Check, Option<Failure>) {
+        let (mut check, failure) = self.compare(distances, tolerance);
+        let is_wanted = self.answer.is_some() || self.unchecked.is_some();
+        if is_wanted && !is_approximate {
+            check.cluster = Some(match (&self.answer, &failure) {
+                (Some(_), None) => agreement::REFERENCE,
+                _ => self.clusters.place(distances, tolerance),
+            });
+        }
+        (check, failure)
+    }
+
+    fn compare(&self, distances: &[f64], tolerance: f64) -> (Check, Option<Failure>) {
+        let wrong = |message: String| Failure {
+            status: Status::Wrong,
+            message,
+        };
+        let comparison = match &self.answer {
+            Some(answer) if answer.vertices != distances.len() => {
+                let mismatch = LengthMismatch {
+                    found: distances.len(),
+                    expected: answer.vertices,
+                };
+                return (Check::default(), Some(wrong(mismatch.to_string())));
+            }
+            Some(answer) => {
+                check::compare_some(distances, answer.distances.iter().copied(), tolerance)
+            }
+            // No reference; NaN is wrong all the same.
+            None => check::compare_some(
+                distances,
+                distances
+                    .iter()
+                    .copied()
+                    .enumerate()
+                    .filter(|(_, d)| d.is_nan()),
+                tolerance,
+            ),
+        };
+        let name = self.answer.as_ref().map(|answer| answer.name.as_str());
+        let failure = comparison.worst.filter(|_| !comparison.agrees()).map(|worst| {
+            wrong(format!(
+                "differs from {}: {worst}; {} of {} vertices differ by more than {tolerance:e} relative",
+                name.unwrap_or("no reference"),
+                comparison.disagreeing,
+                comparison.compared
+            ))
+        });
+        (record(name, &comparison), failure)
+    }
+}
+
+fn record(reference: Option<&str>, comparison: &Comparison) -> Check {
+    let finite = |x: f64| Some(x).filter(|x| reference.is_some() && x.is_finite());
+    Check {
+        reference: reference.map(str::to_owned),
+        max_abs: finite(comparison.max_abs),
+        max_rel: finite(comparison.max_rel),
+        unreachable: Some(comparison.unreachable as u64),
+        compared: reference.map(|_| comparison.compared as u64),
+        worst_vertex: reference
+            .and(comparison.worst)
+            .map(|worst| worst.vertex as u64),
+        cluster: None,
+    }
+}

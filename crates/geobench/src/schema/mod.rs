@@ -1,0 +1,520 @@
+//! The result file: every field, defined once. Times are seconds, sizes bytes, distances the
+//! model's own units, and numbers are stored unrounded. A figure that does not exist is `null`,
+//! never 0.
+
+pub mod plan_record;
+pub mod result_file;
+
+use std::collections::BTreeMap;
+
+use geobench_window::{Counter, Counters};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+pub use self::plan_record::{PlanRecord, Shard, ShardError};
+
+/// The schema that this version writes.
+pub const SCHEMA: &str = "geobench/1";
+
+/// A whole result file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ResultFile {
+    /// Always [`SCHEMA`].
+    pub schema: String,
+    /// The program that measured.
+    pub tool: Tool,
+    /// The machine it measured on.
+    pub host: Host,
+    /// The command, word by word.
+    pub command: Vec<String>,
+    /// When it started, RFC 3339 in UTC.
+    pub started: String,
+    /// When it finished, RFC 3339 in UTC; in a file written on the way, when that was written.
+    pub finished: String,
+    /// Where the cells ran; null in files of versions that had no choice.
+    #[serde(default)]
+    pub isolation: Option<IsolationRecord>,
+    /// The groups of cells, in the order of the run; one without a name unless a suite file says
+    /// otherwise.
+    #[serde(default)]
+    pub groups: Vec<GroupRecord>,
+    /// The models, in the order of the run, each once.
+    pub models: Vec<ModelRecord>,
+    /// What was measured, in the order of the run.
+    pub cells: Vec<Cell>,
+    /// The same in files whose runs took turns: sample i of a cell in one of them was taken next to
+    /// sample i of that cell in the other. Null if there is no such other file.
+    #[serde(default)]
+    pub pairing: Option<String>,
+    /// What the machine did besides; null in files written on the way.
+    #[serde(default)]
+    pub conditions: Option<Conditions>,
+    /// What was to be run, with all parameters.
+    #[serde(default)]
+    pub plan: Option<PlanRecord>,
+    /// The processes that measured, in order: one, unless a run was interrupted and resumed, or the
+    /// parts of one were merged.
+    #[serde(default)]
+    pub sessions: Vec<SessionRecord>,
+}
+
+/// A process that measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SessionRecord {
+    /// The part of the plan that it worked on; null if all of it.
+    pub shard: Option<Shard>,
+    /// The machine.
+    pub host: Host,
+    /// The command, word by word.
+    pub command: Vec<String>,
+    /// When it started, RFC 3339 in UTC.
+    pub started: String,
+    /// When it finished, RFC 3339 in UTC; null if it was stopped and another one went on.
+    pub finished: Option<String>,
+}
+
+/// The program that measured.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Tool {
+    /// Version of the program.
+    pub version: String,
+    /// Commit it was built from, if it was built in a checkout.
+    pub commit: Option<String>,
+    /// Compiler it was built with.
+    pub rustc: Option<String>,
+    /// Flags that it was given from outside, as by `RUSTFLAGS`; empty if none were, absent in files
+    /// of older programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rustflags: Option<String>,
+    /// `release` or `debug`.
+    pub profile: String,
+    /// Cargo features.
+    pub features: Vec<String>,
+}
+
+/// The machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Host {
+    /// Name of the processor.
+    pub cpu: Option<String>,
+    /// Processors that this process may use.
+    pub cores: usize,
+    /// Main memory.
+    pub memory_bytes: Option<u64>,
+    /// Operating system.
+    pub os: String,
+    /// Version of its kernel.
+    pub kernel: Option<String>,
+    /// Load average over one minute when the run started.
+    pub load_start: Option<f64>,
+    /// The widest vector instructions that it has and the program uses, `avx512`, `avx2` or
+    /// `scalar`. An algorithm with a parameter `simd` takes these unless its label names others,
+    /// and never wider ones.
+    #[serde(default)]
+    pub simd: Option<String>,
+}
+
+/// Where cells ran.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct IsolationRecord {
+    /// Whether each cell had a process of its own.
+    pub process: bool,
+    /// Processors to which the cells were pinned; null if to none.
+    pub cpus: Option<Vec<usize>>,
+}
+
+/// A group of cells that are shown together.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GroupRecord {
+    /// Its name, unique within the file; null if there is but one group and it has none.
+    pub name: Option<String>,
+    /// What it is to show.
+    pub shows: Option<String>,
+    /// The rows of its tables, by name; the usual ones if empty.
+    pub rows: Vec<String>,
+    /// The algorithm to which the others are compared in a table of ratios, if there is to be one.
+    pub ratios_to: Option<String>,
+    /// Seconds that each run was allowed; null if any number.
+    #[serde(default)]
+    pub timeout: Option<f64>,
+    /// Bytes that the process of each cell was allowed; null if any number.
+    #[serde(default)]
+    pub memory_limit: Option<u64>,
+    /// Whether its cells hold their wavefronts.
+    #[serde(default)]
+    pub wavefront: bool,
+}
+
+impl GroupRecord {
+    /// The group of a run that was not asked for groups.
+    pub const fn unnamed() -> Self {
+        Self {
+            name: None,
+            shows: None,
+            rows: Vec::new(),
+            ratios_to: None,
+            timeout: None,
+            memory_limit: None,
+            wavefront: false,
+        }
+    }
+}
+
+/// A model. One that could not be used has its name and path, and little else.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ModelRecord {
+    /// Name in tables and cells, unique within the file.
+    pub name: String,
+    /// The file, or the generator's spec.
+    pub path: String,
+    /// Hash of the file's bytes as they lie on the disk; of a generated model, of its positions
+    /// (little-endian f64) followed by its triangles (little-endian u32).
+    pub sha256: Option<String>,
+    /// Vertices, isolated ones included.
+    pub vertices: Option<u64>,
+    /// Triangles.
+    pub faces: Option<u64>,
+    /// Edges.
+    pub edges: Option<u64>,
+    /// Edges with one face only.
+    pub boundary_edges: Option<u64>,
+    /// Parts of the surface that have no vertex in common; isolated vertices do not count.
+    pub components: Option<u64>,
+    /// Handles of all components together.
+    pub genus: Option<u64>,
+    /// Vertices at which a shortest path may bend.
+    pub saddles: Option<u64>,
+    /// Mean over the faces of P H / (2 sqrt(3) S): half perimeter, longest edge, area; 1 for
+    /// equilateral faces. Faces without area are left out.
+    pub anisotropy: Option<f64>,
+    /// Seconds to read or generate the model.
+    pub load_seconds: Option<f64>,
+    /// Seconds to check it and to build the half-edge mesh.
+    pub build_seconds: Option<f64>,
+}
+
+/// One algorithm on one model from one source.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Name of the model.
+    pub model: String,
+    /// Name of the algorithm.
+    pub algorithm: String,
+    /// Source vertex, counted from 0 in the file's order; null where the model was refused
+    /// before its vertices were known.
+    pub source: Option<u32>,
+    /// Threads that the algorithm used.
+    pub threads: usize,
+    /// How it ended.
+    pub status: Status,
+    /// Why, if not well; one line.
+    pub message: Option<String>,
+    /// Times of the solve alone.
+    pub time: Time,
+    /// What was counted, in a run apart from the timed ones.
+    #[serde(with = "counters_as_map")]
+    pub counters: Counters,
+    /// Memory, of the run that counted.
+    pub memory: Memory,
+    /// Where the time goes, from a run of its own that the clocks slow down.
+    pub phases: Phases,
+    /// How the answer compares with the reference.
+    pub check: Check,
+    /// Name of the group; null if that has none.
+    #[serde(default)]
+    pub group: Option<String>,
+    /// Instructions of the solve, the first after the set-up, as Valgrind's callgrind counts them;
+    /// null unless they were asked for.
+    #[serde(default)]
+    pub instructions: Option<u64>,
+    /// The widest vector instructions that the counted solve may have used, `avx512`, `avx2` or
+    /// `scalar`: narrower than in the timed runs where Valgrind does not know those. Null if
+    /// nothing was counted, and in files of older programs.
+    #[serde(default)]
+    pub instructions_simd: Option<String>,
+    /// The part of the plan that it belongs to; null if the plan was not split.
+    #[serde(default)]
+    pub shard: Option<u32>,
+    /// The wavefront at even intervals of the counted run; absent unless it was asked for, or if
+    /// the algorithm does not show it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub wavefront: Vec<WavefrontSample>,
+}
+
+impl Cell {
+    /// A cell of which nothing is known yet.
+    pub fn new(model: &str, algorithm: &str) -> Self {
+        Self {
+            model: model.to_owned(),
+            algorithm: algorithm.to_owned(),
+            source: None,
+            threads: 1,
+            status: Status::Ok,
+            message: None,
+            time: Time::default(),
+            counters: Counters::default(),
+            memory: Memory::default(),
+            phases: Phases::default(),
+            check: Check::default(),
+            group: None,
+            instructions: None,
+            instructions_simd: None,
+            shard: None,
+            wavefront: Vec::new(),
+        }
+    }
+}
+
+/// How many instructions a solve takes.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct InstructionCount {
+    /// How many.
+    pub count: u64,
+    /// The widest vector instructions among them; null if that is not known.
+    #[serde(default)]
+    pub simd: Option<String>,
+}
+
+/// The wavefront at one moment of a run; distances are the windows' least ones.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WavefrontSample {
+    /// Windows propagated until then.
+    pub parents: u64,
+    /// Windows that wait to be propagated.
+    pub windows: u64,
+    /// Mean of their distances.
+    pub distance: f64,
+    /// Standard deviation of their distances.
+    pub deviation: f64,
+    /// How many windows the round at that moment was told to take; null if the queue has no rounds.
+    pub k: Option<u64>,
+}
+
+impl From<geobench_window::WavefrontSample> for WavefrontSample {
+    fn from(sample: geobench_window::WavefrontSample) -> Self {
+        Self {
+            parents: sample.parents,
+            windows: sample.windows,
+            distance: sample.distance,
+            deviation: sample.deviation,
+            k: sample.k,
+        }
+    }
+}
+
+/// How a cell ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// Done, and the check, if there was one, passed.
+    Ok,
+    /// Ran longer than it may.
+    Timeout,
+    /// Needed more memory than it may have.
+    OutOfMemory,
+    /// Ended unasked.
+    Crashed,
+    /// The answer differs from the reference.
+    Wrong,
+    /// The model or the source cannot be used.
+    Refused,
+}
+
+impl Status {
+    /// The word for it in files and tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Timeout => "timeout",
+            Self::OutOfMemory => "out_of_memory",
+            Self::Crashed => "crashed",
+            Self::Wrong => "wrong",
+            Self::Refused => "refused",
+        }
+    }
+
+    /// The same for people, without underscores.
+    pub fn in_words(self) -> String {
+        self.name().replace('_', " ")
+    }
+}
+
+/// Times in seconds; empty and null unless the status is `ok`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Time {
+    /// Every repetition, in the order taken.
+    pub samples: Vec<f64>,
+    /// Their median.
+    pub median: Option<f64>,
+    /// Their minimum.
+    pub min: Option<f64>,
+    /// Their median absolute deviation.
+    pub mad: Option<f64>,
+    /// 95 % bootstrap interval of the median; null from fewer than five samples.
+    pub ci95: Option<[f64; 2]>,
+    /// Why there is no interval.
+    pub note: Option<String>,
+    /// Time to set the algorithm up for the mesh, which the samples do not include.
+    pub setup: Option<f64>,
+    /// How many samples lie far from all others: more than ten times the standard deviation, as the
+    /// MAD estimates it, from the median. They count in all figures. Null from fewer than five
+    /// samples.
+    #[serde(default)]
+    pub outliers: Option<usize>,
+    /// For each sample, how many algorithms had run before in its round, failed ones included: the
+    /// order of the runs.
+    #[serde(default)]
+    pub places: Vec<usize>,
+}
+
+/// What happened on the machine between the start and the end of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Conditions {
+    /// The governors of the processors' frequencies at the end, each once.
+    pub governors: Option<Vec<String>>,
+    /// Frequency of the fastest processor at the start, in hertz.
+    pub frequency_start: Option<u64>,
+    /// The same at the end.
+    pub frequency_end: Option<u64>,
+    /// The highest frequency that a processor has, in hertz.
+    pub frequency_max: Option<u64>,
+    /// Load average over one minute at the end; that of the start is in `host`.
+    pub load_end: Option<f64>,
+    /// Processors that other processes kept busy, on average; null for runs of less than a second.
+    pub other_load: Option<f64>,
+    /// Share of the time of all processors that the host of a virtual machine gave to others; null
+    /// for runs of less than a second.
+    pub stolen: Option<f64>,
+    /// Swap space in use at the end, in bytes.
+    pub swap_used_bytes: Option<u64>,
+    /// Pages that the whole system moved to and from swap space meanwhile.
+    pub swapped_pages: Option<u64>,
+    /// How many times a processor slowed itself down because it was too hot.
+    pub thermal_throttles: Option<u64>,
+    /// How many times the control group had used up its share of the processors.
+    pub cgroup_throttles: Option<u64>,
+    /// Seconds that its tasks waited for that reason.
+    pub cgroup_throttled_seconds: Option<f64>,
+    /// What of this makes the times doubtful, in words.
+    pub warnings: Vec<String>,
+}
+
+/// Memory in bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Memory {
+    /// The papers' figure: 80 bytes for each window stored at the end (algorithms that keep every
+    /// window) or alive at the peak (the others).
+    pub papers_bytes: Option<u64>,
+    /// Bytes of our windows at their peak.
+    pub windows_peak_bytes: Option<u64>,
+    /// Most bytes on the heap at one time that belong to the algorithm: its set-up, its run and
+    /// its answer, without the mesh.
+    pub heap_peak_bytes: Option<u64>,
+    /// Most memory that the whole process occupied meanwhile, the mesh and every other algorithm
+    /// that is set up included (Linux).
+    pub rss_peak_bytes: Option<u64>,
+}
+
+/// Seconds in each phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Phases {
+    /// Computing child windows and distances.
+    pub propagation: Option<f64>,
+    /// Filters, trims and checks between windows.
+    pub pruning: Option<f64>,
+    /// Queues, lists, storage and everything else.
+    pub management: Option<f64>,
+}
+
+/// How an answer compares with the reference; the largest of all runs of the cell.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// The algorithm, or the file, whose answer it is; null if nothing was compared.
+    pub reference: Option<String>,
+    /// Largest absolute difference; null if not finite (the message then says which vertex).
+    pub max_abs: Option<f64>,
+    /// Largest relative difference; null if not finite.
+    pub max_rel: Option<f64>,
+    /// Vertices that no path reaches.
+    pub unreachable: Option<u64>,
+    /// Vertices that were compared, which are not all if the reference is a file that holds some
+    /// only; null if nothing was compared.
+    #[serde(default)]
+    pub compared: Option<u64>,
+    /// The vertex with the largest relative difference; null if the answer agrees with the
+    /// reference.
+    #[serde(default)]
+    pub worst_vertex: Option<u64>,
+    /// Answers to the same model and source with the same number agree with each other; 0 is the
+    /// reference's. Null if there is no answer, or one that is not held to the tolerance.
+    #[serde(default)]
+    pub cluster: Option<u32>,
+}
+
+/// Counters as a map from name to count or `null`, in the order of their table.
+pub(crate) mod counters_as_map {
+    use serde::de::Error;
+
+    use super::{BTreeMap, Counter, Counters, Deserialize, Deserializer, SerializeMap, Serializer};
+
+    pub(crate) fn serialize<S: Serializer>(
+        counters: &Counters,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(Counter::ALL.len() + 1))?;
+        for (counter, count) in counters.iter() {
+            map.serialize_entry(counter.key(), &count)?;
+        }
+        let deviation = counters.wavefront_deviation;
+        map.serialize_entry(Counters::WAVEFRONT_DEVIATION, &deviation)?;
+        map.end()
+    }
+
+    /// What stands for a counter in a file.
+    #[derive(Clone, Copy, Deserialize)]
+    #[serde(untagged)]
+    enum Figure {
+        Count(u64),
+        Real(f64),
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Counters, D::Error> {
+        let map = BTreeMap::<String, Option<Figure>>::deserialize(deserializer)?;
+        let figure = |key| map.get(key).copied().flatten();
+        let mut counters = Counters::default();
+        for &counter in Counter::ALL {
+            match figure(counter.key()) {
+                Some(Figure::Count(count)) => counters.set(counter, count),
+                Some(Figure::Real(_)) => return Err(D::Error::custom("a count is not whole")),
+                None => {}
+            }
+        }
+        counters.wavefront_deviation =
+            figure(Counters::WAVEFRONT_DEVIATION).map(|figure| match figure {
+                Figure::Count(count) => count as f64,
+                Figure::Real(real) => real,
+            });
+        Ok(counters)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counters_are_read_as_they_were_written() {
+        let mut cell = Cell::new("m", "a");
+        cell.counters.set(Counter::Propagated, u64::MAX);
+        for deviation in [None, Some(0.1 + 0.2), Some(3.0)] {
+            cell.counters.wavefront_deviation = deviation;
+            let text = serde_json::to_string(&cell).unwrap();
+            assert_eq!(serde_json::from_str::<Cell>(&text).unwrap(), cell);
+        }
+        let text = serde_json::to_string(&cell).unwrap();
+        let half = text.replace("\"kept\":null", "\"kept\":0.5");
+        assert!(serde_json::from_str::<Cell>(&half).is_err());
+    }
+}

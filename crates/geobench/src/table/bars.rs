@@ -1,0 +1,204 @@
+//! Times as bars in a terminal, for eyes that look for ratios.
+
+use super::escape::printable;
+use super::view;
+use super::view::{algorithms, overall};
+use crate::schema::{Cell, GroupRecord, Status};
+use crate::table::figures::figure;
+
+/// An algorithm with its bar.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bar {
+    /// Its label.
+    pub label: String,
+    /// What is to be said about it in a few letters, such as how many runs are done.
+    pub note: String,
+    /// Its time in seconds, as far as it is known.
+    pub seconds: Option<f64>,
+    /// How it failed, if it did.
+    pub failure: Option<String>,
+    /// Whether it runs at this moment.
+    pub current: bool,
+}
+
+/// Narrowest bar that says something.
+const SHORTEST: usize = 8;
+
+/// Longest label; longer ones lose their ends.
+const LONGEST_LABEL: usize = 32;
+
+/// One line for each algorithm, no wider than `width`: its time, how many times that of `base` it
+/// is, and a bar, the length of which is the time on a scale that the longest fills. In a narrow
+/// terminal first the bars go, then the notes.
+pub fn lines(bars: &[Bar], base: Option<&str>, width: usize) -> Vec<String> {
+    let known = || bars.iter().filter_map(|bar| bar.seconds);
+    let longest = known().fold(0.0, f64::max);
+    let base = base.and_then(|base| bars.iter().find(|bar| bar.label == base)?.seconds);
+    let times: Vec<String> = bars
+        .iter()
+        .map(|bar| match (&bar.failure, bar.seconds) {
+            (Some(failure), _) => failure.clone(),
+            (None, Some(seconds)) => format!("{} s", significant(seconds)),
+            (None, None) => String::new(),
+        })
+        .collect();
+    let ratio = |bar: &Bar| match (bar.seconds, base) {
+        (Some(seconds), Some(base)) if base > 0.0 => times_as_much(seconds / base),
+        _ => String::new(),
+    };
+    let ratios: Vec<String> = bars.iter().map(ratio).collect();
+    let widest = |texts: &mut dyn Iterator<Item = usize>| texts.max().unwrap_or(0);
+    let label_width = widest(&mut bars.iter().map(|bar| bar.label.chars().count()))
+        .min(LONGEST_LABEL)
+        .min(width / 3);
+    let time_width = widest(&mut times.iter().map(|text| text.chars().count()));
+    let ratio_width = widest(&mut ratios.iter().map(|text| text.chars().count()));
+    let note_width = widest(&mut bars.iter().map(|bar| bar.note.chars().count()));
+    // Between columns stand two spaces, before the first a sign and a space.
+    let least = 2 + label_width + 2 + time_width + 2 + ratio_width;
+    let with_notes = note_width > 0 && least + 2 + note_width <= width;
+    let used = least + if with_notes { 2 + note_width } else { 0 };
+    let room = width.saturating_sub(used + 2 + 1);
+    bars.iter()
+        .zip(times.iter().zip(&ratios))
+        .map(|(bar, (time, ratio))| {
+            let sign = if bar.current { '>' } else { ' ' };
+            let label = shortened(&bar.label, label_width);
+            let note = if with_notes {
+                format!("  {:>note_width$}", bar.note)
+            } else {
+                String::new()
+            };
+            let mut line = format!(
+                "{sign} {label:label_width$}{note}  {time:>time_width$}  {ratio:>ratio_width$}"
+            );
+            if room >= SHORTEST
+                && let Some(seconds) = bar.seconds.filter(|_| longest > 0.0)
+            {
+                line += "  ";
+                line += &blocks(seconds / longest, room);
+            }
+            let end = line.trim_end().len();
+            line.truncate(end);
+            line.chars().take(width).collect()
+        })
+        .collect()
+}
+
+/// The times of all algorithms on one model as bars, under a line that says what they are, and
+/// followed by an empty one; empty if there are not two of them. `cells` are those of the model.
+pub fn model_bars(group: &GroupRecord, cells: &[Cell], width: usize) -> String {
+    let cells: Vec<&Cell> = cells.iter().collect();
+    let names = algorithms(cells.iter().copied());
+    let (Ok(time), Some(base)) = (figure("time"), view::base(group, &names, &cells)) else {
+        return String::new();
+    };
+    let bars: Vec<Bar> = names
+        .iter()
+        .map(|name| {
+            let own: Vec<&Cell> = cells
+                .iter()
+                .copied()
+                .filter(|c| c.algorithm == *name)
+                .collect();
+            let failed = own.iter().find(|cell| cell.status != Status::Ok);
+            Bar {
+                label: printable(name).into_owned(),
+                seconds: overall(time, &own, None),
+                failure: failed.map(|cell| cell.status.in_words()),
+                ..Bar::default()
+            }
+        })
+        .collect();
+    if bars.iter().filter(|bar| bar.seconds.is_some()).count() < 2 {
+        return String::new();
+    }
+    let head = format!("  time, and as a multiple of that of {}", printable(base));
+    let lines = lines(&bars, Some(&printable(base)), width);
+    let head = std::iter::once(head.chars().take(width).collect());
+    head.chain(lines).collect::<Vec<String>>().join("\n") + "\n\n"
+}
+
+/// A time with three significant digits, as far as that makes sense.
+fn significant(seconds: f64) -> String {
+    let decimals = crate::measure::number::decimals([seconds], 6);
+    format!("{seconds:.decimals$}")
+}
+
+fn times_as_much(ratio: f64) -> String {
+    if ratio < 99.5 {
+        format!("{ratio:.2}")
+    } else {
+        format!("{ratio:.0}")
+    }
+}
+
+fn shortened(label: &str, width: usize) -> String {
+    if label.chars().count() <= width {
+        return label.to_owned();
+    }
+    let kept = label.chars().take(width.saturating_sub(1));
+    kept.chain(std::iter::once('\u{2026}')).collect()
+}
+
+/// A bar over a share of `room`, to an eighth of a letter.
+fn blocks(share: f64, room: usize) -> String {
+    const EIGHTHS: [&str; 8] = [
+        "", "\u{258f}", "\u{258e}", "\u{258d}", "\u{258c}", "\u{258b}", "\u{258a}", "\u{2589}",
+    ];
+    // The conversion ends at 0; nothing is so short that it is not to be seen.
+    #[expect(clippy::cast_sign_loss, reason = "a share is not negative")]
+    let eighths = ((share * 8.0 * room as f64).round() as usize).clamp(1, 8 * room);
+    "\u{2588}".repeat(eighths / 8) + EIGHTHS[eighths % 8]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bars() -> Vec<Bar> {
+        let bar = |label: &str, seconds: Option<f64>| Bar {
+            label: label.to_owned(),
+            seconds,
+            note: "3/5".to_owned(),
+            ..Bar::default()
+        };
+        vec![
+            bar("mmp", Some(1.35)),
+            Bar {
+                current: true,
+                ..bar("vtp", Some(0.296))
+            },
+            bar("vtp-fast", Some(0.0601)),
+            Bar {
+                failure: Some("timeout".to_owned()),
+                ..bar("ich", None)
+            },
+            Bar {
+                note: "0/5".to_owned(),
+                ..bar("fwp-mmp{k=200,bucket=0.25}", None)
+            },
+        ]
+    }
+
+    #[test]
+    fn bars_fit_any_width() {
+        insta::assert_snapshot!("wide", lines(&bars(), Some("vtp"), 90).join("\n"));
+        insta::assert_snapshot!("narrow", lines(&bars(), Some("vtp"), 44).join("\n"));
+        for width in 1..120 {
+            for base in [None, Some("vtp"), Some("ich"), Some("none")] {
+                for line in lines(&bars(), base, width) {
+                    assert!(line.chars().count() <= width, "{width}: {line}");
+                }
+            }
+        }
+        assert!(lines(&[], Some("vtp"), 80).is_empty());
+    }
+
+    #[test]
+    fn bars_are_as_long_as_their_shares() {
+        assert_eq!(blocks(1.0, 4), "\u{2588}".repeat(4));
+        assert_eq!(blocks(0.5, 3), "\u{2588}\u{258c}");
+        assert_eq!(blocks(0.0, 3), "\u{258f}");
+    }
+}

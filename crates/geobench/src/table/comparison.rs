@@ -1,0 +1,334 @@
+//! A comparison as people and programs read it.
+
+use std::path::Path;
+
+use super::escape::{markdown as escape, printable};
+use super::grid::{Entry, Grid, Look};
+use super::{UnknownEnding, of_ending};
+use crate::history::compare::{
+    CellChange, Comparison, FigureChange, Key, Regression, Side, TimeMethod, exact, percent,
+};
+use crate::measure::number::decimals;
+use crate::schema::Status;
+
+/// A form in which a comparison can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum ComparisonFormat {
+    /// A table for the terminal.
+    Table,
+    /// For a comment on a pull request: a summary, a table, and everything else folded away.
+    Markdown,
+    /// Everything.
+    Json,
+}
+
+/// The endings of files.
+const ENDINGS: [(&str, ComparisonFormat); 3] = [
+    ("json", ComparisonFormat::Json),
+    ("md", ComparisonFormat::Markdown),
+    ("txt", ComparisonFormat::Table),
+];
+
+impl ComparisonFormat {
+    /// The form that the ending of `path` asks for, in any letter case.
+    ///
+    /// # Errors
+    ///
+    /// When it asks for none.
+    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
+        of_ending(path, &ENDINGS)
+    }
+
+    /// A comparison in this form, ending in a line break; `styled` allows the table to use colour.
+    ///
+    /// # Errors
+    ///
+    /// Only if a number cannot be represented, which comparisons exclude.
+    pub fn render(self, comparison: &Comparison, styled: bool) -> anyhow::Result<String> {
+        Ok(match self {
+            Self::Table => table(comparison, styled),
+            Self::Markdown => markdown(comparison),
+            Self::Json => serde_json::to_string_pretty(comparison)? + "\n",
+        })
+    }
+}
+
+/// Figures that the table shows whether or not there is a rule on them, as far as there are any.
+const USUAL: [&str; 3] = ["propagated", "instructions", "heap_peak_bytes"];
+
+fn table(comparison: &Comparison, styled: bool) -> String {
+    let mut text = format!(
+        "old: {}\nnew: {}\n{}\n\n{}\n",
+        printable(&side(&comparison.old)),
+        printable(&side(&comparison.new)),
+        printable(&method(comparison)),
+        changes(comparison).terminal(Look {
+            styled,
+            width: None,
+        })
+    );
+    for (title, lines) in [
+        ("worse", worse(comparison)),
+        ("only in the old file", listed(&comparison.missing)),
+        ("only in the new file", listed(&comparison.added)),
+        ("to know", comparison.notes.clone()),
+    ] {
+        if !lines.is_empty() {
+            let lines: Vec<_> = lines.iter().map(|line| printable(line)).collect();
+            text += &[title, ":\n  ", &lines.join("\n  "), "\n"].concat();
+        }
+    }
+    text + &printable(&summary(comparison)) + "\n"
+}
+
+fn markdown(comparison: &Comparison) -> String {
+    let mut lines = vec![
+        format!("### geobench: {}", escape(&summary(comparison))),
+        String::new(),
+    ];
+    let bullets = |lines: &[String]| -> Vec<String> {
+        lines
+            .iter()
+            .map(|line| format!("- {}", escape(line)))
+            .collect()
+    };
+    let worse = worse(comparison);
+    if !worse.is_empty() {
+        lines.extend(bullets(&worse));
+        lines.push(String::new());
+    }
+    lines.extend(changes(comparison).markdown());
+    lines.push(String::new());
+    lines.push(format!(
+        "Old: {}. New: {}. {}.",
+        escape(&side(&comparison.old)),
+        escape(&side(&comparison.new)),
+        escape(&method(comparison))
+    ));
+    lines.push(String::new());
+    if !comparison.notes.is_empty() {
+        lines.extend(bullets(&comparison.notes));
+        lines.push(String::new());
+    }
+    let mut fold = |title: String, contents: Vec<String>| {
+        lines.extend([
+            format!("<details><summary>{title}</summary>"),
+            String::new(),
+        ]);
+        lines.extend(contents);
+        lines.extend([String::new(), "</details>".to_owned(), String::new()]);
+    };
+    fold(
+        "Times, and all other figures that differ".to_owned(),
+        figures(comparison).markdown(),
+    );
+    for (which, keys) in [("old", &comparison.missing), ("new", &comparison.added)] {
+        if !keys.is_empty() {
+            let title = format!("Only in the {which} file: {}", keys.len());
+            fold(title, bullets(&listed(keys)));
+        }
+    }
+    lines.join("\n").trim_end().to_owned() + "\n"
+}
+
+fn summary(comparison: &Comparison) -> String {
+    let cells = comparison.cells.len();
+    let compared = match comparison.regressions {
+        0 => format!("none of {cells} cells is worse"),
+        1 => format!("1 of {cells} cells is worse"),
+        worse => format!("{worse} of {cells} cells are worse"),
+    };
+    let overall = comparison
+        .overall
+        .iter()
+        .map(|regression| regression.what.clone());
+    std::iter::once(compared)
+        .chain(overall)
+        .collect::<Vec<String>>()
+        .join("; ")
+}
+
+fn side(side: &Side) -> String {
+    let built = match &side.commit {
+        // As much of it as git shows.
+        Some(commit) => format!("commit {}", commit.get(..12).unwrap_or(commit)),
+        None => format!("version {}", side.version),
+    };
+    format!("{} ({built}, {})", side.file, side.started)
+}
+
+fn method(comparison: &Comparison) -> String {
+    let times = if comparison.paired {
+        "times are compared pair by pair, of runs that took turns, with 95 % intervals"
+    } else {
+        "times are compared as wholes, for the runs did not take turns, with 95 % intervals"
+    };
+    let rules = match comparison.rules.join(",") {
+        rules if rules.is_empty() => "no rules".to_owned(),
+        rules => format!("rules: {rules}"),
+    };
+    format!("{rules} (! is worse); {times}")
+}
+
+fn worse(comparison: &Comparison) -> Vec<String> {
+    let with_rule = |regression: &Regression| {
+        let rule = regression.rule.as_ref();
+        let rule = rule.map_or_else(String::new, |rule| format!(" [{rule}]"));
+        format!("{}{rule}", regression.what)
+    };
+    let of_cell = |change: &CellChange| {
+        let regressions = change.regressions.iter();
+        let lines =
+            regressions.map(|regression| format!("{}: {}", change.cell, with_rule(regression)));
+        lines.collect::<Vec<String>>()
+    };
+    let of_cells = comparison.cells.iter().flat_map(of_cell);
+    of_cells
+        .chain(comparison.overall.iter().map(with_rule))
+        .collect()
+}
+
+fn listed(keys: &[Key]) -> Vec<String> {
+    keys.iter().map(ToString::to_string).collect()
+}
+
+/// What cells are called in tables: group and source only if not all have the same.
+fn name(comparison: &Comparison, key: &Key) -> String {
+    let keys = || comparison.cells.iter().map(|c| &c.cell);
+    let groups = keys().any(|other| other.group != key.group);
+    let sources = keys().any(|other| other.source != key.source);
+    key.among(groups, sources)
+}
+
+/// A row for each cell: how its time and the most important figures have changed.
+fn changes(comparison: &Comparison) -> Grid {
+    let ruled = |name: &str| {
+        let rule = |rule: &String| rule.split('=').next() == Some(name);
+        comparison.rules.iter().any(rule)
+    };
+    let mut names: Vec<&str> = Vec::new();
+    for figure in comparison.cells.iter().flat_map(|c| &c.figures) {
+        let wanted = USUAL.contains(&figure.name) || ruled(figure.name);
+        if wanted && !names.contains(&figure.name) {
+            names.push(figure.name);
+        }
+    }
+    let header = ["Cell", "Time"].into_iter().chain(names.iter().copied());
+    let row = |change: &CellChange| {
+        let mut row = vec![Entry::plain(name(comparison, &change.cell)), time(change)];
+        row.extend(names.iter().map(|name| {
+            let figure = change.figures.iter().find(|f| f.name == *name);
+            figure.map_or_else(|| Entry::plain("-"), |figure| entry(change, figure))
+        }));
+        row
+    };
+    Grid {
+        texts: 1,
+        header: header.map(heading).collect(),
+        rows: comparison.cells.iter().map(row).collect(),
+    }
+}
+
+/// The name of a figure as a heading.
+fn heading(name: &str) -> String {
+    let words = name.trim_end_matches("_bytes").replace('_', " ");
+    let (first, rest) = words.split_at(1);
+    first.to_uppercase() + rest
+}
+
+/// Whether a rule on the figure `name` is broken in `change`.
+fn is_broken(change: &CellChange, name: &str) -> bool {
+    let rules = change.regressions.iter().filter_map(|r| r.rule.as_deref());
+    rules
+        .filter_map(|rule| rule.split('=').next())
+        .any(|n| n == name)
+}
+
+/// A text, marked if its rule is broken.
+fn marked(text: String, broken: bool) -> Entry {
+    Entry {
+        text: if broken { text + " !" } else { text },
+        failed: broken,
+        ..Entry::default()
+    }
+}
+
+fn time(change: &CellChange) -> Entry {
+    match (&change.time, change.status) {
+        (Some(time), _) => {
+            let text = match time.p {
+                Some(p) => format!("{}, p {p:.2}", time.in_words()),
+                None => time.in_words(),
+            };
+            marked(text, is_broken(change, "time"))
+        }
+        (None, [Status::Ok, Status::Ok]) if is_broken(change, "time") => {
+            marked("missing".to_owned(), true)
+        }
+        (None, [Status::Ok, Status::Ok]) => Entry::plain("-"),
+        (None, [old, new]) => {
+            let [from, to] = [old, new].map(Status::in_words);
+            marked(
+                if old == new {
+                    to
+                } else {
+                    format!("{from} -> {to}")
+                },
+                old == Status::Ok,
+            )
+        }
+    }
+}
+
+fn entry(change: &CellChange, figure: &FigureChange) -> Entry {
+    let text = match (figure.ratio(), figure.old, figure.new) {
+        (Some(ratio), _, _) => percent(ratio),
+        (None, Some(_), _) => "gone".to_owned(),
+        (None, None, Some(_)) => "new".to_owned(),
+        (None, None, None) => "missing".to_owned(),
+    };
+    marked(text, is_broken(change, figure.name))
+}
+
+/// Old and new values: the times of all cells, and everything else that differs.
+fn figures(comparison: &Comparison) -> Grid {
+    let mut rows = Vec::new();
+    for change in &comparison.cells {
+        let mut push = |figure: String, [old, new]: [String; 2], change_in_words: String| {
+            let cell = name(comparison, &change.cell);
+            rows.push(
+                [cell, figure, old, new, change_in_words]
+                    .map(Entry::plain)
+                    .into(),
+            );
+        };
+        if let Some(time) = &change.time {
+            let digits = decimals(time.medians, 6);
+            let how = match (time.method, time.p) {
+                (TimeMethod::Paired, _) => format!("{} pairs", time.samples[0]),
+                (_, Some(p)) => format!("p {p:.4}"),
+                (_, None) => String::new(),
+            };
+            push(
+                "Time (s)".to_owned(),
+                time.medians.map(|seconds| format!("{seconds:.digits$}")),
+                format!("{}; {how}", time.in_words()),
+            );
+        }
+        for figure in change.figures.iter().filter(|f| f.old != f.new) {
+            let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), exact);
+            push(
+                heading(figure.name),
+                [shown(figure.old), shown(figure.new)],
+                figure.ratio().map_or_else(String::new, percent),
+            );
+        }
+    }
+    Grid {
+        texts: 2,
+        header: ["Cell", "Figure", "Old", "New", "Change"]
+            .map(str::to_owned)
+            .into(),
+        rows,
+    }
+}

@@ -1,0 +1,139 @@
+//! One row per cell. A column is named after its place in the JSON file, joined by `_`; `null` is
+//! an empty field, and a list is joined by `;`. A text that a spreadsheet would take for a formula
+//! has an apostrophe before it.
+
+use std::fmt::Display;
+
+use csv::Writer;
+use geobench_window::Counters;
+
+use super::escape::csv_text;
+use crate::schema::{Cell, ResultFile};
+
+/// The rows of all cells under their header.
+pub(super) fn render(result: &ResultFile) -> anyhow::Result<String> {
+    let mut writer = Writer::from_writer(Vec::new());
+    writer.write_record(header())?;
+    for cell in &result.cells {
+        writer.write_record(columns(cell).into_iter().map(|(_, value)| value))?;
+    }
+    Ok(String::from_utf8(writer.into_inner()?)?)
+}
+
+/// The names of the columns.
+pub fn header() -> Vec<String> {
+    let nothing = Cell::new("", "");
+    columns(&nothing)
+        .into_iter()
+        .map(|(name, _)| name)
+        .collect()
+}
+
+/// Name and value of every column.
+fn columns(cell: &Cell) -> Vec<(String, String)> {
+    let mut columns: Vec<(String, String)> = [
+        ("model", csv_text(&cell.model).into_owned()),
+        ("algorithm", csv_text(&cell.algorithm).into_owned()),
+        ("source", text(cell.source)),
+        ("threads", cell.threads.to_string()),
+        ("status", cell.status.name().to_owned()),
+        ("message", words(cell.message.as_deref())),
+        ("time_samples", list(&cell.time.samples)),
+        ("time_median", text(cell.time.median)),
+        ("time_min", text(cell.time.min)),
+        ("time_mad", text(cell.time.mad)),
+        (
+            "time_ci95",
+            cell.time.ci95.map_or_else(String::new, |ci| list(&ci)),
+        ),
+        ("time_note", words(cell.time.note.as_deref())),
+        ("time_setup", text(cell.time.setup)),
+        ("time_outliers", text(cell.time.outliers)),
+        ("time_places", list(&cell.time.places)),
+    ]
+    .map(|(name, value)| (name.to_owned(), value))
+    .into();
+    columns.extend(
+        cell.counters
+            .iter()
+            .map(|(counter, count)| (format!("counters_{}", counter.key()), text(count))),
+    );
+    columns.push((
+        format!("counters_{}", Counters::WAVEFRONT_DEVIATION),
+        text(cell.counters.wavefront_deviation),
+    ));
+    columns.extend(
+        [
+            ("memory_papers_bytes", text(cell.memory.papers_bytes)),
+            (
+                "memory_windows_peak_bytes",
+                text(cell.memory.windows_peak_bytes),
+            ),
+            ("memory_heap_peak_bytes", text(cell.memory.heap_peak_bytes)),
+            ("memory_rss_peak_bytes", text(cell.memory.rss_peak_bytes)),
+            ("phases_propagation", text(cell.phases.propagation)),
+            ("phases_pruning", text(cell.phases.pruning)),
+            ("phases_management", text(cell.phases.management)),
+            ("check_reference", words(cell.check.reference.as_deref())),
+            ("check_max_abs", text(cell.check.max_abs)),
+            ("check_max_rel", text(cell.check.max_rel)),
+            ("check_unreachable", text(cell.check.unreachable)),
+            ("check_compared", text(cell.check.compared)),
+            ("check_worst_vertex", text(cell.check.worst_vertex)),
+            ("check_cluster", text(cell.check.cluster)),
+            ("group", words(cell.group.as_deref())),
+            ("instructions", text(cell.instructions)),
+            ("instructions_simd", text(cell.instructions_simd.as_ref())),
+            ("shard", text(cell.shard)),
+        ]
+        .map(|(name, value)| (name.to_owned(), value)),
+    );
+    columns
+}
+
+/// A text.
+fn words(text: Option<&str>) -> String {
+    text.map_or_else(String::new, |text| csv_text(text).into_owned())
+}
+
+/// The number, with as many digits as it takes to read it back unchanged.
+fn text(value: Option<impl Display>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
+
+fn list(values: &[impl Display]) -> String {
+    let values: Vec<String> = values.iter().map(ToString::to_string).collect();
+    values.join(";")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Names of all leaves, joined by `_`.
+    fn leaves(prefix: &str, value: &serde_json::Value, names: &mut Vec<String>) {
+        match value {
+            serde_json::Value::Object(map) => {
+                for (key, value) in map {
+                    let name = if prefix.is_empty() {
+                        key.clone()
+                    } else {
+                        format!("{prefix}_{key}")
+                    };
+                    leaves(&name, value, names);
+                }
+            }
+            _ => names.push(prefix.to_owned()),
+        }
+    }
+
+    #[test]
+    fn the_columns_are_the_fields_of_the_json_file() {
+        let cell = serde_json::to_value(Cell::new("m", "a")).unwrap();
+        let (mut fields, mut columns) = (Vec::new(), header());
+        leaves("", &cell, &mut fields);
+        fields.sort_unstable();
+        columns.sort_unstable();
+        assert_eq!(columns, fields);
+    }
+}

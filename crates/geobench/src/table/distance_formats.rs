@@ -1,0 +1,380 @@
+//! One distance field, as files for other programs.
+
+use std::path::Path;
+
+use geobench_mesh::io::PlyWriter;
+use geobench_mesh::{Mesh, VertexId};
+use serde::Serialize;
+
+/// Distances and where they come from.
+#[derive(Clone, Copy, Debug)]
+pub struct DistanceField<'a> {
+    /// Name of the model.
+    pub model: &'a str,
+    /// Name of the algorithm.
+    pub algorithm: &'a str,
+    /// The sources, from the nearest of which distances are measured.
+    pub sources: &'a [u32],
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// Distance of each vertex in the file's order; infinite where no path leads.
+    pub distances: &'a [f64],
+}
+
+/// A form in which a distance field can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FieldFormat {
+    /// `vertex,distance`, one line for each vertex; `inf` where no path leads.
+    Csv,
+    /// The distances with their sources; `null` where no path leads, and how often that is.
+    Json,
+    /// A one-dimensional `NumPy` array of f64; infinity where no path leads.
+    Npy,
+    /// The mesh (binary), with the distance as the `quality` of a vertex, infinity where no path
+    /// leads, and a colour ramp, grey where no path leads.
+    Ply,
+    /// The mesh (legacy VTK, binary), with the scalar field `distance`, infinity where no path
+    /// leads, and the field `reached`, which is 0 there and 1 elsewhere.
+    Vtk,
+}
+
+const ENDINGS: [(&str, FieldFormat); 5] = [
+    ("csv", FieldFormat::Csv),
+    ("json", FieldFormat::Json),
+    ("npy", FieldFormat::Npy),
+    ("ply", FieldFormat::Ply),
+    ("vtk", FieldFormat::Vtk),
+];
+
+/// A path whose ending is not that of a distance field.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{path}: the ending says in which form to write distances; use .csv, .json, .npy, .ply or .vtk"
+)]
+pub struct UnknownEnding {
+    /// The path.
+    pub path: String,
+}
+
+impl FieldFormat {
+    /// The form that the ending of `path` asks for, in any letter case.
+    ///
+    /// # Errors
+    ///
+    /// When it asks for none.
+    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
+        path.extension()
+            .and_then(|ending| {
+                let (_, format) = ENDINGS
+                    .iter()
+                    .find(|(name, _)| ending.eq_ignore_ascii_case(name))?;
+                Some(*format)
+            })
+            .ok_or_else(|| UnknownEnding {
+                path: path.display().to_string(),
+            })
+    }
+
+    /// The contents of a file in this form.
+    ///
+    /// # Errors
+    ///
+    /// When the form needs coordinates and the mesh has none.
+    pub fn render(self, field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
+        let needs_positions = matches!(self, Self::Ply | Self::Vtk);
+        if needs_positions && field.mesh.positions().len() != field.distances.len() {
+            anyhow::bail!("{}: the mesh has no coordinates to write", field.model);
+        }
+        Ok(match self {
+            Self::Csv => csv(field.distances),
+            Self::Json => json(field)?,
+            Self::Npy => npy(field.distances),
+            Self::Ply => ply(field)?,
+            Self::Vtk => vtk(field),
+        })
+    }
+}
+
+/// Numbers with as many digits as it takes to read them back unchanged.
+fn csv(distances: &[f64]) -> Vec<u8> {
+    use std::fmt::Write;
+    let mut text = "vertex,distance\n".to_owned();
+    for (vertex, distance) in distances.iter().enumerate() {
+        let _ = writeln!(text, "{vertex},{distance}"); // Writing to a string cannot fail.
+    }
+    text.into_bytes()
+}
+
+/// Appends each of `numbers` as `to_bytes` lays it out.
+fn append<T, const N: usize>(
+    bytes: &mut Vec<u8>,
+    numbers: impl IntoIterator<Item = T>,
+    to_bytes: fn(T) -> [u8; N],
+) {
+    for number in numbers {
+        bytes.extend_from_slice(&to_bytes(number));
+    }
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    model: &'a str,
+    algorithm: &'a str,
+    sources: &'a [u32],
+    vertices: usize,
+    /// How many of the distances are null because no path leads there.
+    unreachable: usize,
+    distances: Vec<Option<f64>>,
+}
+
+/// One object with a `null` for each vertex that no path reaches, since JSON has no infinity.
+fn json(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
+    let distances: Vec<Option<f64>> = field
+        .distances
+        .iter()
+        .map(|d| d.is_finite().then_some(*d))
+        .collect();
+    let document = Document {
+        model: field.model,
+        algorithm: field.algorithm,
+        sources: field.sources,
+        vertices: distances.len(),
+        unreachable: distances.iter().filter(|d| d.is_none()).count(),
+        distances,
+    };
+    let mut bytes = serde_json::to_vec(&document)?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
+/// Start of a `NumPy` array, version 1.0 (`numpy.lib.format`): magic and version. The length of the
+/// header, the header padded to 64 bytes and the numbers follow.
+const NPY_MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
+
+/// A one-dimensional little-endian f64 array.
+fn npy(distances: &[f64]) -> Vec<u8> {
+    let mut header = format!(
+        "{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}",
+        distances.len()
+    );
+    // With magic, version, length and the final line break, a multiple of 64.
+    let used = NPY_MAGIC.len() + 2 + header.len() + 1;
+    header += &" ".repeat(used.next_multiple_of(64) - used);
+    header.push('\n');
+
+    let mut bytes = NPY_MAGIC.to_vec();
+    bytes.extend_from_slice(&(header.len() as u16).to_le_bytes());
+    bytes.extend_from_slice(header.as_bytes());
+    append(&mut bytes, distances.iter().copied(), f64::to_le_bytes);
+    bytes
+}
+
+/// The mesh with `quality`, the name under which mesh programs know a vertex scalar, and colours.
+fn ply(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
+    let triangles: Vec<[u32; 3]> = field
+        .mesh
+        .faces()
+        .map(|face| field.mesh.face_vertices(face).map(VertexId::raw))
+        .collect();
+    let colours: Vec<[u8; 3]> = colours(field.distances).collect();
+    let remark = format!(
+        "geodesic distance by {}, model {}",
+        field.algorithm, field.model
+    );
+    let mut bytes = Vec::new();
+    PlyWriter::new(field.mesh.positions(), &triangles)
+        .comment(&remark)
+        .scalars("quality", field.distances)
+        .colors(&colours)
+        .write(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Legacy VTK: the mesh with the fields `distance` and `reached`. Binary (big-endian), because the
+/// text form cannot write infinity in a way that every reader accepts.
+fn vtk(field: &DistanceField<'_>) -> Vec<u8> {
+    let (vertices, faces) = (field.distances.len(), field.mesh.face_count());
+    // The second line is the title: at most 256 characters.
+    let title: String = format!(
+        "geodesic distance by {}, model {}",
+        field.algorithm, field.model
+    )
+    .chars()
+    .map(|c| if c.is_ascii_graphic() { c } else { ' ' })
+    .take(200)
+    .collect();
+    let mut bytes = format!(
+        "# vtk DataFile Version 3.0\n{title}\nBINARY\nDATASET POLYDATA\nPOINTS {vertices} double\n"
+    )
+    .into_bytes();
+    let coordinates = field.mesh.positions().as_flattened().iter().copied();
+    append(&mut bytes, coordinates, f64::to_be_bytes);
+    bytes.extend_from_slice(format!("\nPOLYGONS {faces} {}\n", 4 * faces).as_bytes());
+    for face in field.mesh.faces() {
+        let [a, b, c] = field.mesh.face_vertices(face).map(VertexId::raw);
+        append(&mut bytes, [3, a, b, c], u32::to_be_bytes);
+    }
+    bytes.extend_from_slice(
+        format!("\nPOINT_DATA {vertices}\nSCALARS distance double 1\nLOOKUP_TABLE default\n")
+            .as_bytes(),
+    );
+    append(
+        &mut bytes,
+        field.distances.iter().copied(),
+        f64::to_be_bytes,
+    );
+    bytes.extend_from_slice(b"\nSCALARS reached unsigned_char 1\nLOOKUP_TABLE default\n");
+    bytes.extend(field.distances.iter().map(|d| u8::from(d.is_finite())));
+    bytes.push(b'\n');
+    bytes
+}
+
+/// Nine colours evenly spaced along a ramp from dark blue over green to yellow that grows steadily
+/// lighter, so that it also reads in grey and to most colour-blind people (after "viridis").
+const RAMP: [[u8; 3]; 9] = [
+    [68, 1, 84],
+    [71, 44, 122],
+    [59, 81, 139],
+    [44, 113, 142],
+    [33, 144, 141],
+    [39, 173, 129],
+    [92, 200, 99],
+    [170, 220, 50],
+    [253, 231, 37],
+];
+
+/// The colour of vertices that no path reaches.
+pub(crate) const UNREACHED: [u8; 3] = [128, 128, 128];
+
+/// The colour at a place on the ramp, from 0 to 1.
+#[allow(clippy::cast_sign_loss)] // Neither places nor parts of colours are negative.
+pub(crate) fn colour(share: f64) -> [u8; 3] {
+    let place = share.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
+    let (low, between) = (place.floor() as usize, place.fract());
+    let (from, to) = (RAMP[low], RAMP[(low + 1).min(RAMP.len() - 1)]);
+    std::array::from_fn(|k| {
+        let (from, to) = (f64::from(from[k]), f64::from(to[k]));
+        (from + between * (to - from)).round() as u8
+    })
+}
+
+/// A colour for each distance: the ramp from 0 to the largest finite distance.
+fn colours(distances: &[f64]) -> impl Iterator<Item = [u8; 3]> {
+    let largest = distances
+        .iter()
+        .copied()
+        .filter(|d| d.is_finite())
+        .fold(0.0, f64::max);
+    distances.iter().map(move |&distance| {
+        if !distance.is_finite() {
+            UNREACHED
+        } else if largest > 0.0 {
+            colour(distance / largest)
+        } else {
+            RAMP[0]
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use geobench_mesh::TriangleSoup;
+
+    use super::*;
+
+    /// A triangle and an isolated vertex.
+    pub(super) fn with_field<T>(test: impl FnOnce(&DistanceField<'_>) -> T) -> T {
+        let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0], [9.0, 9.0, 9.0]];
+        let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, vec![[0, 1, 2]])).unwrap();
+        test(&DistanceField {
+            model: "t",
+            algorithm: "mmp",
+            sources: &[0],
+            mesh: &mesh,
+            distances: &[0.0, 3.0, 4.0, f64::INFINITY],
+        })
+    }
+
+    fn render(format: FieldFormat) -> Vec<u8> {
+        with_field(|field| format.render(field).unwrap())
+    }
+
+    #[test]
+    fn endings_in_any_case() {
+        let of = |path: &str| FieldFormat::of_path(Path::new(path));
+        assert_eq!(of("a.CSV"), Ok(FieldFormat::Csv));
+        assert_eq!(of("a.b/c.vtk"), Ok(FieldFormat::Vtk));
+        assert!(of("a").is_err() && of("a.obj").is_err());
+    }
+
+    #[test]
+    fn csv_says_inf() {
+        assert_eq!(
+            String::from_utf8(render(FieldFormat::Csv)).unwrap(),
+            "vertex,distance\n0,0\n1,3\n2,4\n3,inf\n"
+        );
+    }
+
+    #[test]
+    fn json_says_null_and_how_often() {
+        let value: serde_json::Value = serde_json::from_slice(&render(FieldFormat::Json)).unwrap();
+        assert_eq!(value["distances"], serde_json::json!([0.0, 3.0, 4.0, null]));
+        assert_eq!(value["unreachable"], 1);
+        assert_eq!(value["sources"], serde_json::json!([0]));
+    }
+
+    #[test]
+    fn npy_is_an_aligned_header_and_the_numbers() {
+        let bytes = render(FieldFormat::Npy);
+        assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
+        let header = u16::from_le_bytes([bytes[8], bytes[9]]) as usize;
+        let data = 10 + header;
+        assert_eq!(data % 64, 0);
+        assert!(bytes[10..data].ends_with(b"\n"));
+        assert!(
+            bytes[10..].starts_with(b"{'descr': '<f8', 'fortran_order': False, 'shape': (4,), }")
+        );
+        assert_eq!(bytes[data..].len(), 4 * 8);
+        assert_eq!(bytes[data + 8..data + 16], 3.0_f64.to_le_bytes());
+        assert_eq!(bytes[data + 24..], f64::INFINITY.to_le_bytes());
+    }
+
+    #[test]
+    fn ply_has_quality_and_colours() {
+        let bytes = render(FieldFormat::Ply);
+        let end = b"end_header\n";
+        let at = bytes.windows(end.len()).position(|w| w == end).unwrap() + end.len();
+        let header = String::from_utf8_lossy(&bytes[..at]);
+        assert!(
+            header.contains("element vertex 4\n") && header.contains("property double quality\n")
+        );
+        let vertex = 4 * 8 + 3;
+        assert_eq!(bytes[at..].len(), 4 * vertex + 13);
+        let last = &bytes[at + 3 * vertex..at + 4 * vertex];
+        assert_eq!(last[24..32], f64::INFINITY.to_le_bytes());
+        assert_eq!(last[32..], [128, 128, 128], "grey where no path leads");
+        assert_eq!(bytes[at + 4 * vertex], 3);
+    }
+
+    #[test]
+    fn vtk_has_both_fields() {
+        let bytes = render(FieldFormat::Vtk);
+        let text = String::from_utf8_lossy(&bytes);
+        for line in [
+            "# vtk DataFile Version 3.0\n",
+            "BINARY\nDATASET POLYDATA\nPOINTS 4 double\n",
+            "POLYGONS 1 4\n",
+            "POINT_DATA 4\nSCALARS distance double 1\nLOOKUP_TABLE default\n",
+            "SCALARS reached unsigned_char 1\nLOOKUP_TABLE default\n\x01\x01\x01\x00\n",
+        ] {
+            assert!(text.contains(line), "{line}");
+        }
+    }
+
+    #[test]
+    fn the_ends_of_the_ramp_and_the_unreached() {
+        let found: Vec<_> = colours(&[0.0, 2.0, 1.0, f64::INFINITY]).collect();
+        assert_eq!(found, [RAMP[0], RAMP[8], RAMP[4], UNREACHED]);
+        assert_eq!(colours(&[0.0]).next(), Some(RAMP[0]));
+    }
+}

@@ -1,0 +1,296 @@
+//! The figures that tables can show, a row each.
+
+use std::sync::LazyLock;
+
+use geobench_window::{Counter, Counters};
+
+use crate::registry::nearest;
+use crate::schema::Cell;
+
+/// A figure of a cell: a row of a table.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// The name by which suites and `--rows` ask for it.
+    pub key: &'static str,
+    /// What stands in front of the row.
+    pub(crate) label: String,
+    /// How it is shown.
+    pub(crate) style: Style,
+    /// Whether less of it is better, so that the least can be marked and ratios mean something.
+    pub(crate) less_is_better: bool,
+    of: Of,
+}
+
+/// How a figure is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Style {
+    /// A whole number.
+    Count,
+    /// With as many decimals as it takes, but no more than these.
+    Decimals(u8),
+    /// By its size alone.
+    Scientific,
+}
+
+/// Where a figure comes from.
+#[derive(Clone, Copy, Debug)]
+enum Of {
+    Counter(Counter),
+    Computed(fn(&Cell) -> Option<f64>),
+    /// From the cell and the number of vertices of its model.
+    OnModel(fn(&Cell, f64) -> Option<f64>),
+}
+
+const MEGABYTE: f64 = 1e6;
+
+/// The rows of a table where nothing else is asked for.
+pub(crate) const USUAL: [&str; 4] = ["time", "propagated", "papers_memory", "heap_memory"];
+
+/// A name that is not that of a figure.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no row `{name}`{}; known are {}", did_you_mean(suggestion.as_deref()), known().join(", "))]
+pub struct UnknownFigure {
+    name: String,
+    suggestion: Option<String>,
+}
+
+fn did_you_mean(suggestion: Option<&str>) -> String {
+    suggestion.map_or_else(String::new, |name| format!(", did you mean `{name}`?"))
+}
+
+fn known() -> Vec<&'static str> {
+    all().iter().map(|figure| figure.key).collect()
+}
+
+/// The figure of this name, in any letter case.
+///
+/// # Errors
+///
+/// Names the nearest one if there is none.
+pub fn figure(name: &str) -> Result<&'static Figure, UnknownFigure> {
+    let name = name.trim().to_lowercase();
+    all()
+        .iter()
+        .find(|figure| figure.key == name)
+        .ok_or_else(|| UnknownFigure {
+            suggestion: nearest(&name, &known()),
+            name,
+        })
+}
+
+/// The figures of these names, as far as there are any; the usual ones if none are named.
+pub(crate) fn figures<S: AsRef<str>>(names: &[S]) -> Vec<&'static Figure> {
+    if names.is_empty() {
+        USUAL.iter().flat_map(|name| figure(name)).collect()
+    } else {
+        names
+            .iter()
+            .flat_map(|name| figure(name.as_ref()))
+            .collect()
+    }
+}
+
+impl Figure {
+    fn computed(
+        key: &'static str,
+        label: &str,
+        style: Style,
+        of: fn(&Cell) -> Option<f64>,
+    ) -> Self {
+        Self {
+            key,
+            label: label.to_owned(),
+            style,
+            less_is_better: true,
+            of: Of::Computed(of),
+        }
+    }
+
+    fn informative(self) -> Self {
+        Self {
+            less_is_better: false,
+            ..self
+        }
+    }
+
+    /// The figure of a cell on a model of so many vertices, if it has it.
+    pub(crate) fn of(&self, cell: &Cell, vertices: Option<u64>) -> Option<f64> {
+        match self.of {
+            Of::Counter(counter) => count(cell, counter),
+            Of::Computed(of) => of(cell),
+            Of::OnModel(of) => of(cell, vertices? as f64),
+        }
+    }
+}
+
+fn count(cell: &Cell, counter: Counter) -> Option<f64> {
+    cell.counters.get(counter).map(|n| n as f64)
+}
+
+/// All figures: those that take a computation, and every counter.
+fn all() -> &'static [Figure] {
+    use Style::{Count, Decimals, Scientific};
+    static ALL: LazyLock<Vec<Figure>> = LazyLock::new(|| {
+        let mut all = vec![
+            Figure::computed("time", "Time (s)", Decimals(6), |c| c.time.median),
+            Figure::computed("setup", "Set-up (s)", Decimals(6), |c| c.time.setup),
+            Figure::computed(
+                "papers_memory",
+                "Peak memory, papers' count (MB)",
+                Decimals(3),
+                |c| c.memory.papers_bytes.map(|n| n as f64 / MEGABYTE),
+            ),
+            Figure::computed(
+                "windows_memory",
+                "Peak memory, windows (MB)",
+                Decimals(3),
+                |c| c.memory.windows_peak_bytes.map(|n| n as f64 / MEGABYTE),
+            ),
+            Figure::computed(
+                "heap_memory",
+                "Peak memory, measured (MB)",
+                Decimals(3),
+                |c| c.memory.heap_peak_bytes.map(|n| n as f64 / MEGABYTE),
+            ),
+            Figure::computed(
+                "rss_memory",
+                "Peak memory of the process (MB)",
+                Decimals(3),
+                |c| c.memory.rss_peak_bytes.map(|n| n as f64 / MEGABYTE),
+            ),
+            Figure::computed("instructions", "Instructions", Count, |c| {
+                c.instructions.map(|n| n as f64)
+            }),
+            Figure::computed("generated", "Windows generated", Count, |c| {
+                Some(count(c, Counter::Children)? + count(c, Counter::Spawned)?)
+            }),
+            Figure::computed("valid", "Valid windows", Count, |c| {
+                Some(count(c, Counter::Kept)? + count(c, Counter::Reinserted).unwrap_or(0.0))
+            }),
+            Figure::computed("prime_share", "Prime share", Decimals(4), |c| {
+                let (prime, secondary) = (count(c, Counter::Prime)?, count(c, Counter::Secondary)?);
+                (prime + secondary > 0.0).then(|| prime / (prime + secondary))
+            })
+            .informative(),
+            Figure::computed(
+                Counters::WAVEFRONT_DEVIATION,
+                "Wavefront deviation",
+                Decimals(6),
+                |c| c.counters.wavefront_deviation,
+            ),
+            Figure::computed(
+                "phase_propagation",
+                "Propagation, clocked (s)",
+                Decimals(6),
+                |c| c.phases.propagation,
+            ),
+            Figure::computed("phase_pruning", "Pruning, clocked (s)", Decimals(6), |c| {
+                c.phases.pruning
+            }),
+            Figure::computed(
+                "phase_management",
+                "Management, clocked (s)",
+                Decimals(6),
+                |c| c.phases.management,
+            ),
+            Figure::computed("management_share", "Management share", Decimals(4), |c| {
+                let phases = &c.phases;
+                let all = phases.propagation? + phases.pruning? + phases.management?;
+                (all > 0.0).then_some(phases.management? / all)
+            })
+            .informative(),
+            Figure::computed("branching", "Children of a window", Decimals(4), |c| {
+                let (children, parents) =
+                    (count(c, Counter::Children)?, count(c, Counter::Parents)?);
+                (parents > 0.0).then_some(children / parents)
+            })
+            .informative(),
+            Figure {
+                of: Of::OnModel(|c, vertices| {
+                    let levels = count(c, Counter::Levels)?;
+                    (levels > 0.0).then(|| libm::pow(vertices, levels.recip()))
+                }),
+                ..Figure::computed("b", "Estimate of b", Decimals(4), |_| None)
+            }
+            .informative(),
+            Figure::computed("max_rel", "Largest relative difference", Scientific, |c| {
+                c.check.max_rel
+            })
+            .informative(),
+        ];
+        all.extend(Counter::ALL.iter().map(|&counter| Figure {
+            key: counter.key(),
+            label: label(counter),
+            style: Count,
+            less_is_better: counter == Counter::Propagated,
+            of: Of::Counter(counter),
+        }));
+        all
+    });
+    &ALL
+}
+
+/// What stands in front of the row of a counter.
+fn label(counter: Counter) -> String {
+    match counter {
+        Counter::Propagated => "Window propagations".to_owned(),
+        Counter::StoredWindows => "Window limit".to_owned(),
+        Counter::KPeak => "Largest K".to_owned(),
+        _ => {
+            let words = counter.key().replace('_', " ");
+            let (first, rest) = words.split_at(1);
+            first.to_uppercase() + rest
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_found() {
+        for (i, name) in known().into_iter().enumerate() {
+            assert_eq!(figure(name).unwrap().key, name);
+            assert!(!known()[..i].contains(&name), "{name} stands there twice");
+        }
+        assert_eq!(figures::<&str>(&[]).len(), USUAL.len());
+        let message = figure("levls").unwrap_err().to_string();
+        assert!(
+            message.starts_with("there is no row `levls`, did you mean `levels`?; known are time,")
+        );
+    }
+
+    #[test]
+    fn figures_are_computed_from_what_there_is() {
+        let mut cell = Cell::new("m", "a");
+        let of = |key: &str, cell: &Cell| figure(key).unwrap().of(cell, Some(48_484));
+        assert_eq!(of("valid", &cell), None);
+        assert_eq!(of("prime_share", &cell), None);
+        cell.counters.set(Counter::Kept, 5);
+        cell.counters.set(Counter::Prime, 0);
+        cell.counters.set(Counter::Secondary, 0);
+        assert_eq!(of("valid", &cell), Some(5.0));
+        assert_eq!(of("prime_share", &cell), None);
+        cell.counters.set(Counter::Reinserted, 2);
+        cell.counters.set(Counter::Prime, 3);
+        cell.counters.set(Counter::Secondary, 1);
+        assert_eq!(of("valid", &cell), Some(7.0));
+        assert_eq!(of("prime_share", &cell), Some(0.75));
+        assert_eq!(of("iterations", &cell), None);
+        // Table 5.1 of the report of 2014: 374 levels on the horse make b 1.0293.
+        assert_eq!(of("b", &cell), None);
+        cell.counters.set(Counter::Levels, 374);
+        assert!((of("b", &cell).unwrap() - 1.0293).abs() < 1e-4);
+        assert_eq!(figure("b").unwrap().of(&cell, None), None);
+        cell.counters.set(Counter::Parents, 4);
+        assert_eq!(of("branching", &cell), None);
+        cell.counters.set(Counter::Children, 6);
+        assert_eq!(of("branching", &cell), Some(1.5));
+        cell.phases.propagation = Some(1.0);
+        cell.phases.pruning = Some(0.5);
+        assert_eq!(of("management_share", &cell), None);
+        cell.phases.management = Some(0.5);
+        assert_eq!(of("management_share", &cell), Some(0.25));
+    }
+}

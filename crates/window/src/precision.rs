@@ -125,36 +125,40 @@ impl fmt::Display for Doubt {
     }
 }
 
+/// How far distances may be off among edges of which the longest is this long; `None` if it is not
+/// too long for them. O(distances).
+pub fn doubtful_by(longest: f64, distances: &[f64]) -> Option<f64> {
+    let limit = TOO_LONG * greatest(distances);
+    (limit > 0.0 && longest > limit).then_some(MARGIN * longest)
+}
+
 /// The faces of `mesh` that put `distances`, those of its vertices, in [`Doubt`]; `None` on nearly
 /// all meshes. O(faces).
 pub fn doubt(mesh: &Mesh, distances: &[f64]) -> Option<Doubt> {
-    let reached = |d: &&f64| d.is_finite();
-    let greatest = distances
-        .iter()
-        .filter(reached)
-        .fold(0.0, |a, &b| f64::max(a, b));
+    let limit = TOO_LONG * greatest(distances);
     let mut doubt: Option<Doubt> = None;
-    for face in mesh.faces() {
-        let is_reached = |v: geobench_mesh::VertexId| distances[v.index()].is_finite();
-        let longest = [0, 1, 2]
-            .map(|k| mesh.length(face.half_edge(k)))
-            .into_iter()
-            .fold(0.0, f64::max);
-        if longest > TOO_LONG * greatest
-            && greatest > 0.0
-            && mesh.face_vertices(face).into_iter().any(is_reached)
-        {
-            let bound = MARGIN * longest;
+    for face in mesh.faces().filter(|_| limit > 0.0) {
+        let corners = mesh.face_vertices(face);
+        let is_reached = corners.iter().any(|v| distances[v.index()].is_finite());
+        let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+        let longest = lengths.into_iter().fold(0.0, f64::max);
+        if is_reached && longest > limit {
             let so_far = doubt.get_or_insert(Doubt {
                 faces: 0,
                 first: face,
-                bound,
+                bound: 0.0,
             });
             so_far.faces += 1;
-            so_far.bound = so_far.bound.max(bound);
+            so_far.bound = so_far.bound.max(MARGIN * longest);
         }
     }
     doubt
+}
+
+/// The greatest distance that is not infinite; 0 without any.
+fn greatest(distances: &[f64]) -> f64 {
+    let reached = distances.iter().filter(|d| d.is_finite());
+    reached.fold(0.0, |a, &b| f64::max(a, b))
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use std::thread;
 
 use anyhow::{Context, bail};
 use geobench_mesh::{Mesh, VertexId};
-use geobench_window::Solver;
+use geobench_window::{Solver, precision};
 
 use super::Verdict;
 use super::args::DistanceOptions;
@@ -152,6 +152,10 @@ impl Request<'_> {
         task: &Task,
     ) -> anyhow::Result<String> {
         let distances = solver.solve(&task.sources)?.distances;
+        if let Some(doubt) = precision::doubt(self.mesh, &distances) {
+            // Whatever is quiet, no distance is given that may be wrong without saying so.
+            terminal::warning(&format!("{}: {doubt}", self.model));
+        }
         let field = DistanceField {
             model: self.model,
             algorithm: algorithm.label(),

@@ -45,6 +45,7 @@ impl Backend for MockBackend {
             genus: Some(0),
             saddles: Some(0),
             anisotropy: Some(1.25),
+            longest_edge: Some(2.0),
             load_seconds: Some(0.5),
             build_seconds: Some(0.25),
             ..model.record()

@@ -333,6 +333,7 @@ impl ModelRef {
             genus: Some(measures.genus as u64),
             saddles: Some(measures.saddles as u64),
             anisotropy: Some(measures.anisotropy),
+            longest_edge: Some(measures.max_edge_length),
             load_seconds: Some(load_seconds),
             build_seconds: Some(build_seconds),
             ..self.record()

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use geobench_mesh::VertexId;
-use geobench_window::Counter;
+use geobench_window::{Counter, precision};
 
 use crate::exec::{Failure, Listener, Observation, Pass, Session, Step};
 use crate::measure::memory::Peaks;
@@ -275,8 +275,10 @@ impl<'p> Group<'p> {
             Ok(mut observation) => {
                 let distances = std::mem::take(&mut observation.distances);
                 let is_approximate = algorithm.is_approximate();
-                let (check, failure) =
+                let (mut check, failure) =
                     reference_check.judge(&distances, self.plan.tolerance, is_approximate);
+                check.doubt = (self.model.longest_edge)
+                    .and_then(|longest| precision::doubtful_by(longest, &distances));
                 // An approximation may differ, but by a finite amount.
                 let failure = failure.filter(|_| !is_approximate || check.max_rel.is_none());
                 RunOutcome {
@@ -489,15 +491,18 @@ impl<'p> Entry<'p> {
         let unreachable = outcomes()
             .rev()
             .find_map(|outcome| outcome.check.unreachable);
+        let doubt = outcomes().find_map(|outcome| outcome.check.doubt);
         if outcomes().any(|outcome| outcome.unchecked.is_some()) {
             return Check {
                 unreachable,
+                doubt,
                 cluster: worst.and_then(|check| check.cluster),
                 ..Check::default()
             };
         }
         Check {
             unreachable,
+            doubt,
             ..worst.cloned().unwrap_or_default()
         }
     }

@@ -106,6 +106,7 @@ fn record(reference: Option<&str>, comparison: &Comparison) -> Check {
         worst_vertex: reference
             .and(comparison.worst)
             .map(|worst| worst.vertex as u64),
+        doubt: None,
         cluster: None,
     }
 }

@@ -187,6 +187,9 @@ pub struct ModelRecord {
     /// Mean over the faces of P H / (2 sqrt(3) S): half perimeter, longest edge, area; 1 for
     /// equilateral faces. Faces without area are left out.
     pub anisotropy: Option<f64>,
+    /// Length of the longest edge, in the units of the model.
+    #[serde(default)]
+    pub longest_edge: Option<f64>,
     /// Seconds to read or generate the model.
     pub load_seconds: Option<f64>,
     /// Seconds to check it and to build the half-edge mesh.
@@ -445,6 +448,10 @@ pub struct Check {
     /// reference.
     #[serde(default)]
     pub worst_vertex: Option<u64>,
+    /// How far a distance may be off because edges are too long for the distances around them, in
+    /// the units of the model; null where no edge is, as on nearly all models.
+    #[serde(default)]
+    pub doubt: Option<f64>,
     /// Answers to the same model and source with the same number agree with each other; 0 is the
     /// reference's. Null if there is no answer, or one that is not held to the tolerance.
     #[serde(default)]

@@ -80,6 +80,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             ("check_unreachable", text(cell.check.unreachable)),
             ("check_compared", text(cell.check.compared)),
             ("check_worst_vertex", text(cell.check.worst_vertex)),
+            ("check_doubt", text(cell.check.doubt)),
             ("check_cluster", text(cell.check.cluster)),
             ("group", words(cell.group.as_deref())),
             ("instructions", text(cell.instructions)),

@@ -320,6 +320,14 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<String> {
     if let Some(unreachable @ 1..) = unreachable {
         notes.push(format!("unreachable vertices: {}", grouped(unreachable)));
     }
+    let doubt = cells.iter().filter_map(|c| c.check.doubt);
+    if let Some(doubt) = doubt.max_by(f64::total_cmp) {
+        notes.push(format!(
+            "edges are too long for these distances, each of which may be off by up to {}; \
+             `geobench distance` names the faces",
+            scientific(doubt)
+        ));
+    }
     let mut seen: Vec<&str> = Vec::new();
     for cell in cells {
         let Some(message) = &cell.message else {

@@ -70,3 +70,20 @@ fn every_form_is_written_and_replaced() {
             .contains("vertices             4\n")
     );
 }
+
+/// With a source at either end of a long and thin face, all distances are far below the rounding of
+/// its sides.
+#[test]
+fn distances_that_rounding_may_spoil_are_not_given_in_silence() {
+    let sandbox = Sandbox::new();
+    sandbox.write("long.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1e-8 0\n3 0 1 2\n");
+    let warned = sandbox.call("distance long.off --source 0,1 --quiet -o d.csv");
+    assert_eq!(warned.code, 0);
+    assert_eq!(
+        warned.stderr,
+        "geobench: warning: long: 1 face is too long and thin for these distances (the first is \
+         face 0): each may be off by up to 1.0e-12; split the long edges to be sure\n"
+    );
+    let sure = sandbox.call("distance long.off --source 0 --quiet -o d.csv");
+    assert_eq!((sure.code, sure.stderr.as_str()), (0, ""));
+}

@@ -8,12 +8,12 @@
 /// worst, and √n times in practice: 1e-12 leaves room for a million faces in a row.
 pub const MARGIN: f64 = 1e-12;
 
-/// How far rounding may have moved the length of a path, as a fraction of itself: some 50 units in
-/// the last place.
+/// How far rounding may have moved the length of a path, as a fraction of itself: 500 units in the
+/// last place, for paths across a hundred faces and more.
 ///
 /// What two paths differ by less than this is called equal. One of equal windows may be lost, so
 /// the number is as small as rounding allows.
-pub const GRAIN: f64 = 1e-14;
+pub const GRAIN: f64 = 1e-13;
 
 /// How far rounding may have moved a place on an edge, as a fraction of the edge: some 5 units in
 /// the last place.

@@ -33,17 +33,24 @@ pub(crate) struct Edge {
     pub(crate) l: f64,
     /// The third vertex of the triangle that the windows have just crossed, below the edge.
     pub(crate) behind: [f64; 2],
+    /// How far rounding may have moved the sources of windows on the edge, beside what it may have by
+    /// their distances.
+    blur: f64,
+    /// How many times as long as high the triangle is: its height is the scale on which a point lies
+    /// inside.
+    slenderness: f64,
 }
 
 impl Edge {
-    /// How far rounding may have moved the sources of windows on the edge, beside what it may have by their distances.
-    fn blur(&self) -> f64 {
-        CLEARANCE * extent(self.l, self.behind)
-    }
-
-    /// How many times as long as high the triangle behind the edge is: its height is the scale on which a point lies inside.
-    fn slenderness(&self) -> f64 {
-        extent(self.l, self.behind) / -self.behind[1]
+    /// An edge of length `l` with the vertex `behind` below it.
+    pub(crate) const fn new(l: f64, behind: [f64; 2]) -> Self {
+        let extent = extent(l, behind);
+        Self {
+            l,
+            behind,
+            blur: CLEARANCE * extent,
+            slenderness: extent / -behind[1],
+        }
     }
 
     /// Whether `point` lies inside the triangle behind the edge, and further from its border than
@@ -73,11 +80,11 @@ pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &Edge) -> Verdict
             continue;
         }
         let (da, db) = (a.distance(x), b.distance(x));
-        if da < db * WINS - edge.blur() {
+        if da < db * WINS - edge.blur {
             if !cut(b, a, x, edge) {
                 return Verdict::SecondDies;
             }
-        } else if db < da * WINS - edge.blur() && !cut(a, b, x, edge) {
+        } else if db < da * WINS - edge.blur && !cut(a, b, x, edge) {
             return Verdict::FirstDies;
         }
         if lo == hi {
@@ -96,7 +103,7 @@ pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &Edge) -> Verdict
 /// sources, where the sign is noise.
 fn cut(loser: &mut Window, winner: &Window, x: f64, edge: &Edge) -> bool {
     let (from, to) = (loser.source(), winner.source());
-    let blur = edge.blur();
+    let blur = edge.blur;
     if is_clearly_left(from, [x, 0.0], to, blur) && is_clearly_left(from, [loser.b0, 0.0], to, blur)
     {
         loser.b0 = x;
@@ -131,7 +138,7 @@ fn check_disjoint(a: &Window, b: &Window, edge: &Edge) -> Verdict {
 /// are those that lie beyond that point; the way from there to the source crosses them, as in [`cut`].
 fn check_in_order(left: &Window, right: &Window, edge: &Edge) -> Verdict {
     let (v, u) = (left.source(), right.source());
-    let Some(Meeting { s, t, blur }) = meet((v, left.b1), (u, right.b0), edge.slenderness()) else {
+    let Some(Meeting { s, t, blur }) = meet((v, left.b1), (u, right.b0), edge.slenderness) else {
         return Verdict::BothStay;
     };
     if !edge.is_behind([v[0] + s * (left.b1 - v[0]), v[1] - s * v[1]], blur) {
@@ -139,9 +146,9 @@ fn check_in_order(left: &Window, right: &Window, edge: &Edge) -> Verdict {
     }
     let to_left = left.sigma + s * length(v, left.b1);
     let to_right = right.sigma + t * length(u, right.b0);
-    if to_left < to_right * WINS - edge.blur() {
+    if to_left < to_right * WINS - edge.blur {
         Verdict::SecondDies
-    } else if to_right < to_left * WINS - edge.blur() {
+    } else if to_right < to_left * WINS - edge.blur {
         Verdict::FirstDies
     } else {
         Verdict::BothStay
@@ -189,10 +196,7 @@ fn meet((v, x): ([f64; 2], f64), (u, y): ([f64; 2], f64), slenderness: f64) -> O
 mod tests {
     use super::*;
 
-    const EDGE: Edge = Edge {
-        l: 1.0,
-        behind: [0.5, -1.0],
-    };
+    const EDGE: Edge = Edge::new(1.0, [0.5, -1.0]);
 
     fn window(b0: f64, b1: f64, px: f64, py: f64, sigma: f64) -> Window {
         Window {
@@ -273,10 +277,7 @@ mod tests {
         assert_eq!(check(left, right).0, Verdict::SecondDies);
         assert_eq!(check(right, left).0, Verdict::FirstDies);
         // With a flatter triangle behind the edge they crossed before it, perhaps on other faces.
-        let flat = Edge {
-            l: 1.0,
-            behind: [0.5, -0.2],
-        };
+        let flat = Edge::new(1.0, [0.5, -0.2]);
         let verdict = check_pair(&mut left.clone(), &mut right.clone(), &flat);
         assert_eq!(verdict, Verdict::BothStay);
     }
@@ -285,10 +286,10 @@ mod tests {
     /// died: 14 vertices of the horse came out too far, by up to 3e-6, when all pairs were compared.
     #[test]
     fn rays_through_one_corner_of_the_triangle_do_not_cross() {
-        let edge = Edge {
-            l: 0.001_242_778_450_191_567_6,
-            behind: [0.000_946_561_819_209_68, -0.000_857_571_584_925_322_3],
-        };
+        let edge = Edge::new(
+            0.001_242_778_450_191_567_6,
+            [0.000_946_561_819_209_68, -0.000_857_571_584_925_322_3],
+        );
         let cheap = window(
             0.000_522_468_547_622_407_4,
             0.000_531_472_942_503_447_3,

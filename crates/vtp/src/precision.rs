@@ -13,6 +13,6 @@ pub(crate) const WINS: f64 = 1.0 - MARGIN;
 /// The sources of these windows are known to rounding of their own coordinates and of this, which is more where a source is nearer than
 /// the face is long.
 #[inline]
-pub(crate) fn extent(l: f64, [x, y]: [f64; 2]) -> f64 {
+pub(crate) const fn extent(l: f64, [x, y]: [f64; 2]) -> f64 {
     l + x.abs() + y.abs()
 }

@@ -214,6 +214,11 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
             arrived.saturating_sub(self.hand.len) as u64,
         );
         probe.add(Counter::Parents, self.hand.len as u64);
+        if self.hand.len > arrived {
+            let alive = (self.front.waiting() + self.hand.len) as u64;
+            probe.raise(Counter::PeakWindows, alive);
+            probe.raise(Counter::PeakWavefront, alive);
+        }
         if B::COUNTS {
             // Only windows that start from the vertex behind the edge have their source there.
             let behind = self.surface.behind(h);

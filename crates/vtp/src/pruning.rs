@@ -86,10 +86,7 @@ fn one_by_one(
     if hand.len < 2 {
         return;
     }
-    let edge = Edge {
-        l: surface.length(h),
-        behind: surface.behind(h),
-    };
+    let edge = Edge::new(surface.length(h), surface.behind(h));
     let mut checked = std::mem::take(&mut hand.windows);
     checked.clear();
     for w in hand.iter() {

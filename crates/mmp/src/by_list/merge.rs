@@ -97,17 +97,22 @@ impl Merger {
             least: f64::INFINITY,
             kept: 0,
         };
-        if run.windows.iter().any(|w| foot(w, l).is_some()) {
-            let run = &run.with_feet_apart(l);
-            self.sweep(store, i, run, l, &mut merged, weigh, probe);
+        let apart;
+        let has_feet = run.windows.iter().any(|w| foot(w, l).is_some());
+        let all = if has_feet {
+            apart = run.with_feet_apart(l);
+            &apart
         } else {
-            self.sweep(store, i, run, l, &mut merged, weigh, probe);
-        }
+            run
+        };
+        self.sweep(store, i, all, l, &mut merged, weigh, probe);
+        // Of a window in pieces something may be left more than once.
+        merged.kept = merged.kept.min(run.windows.len() as u64);
         merged
     }
 
-    /// The same for a run of windows without a [foot](crate::foot), or with the feet apart from them.
-    #[inline]
+    /// The same for a run of windows without a [foot], or with the feet apart from them.
+    #[inline(always)]
     #[allow(clippy::too_many_arguments)] // Private, and one step of `merge`.
     fn sweep<P: Probe>(
         &mut self,

@@ -162,7 +162,8 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
             frame,
             &exits,
             known,
-            &exits.map(|exit| front.sieve_at(exit.half_edge)),
+            &front.sieve,
+            (!front.thin.is_empty()).then_some(&front.thin),
             &mut self.children,
             probe,
         );
@@ -188,15 +189,6 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
 }
 
 impl<Q: Discipline> Front<'_, Q> {
-    /// What is asked of windows that come to `h`.
-    #[inline]
-    fn sieve_at(&self, h: Option<HalfEdgeId>) -> Sieve {
-        if !self.thin.is_empty() && h.is_some_and(|h| self.thin.is_beside(h.index())) {
-            return self.sieve.beside_thin_face();
-        }
-        self.sieve
-    }
-
     /// Asks for the memory that turns to come will need.
     #[inline]
     fn read_ahead(&self) {
@@ -341,14 +333,16 @@ impl<Q: Discipline> Front<'_, Q> {
 }
 
 /// Takes `taken` across the triangle of `frame`, the distances of whose tail, head and apex are `known`: puts what they leave on its exits
-/// into `children`, except what the sieve of each drops, and returns the least of the apex's distance and those that they offer to it.
+/// into `children`, except what `sieve` drops, or drops beside one of the `thin` faces, and returns the least of the apex's distance and those that they offer to it.
 #[inline]
+#[allow(clippy::too_many_arguments)] // Private, and one step of `cross`.
 fn cross_all<P: Probe>(
     taken: &Run,
     frame: &Frame,
     exits: &[Exit; 2],
     known: [f64; 3],
-    sieves: &[Sieve; 2],
+    sieve: &Sieve,
+    thin: Option<&ThinFaces>,
     children: &mut [Run; 2],
     probe: &mut P,
 ) -> f64 {
@@ -358,12 +352,17 @@ fn cross_all<P: Probe>(
         run.windows.reserve(taken.windows.len());
     }
     let mut put = |side: usize, child: Option<Window>, apex: f64, k: usize| {
-        let (Some(child), Some(_)) = (child, exits[side].half_edge) else {
+        let (Some(child), Some(target)) = (child, exits[side].half_edge) else {
             return;
         };
         probe.add(Counter::Children, 1);
         let ends = [[tail, apex], [apex, head]][side];
-        if sieves[side].drops_child(&child, exits[side].length, ends) {
+        let l = exits[side].length;
+        if sieve.drops_child(&child, l, ends)
+            || thin.is_some_and(|thin| {
+                thin.is_beside(target.index()) && sieve.beside_thin_face().drops(&child, l, ends)
+            })
+        {
             probe.add(Counter::Filtered, 1);
             return;
         }

@@ -10,17 +10,17 @@ use crate::precision::{GRAIN, PLACE};
 use crate::tie::tie_points;
 use crate::window::Window;
 
-/// Whether the first distance is less than the second by more than rounding, at a point of an edge of
-/// length `l`.
+/// By how much a distance of `d` at a point of an edge of length `l` must differ from another one to be
+/// the shorter or the longer one of both.
 ///
 /// A new window must be so much shorter to take ground from a stored one. The old one wins ties, so
 /// that a window that comes twice is not stored twice, and one that has wound around a needle not at
 /// all. Where a source is much nearer than the edge is long, its place is known to the rounding of
 /// the edge only.
 #[inline(always)]
-#[allow(clippy::inline_always)] // Four times in each duel.
-fn is_clearly_less(first: f64, second: f64, l: f64) -> bool {
-    first < second - (GRAIN * second + PLACE * l)
+#[allow(clippy::inline_always)] // Twice in each duel.
+fn doubt(d: f64, l: f64) -> f64 {
+    GRAIN * d + PLACE * l
 }
 
 /// Width below which what trimming leaves of a window is dropped, as a fraction of the edge or of
@@ -35,7 +35,7 @@ const SLIVER: f64 = 1e-10;
 
 /// Width, in terms of the height of a source over the edge, on which its distances are taken to be a
 /// straight line: √(2·[`GRAIN`]); see [`is_straight`].
-const STRAIGHT: f64 = 1.4e-7;
+const STRAIGHT: f64 = 4e-7;
 
 /// What a new window takes from an old one of a range that they share.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,13 +80,17 @@ impl Duel {
             [old.distance(lo), old.distance(hi)],
             [new.distance(lo), new.distance(hi)],
         );
-        if may_be_foot(hi - lo, l)
+        let width = hi - lo;
+        if may_be_foot(width, l)
             && let Some(wins) = does_new_win(old, new, l)
         {
             return if wins { Self::Won(lo, hi) } else { Self::Lost };
         }
-        let wins = [0, 1].map(|end| is_clearly_less(offered[end], held[end], l));
-        let loses = [0, 1].map(|end| is_clearly_less(held[end], offered[end], l));
+        let gains = [0, 1].map(|end| held[end] - offered[end]);
+        // At the other end the distance is no longer than this.
+        let doubt = doubt(held[0] + width, l);
+        let wins = gains.map(|gain| gain > doubt);
+        let loses = gains.map(|gain| gain < -doubt);
         if (wins[0] | wins[1]) & (loses[0] | loses[1]) {
             let tie = tie_between(old, new, lo, hi);
             // Not if there is none, or two.
@@ -223,9 +227,9 @@ fn may_tie_twice(old: &Window, new: &Window, lo: f64, hi: f64) -> bool {
 pub(super) fn is_new_shorter(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool {
     let compare = |x: f64| {
         let (held, offered) = (old.distance(x), new.distance(x));
-        if is_clearly_less(offered, held, l) {
+        if held - offered > doubt(held, l) {
             Ordering::Less
-        } else if is_clearly_less(held, offered, l) {
+        } else if offered - held > doubt(held, l) {
             Ordering::Greater
         } else {
             Ordering::Equal

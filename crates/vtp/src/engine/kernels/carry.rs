@@ -31,7 +31,7 @@ impl Triangle {
             0 => [px, py],
             _ => [px - self.apex[0], py - self.apex[1]],
         };
-        [ux * x + uy * y, 0.0 - (ux * y - uy * x).abs()]
+        [ux * x + uy * y, -(ux * y - uy * x).abs()]
     }
 }
 
@@ -151,7 +151,7 @@ pub(crate) unsafe fn carry<L: Lanes, R: Rule>(
                     b0: left_start,
                     b1: left_end,
                     px: ux * px + uy * py,
-                    py: zero - (ux * py - uy * px).abs(),
+                    py: (ux * py - uy * px).minus_abs(),
                     sigma,
                 };
                 let arrive = go_left & left_start.lt(left_end);
@@ -169,7 +169,7 @@ pub(crate) unsafe fn carry<L: Lanes, R: Rule>(
                     b0: right_start,
                     b1: right_end,
                     px: vx * x + vy * y,
-                    py: zero - (vx * y - vy * x).abs(),
+                    py: (vx * y - vy * x).minus_abs(),
                     sigma,
                 };
                 let arrive = go_right & right_start.lt(right_end);

@@ -233,10 +233,7 @@ mod tests {
     use crate::engine::lanes::Scalar;
     use crate::pairs::{Edge, Verdict, check_pair};
 
-    const EDGE: Edge = Edge {
-        l: 1.0,
-        behind: [0.4, -0.8],
-    };
+    const EDGE: Edge = Edge::new(1.0, [0.4, -0.8]);
 
     prop_compose! {
         fn windows()(

@@ -149,6 +149,12 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn minus_abs(self) -> Self {
+        // SAFETY: as for `sqrt`.
+        Self(unsafe { _mm256_or_pd(_mm256_set1_pd(-0.0), self.0) })
+    }
+
+    #[inline(always)]
     fn min(self, other: Self) -> Self {
         // SAFETY: as for `sqrt`.
         Self(unsafe { _mm256_min_pd(self.0, other.0) })

@@ -1,10 +1,11 @@
 //! Eight lanes: AVX-512 F, DQ and VL.
 
 use std::arch::x86_64::{
-    __m512d, _CMP_LE_OQ, _CMP_LT_OQ, _mm512_abs_pd, _mm512_add_pd, _mm512_cmp_pd_mask,
-    _mm512_div_pd, _mm512_loadu_pd, _mm512_mask_blend_pd, _mm512_mask_storeu_pd,
-    _mm512_maskz_compress_pd, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd, _mm512_reduce_min_pd,
-    _mm512_set_pd, _mm512_set1_pd, _mm512_sqrt_pd, _mm512_storeu_pd, _mm512_sub_pd,
+    __m512d, _CMP_LE_OQ, _CMP_LT_OQ, _mm512_abs_pd, _mm512_add_pd, _mm512_castpd_si512,
+    _mm512_castsi512_pd, _mm512_cmp_pd_mask, _mm512_div_pd, _mm512_loadu_pd, _mm512_mask_blend_pd,
+    _mm512_mask_storeu_pd, _mm512_maskz_compress_pd, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd,
+    _mm512_or_si512, _mm512_reduce_min_pd, _mm512_set_pd, _mm512_set1_pd, _mm512_sqrt_pd,
+    _mm512_storeu_pd, _mm512_sub_pd,
 };
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
@@ -83,6 +84,15 @@ impl Lanes for Avx512 {
     fn abs(self) -> Self {
         // SAFETY: as for `sqrt`.
         Self(unsafe { _mm512_abs_pd(self.0) })
+    }
+
+    #[inline(always)]
+    fn minus_abs(self) -> Self {
+        // SAFETY: as for `sqrt`.
+        Self(unsafe {
+            let sign = _mm512_castpd_si512(_mm512_set1_pd(-0.0));
+            _mm512_castsi512_pd(_mm512_or_si512(sign, _mm512_castpd_si512(self.0)))
+        })
     }
 
     #[inline(always)]

@@ -77,6 +77,9 @@ pub(crate) trait Lanes:
     /// The absolute value.
     fn abs(self) -> Self;
 
+    /// -|x|, in one operation.
+    fn minus_abs(self) -> Self;
+
     /// `self` where it is less than `other`, else `other`, also where one of them is NaN.
     fn min(self, other: Self) -> Self;
 

@@ -75,6 +75,11 @@ impl Lanes for Scalar {
     }
 
     #[inline(always)]
+    fn minus_abs(self) -> Self {
+        Self(-self.0.abs())
+    }
+
+    #[inline(always)]
     fn min(self, other: Self) -> Self {
         Self(if self.0 < other.0 { self.0 } else { other.0 })
     }

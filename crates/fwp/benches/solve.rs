@@ -1,4 +1,5 @@
-//! Whole solves on three generated models: windows of the CH and of the MMP kind from buckets, and in the order of VTP.
+//! Whole solves on three generated models: windows of the CH and of the MMP kind from buckets, and
+//! in the order of VTP.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use geobench_benches::{named, whole_solves};

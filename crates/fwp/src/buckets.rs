@@ -50,20 +50,22 @@ impl Default for BucketOptions {
 /// The queue of the fast wavefront propagation framework (Xu et al. 2015, section 4).
 ///
 /// Labels are divided into buckets of equal width, first in first out, and events are taken in
-/// rounds. A round chooses the buckets from the first non-empty one, `P1`, to the first, `P_end`, by
-/// which they hold at least K events, and takes from each of them what was there before the round;
-/// what comes during the round waits for the next. The paper tells the two apart by a *birth* that every event
-/// keeps; here a round empties its buckets when it begins, so that what is in them later is younger, and what comes
-/// next is known long before. How K follows the wavefront is told at [`BatchSize::Adaptive`].
+/// rounds. A round chooses the buckets from the first non-empty one, `P1`, to the first, `P_end`,
+/// by which they hold at least K events, and takes from each of them what was there before the
+/// round; what comes during the round waits for the next. The paper tells the two apart by a
+/// *birth* that every event keeps; here a round empties its buckets when it begins, so that what is
+/// in them later is younger, and what comes next is known long before. How K follows the wavefront
+/// is told at [`BatchSize::Adaptive`].
 ///
 /// Where the paper leaves a choice: `P_end` is the last bucket that is counted, and an event is
-/// *beyond* it if its bucket is. A label below `P1`, by rounding, counts as being in it. An event whose
-/// window has been trimmed, or dropped, since it was queued stays where it is, counts among the K,
-/// and is skipped by the policy; a trimmed window waits under its new label too.
+/// *beyond* it if its bucket is. A label below `P1`, by rounding, counts as being in it. An event
+/// whose window has been trimmed, or dropped, since it was queued stays where it is, counts among
+/// the K, and is skipped by the policy; a trimmed window waits under its new label too.
 ///
 /// # Cost
 ///
-/// O(1) for each event, 24 bytes for each, and 12 for each bucket from `P1` to the furthest; see [`Calendar`].
+/// O(1) for each event, 24 bytes for each, and 12 for each bucket from `P1` to the furthest; see
+/// [`Calendar`].
 #[derive(Clone, Debug)]
 pub struct Buckets {
     batch: BatchSize,
@@ -107,9 +109,10 @@ impl Buckets {
         }
     }
 
-    /// The same for events that are lists of windows: K is still a number of windows. A round takes from the lists in its buckets what
-    /// is due when their turn comes: a window which comes to such a list during the round, and belongs in it, does not wait for
-    /// the next, for which it counts all the same. That makes a fourth more rounds than with windows one by one.
+    /// The same for events that are lists of windows: K is still a number of windows. A round takes
+    /// from the lists in its buckets what is due when their turn comes: a window which comes to
+    /// such a list during the round, and belongs in it, does not wait for the next, for which it
+    /// counts all the same. That makes a fourth more rounds than with windows one by one.
     #[must_use]
     pub fn of_lists(self) -> Self {
         Self {
@@ -149,7 +152,8 @@ impl Buckets {
         probe.raise(Counter::QueuePeak, self.len() as u64);
     }
 
-    /// Begins a round when all events of the last one are taken; `None` if there is nothing to take.
+    /// Begins a round when all events of the last one are taken; `None` if there is nothing to
+    /// take.
     #[cold]
     fn begin<P: Probe>(&mut self, probe: &mut P) -> Option<()> {
         let first = self.calendar.advance()?;
@@ -195,8 +199,8 @@ impl Buckets {
         wanted.min(limit).min(waiting).max(1)
     }
 
-    /// Takes the events out of the buckets from `first` on to the one by which they are K, or to the last one in the
-    /// ring.
+    /// Takes the events out of the buckets from `first` on to the one by which they are K, or to
+    /// the last one in the ring.
     fn empty_buckets(&mut self, first: u64) {
         let size = self.round.size.unsigned_abs();
         let mut taken = 0;
@@ -217,8 +221,8 @@ impl Buckets {
 
     /// Moves one event of the round to those that are known.
     ///
-    /// An event tells where the next one lies. One is read for each that is taken, so that the memory of the next, which
-    /// is asked for, has time to come.
+    /// An event tells where the next one lies. One is read for each that is taken, so that the
+    /// memory of the next, which is asked for, has time to come.
     #[inline]
     fn unlink(&mut self) {
         if let Some(event) = self.calendar.take(&mut self.linked) {

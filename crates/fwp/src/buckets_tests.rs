@@ -178,8 +178,8 @@ fn labels_of_any_magnitude_are_safe() {
     );
 }
 
-/// An 8-bit birth comes round again after 256 rounds, as one public queue of buckets has found: what came during
-/// the round is then taken in it.
+/// An 8-bit birth comes round again after 256 rounds, as one public queue of buckets has found:
+/// what came during the round is then taken in it.
 #[test]
 fn a_round_never_takes_what_comes_during_it() {
     let mut buckets = unit_buckets(BatchSize::Fixed(2));

@@ -26,18 +26,18 @@ impl Default for LabelCorrectingOptions {
 /// * *Small label first*: an event goes to the front of a double-ended queue if its label is less
 ///   than that of the first event, else to the back.
 /// * *Large label last*: before one is taken, first events with labels above the queue's mean are
-///   moved to the back, at most once round the queue: where rounding puts a mean of equal labels below them, an
-///   unbounded rotation would go on for ever.
+///   moved to the back, at most once round the queue: where rounding puts a mean of equal labels
+///   below them, an unbounded rotation would go on for ever.
 /// * *Threshold*: events with labels above a threshold wait apart. When the queue is empty the
-///   threshold becomes m + β (a - m), for m the least and a the mean of the labels that wait, and what
-///   is not above it moves into the queue.
+///   threshold becomes m + β (a - m), for m the least and a the mean of the labels that wait, and
+///   what is not above it moves into the queue.
 ///
 /// The sources print neither β nor how the threshold follows the labels; this is our form.
 ///
 /// # Cost
 ///
-/// O(1) for each event without the rotations and the sifting, which have no useful bound in general and
-/// cost little in practice. An event takes 16 bytes.
+/// O(1) for each event without the rotations and the sifting, which have no useful bound in general
+/// and cost little in practice. An event takes 16 bytes.
 #[derive(Clone, Debug)]
 pub struct LabelCorrecting {
     beta: f64,
@@ -83,7 +83,8 @@ impl LabelCorrecting {
             (label.min(least), sum + label)
         });
         let excess = sum / self.apart.len() as f64 - least;
-        // Rounding may put the mean below the least label, and ∞ · 0 is NaN: both mean equal labels.
+        // Rounding may put the mean below the least label, and ∞ · 0 is NaN: both mean equal
+        // labels.
         self.threshold = f64::max(least + self.beta * excess, least);
         self.sum = 0.0;
         let mut apart = std::mem::take(&mut self.apart);

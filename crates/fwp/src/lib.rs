@@ -1,11 +1,12 @@
-//! Disciplines between first in first out and a priority queue, for windows taken one by one or list by list.
+//! Disciplines between first in first out and a priority queue, for windows taken one by one or
+//! list by list.
 //!
-//! What a window algorithm answers does not depend on the order in which it takes its windows
-//! (Xu et al. 2015, proposition 1): every window that provides a shortest path descends from such
-//! windows only, and none of these is ever discarded. What depends on the order is how many
-//! windows are tried in vain. Nearest first tries the fewest and pays O(log k) for each, in a heap
-//! of a hundred thousand entries that no cache holds; first in first out pays nothing and tries
-//! several times as many. The disciplines of this crate pay O(1) and try nearly as few.
+//! What a window algorithm answers does not depend on the order in which it takes its windows (Xu
+//! et al. 2015, proposition 1): every window that provides a shortest path descends from such
+//! windows only, and none of these is ever discarded. What depends on the order is how many windows
+//! are tried in vain. Nearest first tries the fewest and pays O(log k) for each, in a heap of a
+//! hundred thousand entries that no cache holds; first in first out pays nothing and tries several
+//! times as many. The disciplines of this crate pay O(1) and try nearly as few.
 //!
 //! Each is a [`Discipline`](geobench_window::queue::Discipline), and knows nothing of what it
 //! orders. Under MMP, which can take the windows of a half-edge together ([`ByList`]) or one by one
@@ -22,8 +23,8 @@
 //! # Which one to choose
 //!
 //! * Buckets are the authors' choice where windows are taken one by one, and have the bound to show
-//!   for it: O(n²) windows for n vertices of bounded degree, in O(n² log n) time with MMP's lists and O(n²) with
-//!   ICH's records (proposition 2).
+//!   for it: O(n²) windows for n vertices of bounded degree, in O(n² log n) time with MMP's lists
+//!   and O(n²) with ICH's records (proposition 2).
 //! * Label correcting needs no width and no limit to be set. It has no such bound: there are meshes
 //!   on which it takes Ω(n³) windows. It is here because the papers compare with it.
 //! * Vertex order keeps the fewest things in order. It separates what VTP owes to its schedule from
@@ -54,18 +55,19 @@ pub use buckets::{BatchSize, BucketOptions, Buckets};
 pub use label_correcting::{LabelCorrecting, LabelCorrectingOptions};
 pub use vertex_order::VertexOrder;
 
-/// FWP-MMP for `mesh`: windows filtered, kept and trimmed on half-edges, taken from buckets in rounds, those of one half-edge
-/// together; O(faces).
+/// FWP-MMP for `mesh`: windows filtered, kept and trimmed on half-edges, taken from buckets in
+/// rounds, those of one half-edge together; O(faces).
 ///
 /// Time O(n² log n), space O(n²) (proposition 2 of Xu et al. 2015). The rounds are the same as with
-/// [windows one by one](fwp_mmp_by_window), up to windows that come to a list before its turn, which make a
-/// fourth more of them on the horse, and to those that are filtered: with the filter it makes seven tenths more; within a round the paper
-/// leaves the order open.
+/// [windows one by one](fwp_mmp_by_window), up to windows that come to a list before its turn,
+/// which make a fourth more of them on the horse, and to those that are filtered: with the filter
+/// it makes seven tenths more; within a round the paper leaves the order open.
 pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> ByList<'_, Buckets> {
     ByList::new(mesh, Buckets::new(mesh, options).of_lists())
 }
 
-/// FWP-MMP with windows taken one by one, first in first out, as [`mmp_by_window`](geobench_mmp::mmp_by_window) takes them from another queue; O(faces).
+/// FWP-MMP with windows taken one by one, first in first out, as
+/// [`mmp_by_window`](geobench_mmp::mmp_by_window) takes them from another queue; O(faces).
 pub fn fwp_mmp_by_window(mesh: &Mesh, options: BucketOptions) -> Continuous<'_, Trimming, Buckets> {
     Continuous::new(mesh, trimming(mesh), Buckets::new(mesh, options))
 }
@@ -77,8 +79,8 @@ pub fn fwp_ch(mesh: &Mesh, options: BucketOptions) -> Continuous<'_, Splitting, 
     Continuous::new(mesh, splitting(mesh), Buckets::new(mesh, options))
 }
 
-/// LC-MMP for `mesh`: windows filtered, kept and trimmed on half-edges, those of one half-edge together in a label correcting queue;
-/// O(faces).
+/// LC-MMP for `mesh`: windows filtered, kept and trimmed on half-edges, those of one half-edge
+/// together in a label correcting queue; O(faces).
 ///
 /// Without a bound on time that means anything; space O(n²).
 pub fn lc_mmp(mesh: &Mesh, options: LabelCorrectingOptions) -> ByList<'_, LabelCorrecting> {
@@ -103,8 +105,8 @@ pub fn lc_ch(
     Continuous::new(mesh, splitting(mesh), LabelCorrecting::new(options))
 }
 
-/// VTP-MMP for `mesh`: windows filtered, kept and trimmed on half-edges, whole lists released around the nearest vertex;
-/// O(faces).
+/// VTP-MMP for `mesh`: windows filtered, kept and trimmed on half-edges, whole lists released
+/// around the nearest vertex; O(faces).
 ///
 /// It needs about the time of [`fwp_mmp`] or less, and space O(n²).
 pub fn vtp_mmp(mesh: &Mesh) -> ByList<'_, VertexOrder<'_>> {

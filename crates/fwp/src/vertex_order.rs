@@ -5,11 +5,12 @@ use geobench_window::continuous::Surface;
 use geobench_window::queue::{Arena, Chain, Discipline, Event, EventKind, MinHeap};
 use geobench_window::{Counter, Probe};
 
-/// The vertex-sorted queue of VTP (Qin et al. 2016, sections 5.2 and 6.2), for windows one by one or lists of them.
+/// The vertex-sorted queue of VTP (Qin et al. 2016, sections 5.2 and 6.2), for windows one by one
+/// or lists of them.
 ///
 /// Vertices are taken by distance. Each puts the faces around it into the *traversed area*. A
-/// window waits on its half-edge until the face that it is about to enter belongs to the area;
-/// then it is *released*, and released windows come first in, first out, before the next vertex.
+/// window waits on its half-edge until the face that it is about to enter belongs to the area; then
+/// it is *released*, and released windows come first in, first out, before the next vertex.
 ///
 /// Only vertices have to be kept in order, so the heap is about as long as the wavefront has
 /// vertices, a fiftieth of its windows and less.

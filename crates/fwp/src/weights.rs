@@ -3,10 +3,12 @@
 /// The most buckets that are counted apart; windows further up are not counted until they are near.
 const MOST: u64 = 1 << 18;
 
-/// Numbers of windows, by the bucket of their label, from a first bucket on that only moves upwards.
+/// Numbers of windows, by the bucket of their label, from a first bucket on that only moves
+/// upwards.
 ///
-/// A queue whose events are whole lists does not see its windows, but the rounds of Xu et al. 2015 are so many windows long. Counted
-/// as there, a window that has been trimmed counts under its old label as well until the round of that comes.
+/// A queue whose events are whole lists does not see its windows, but the rounds of Xu et al. 2015
+/// are so many windows long. Counted as there, a window that has been trimmed counts under its old
+/// label as well until the round of that comes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Weights {
     /// That of bucket b stands at b modulo their number, which is 0 or a power of two.

@@ -1,4 +1,5 @@
-//! Every discipline under both policies against the priority queue, at parameters far from the defaults.
+//! Every discipline under both policies against the priority queue, at parameters far from the
+//! defaults.
 //!
 //! The suite's own exactness tests run each algorithm with its defaults on every surface there is.
 //! Here the parameters vary, since an order of windows that the defaults never bring can still be
@@ -81,7 +82,8 @@ fn nearest_lists(slack: f64, filter: VertexFilter) -> Vec<Recipe> {
     )]
 }
 
-/// All disciplines with defaults, without the filter for MMP as well, and each parameter at its extremes and between.
+/// All disciplines with defaults, without the filter for MMP as well, and each parameter at its
+/// extremes and between.
 fn recipes() -> Vec<Recipe> {
     let default = VertexFilter::default();
     let adaptive = |width, max| BucketOptions {
@@ -244,8 +246,9 @@ fn models_at_all_parameters() {
     }
 }
 
-/// One public MMP lost windows on the horse (5e-3) and on igea (vertices left unset) with buckets of
-/// one width only: a window that was trimmed while it waited was not found in its bucket any more.
+/// One public MMP lost windows on the horse (5e-3) and on igea (vertices left unset) with buckets
+/// of one width only: a window that was trimmed while it waited was not found in its bucket any
+/// more.
 #[test]
 #[ignore = "takes minutes"]
 fn no_width_of_buckets_loses_windows_on_scans() {
@@ -320,9 +323,9 @@ fn runs_leave_nothing_behind() {
     }
 }
 
-/// What the disciplines are for: nearly as few windows as nearest first. Buckets do worse on
-/// meshes this small, where a round takes half of the wavefront; on the horse it is 3 % with windows one by
-/// one and under 1 % with lists.
+/// What the disciplines are for: nearly as few windows as nearest first. Buckets do worse on meshes
+/// this small, where a round takes half of the wavefront; on the horse it is 3 % with windows one
+/// by one and under 1 % with lists.
 #[test]
 fn windows_are_nearly_as_few_as_nearest_first() {
     let mesh = generated("gen:torus,faces=5000,bump=0.1,seed=7");
@@ -343,7 +346,8 @@ fn windows_are_nearly_as_few_as_nearest_first() {
     }
 }
 
-/// `mmp` is the algorithm of lists: its queue holds as many times fewer entries as there are windows in a list.
+/// `mmp` is the algorithm of lists: its queue holds as many times fewer entries as there are
+/// windows in a list.
 #[test]
 fn mmp_queues_lists_and_mmp_by_window_queues_windows() {
     let mesh = generated("gen:torus,faces=5000,bump=0.1,seed=7");
@@ -365,7 +369,8 @@ fn mmp_queues_lists_and_mmp_by_window_queues_windows() {
     );
 }
 
-/// What the filter is for: windows that no shortest path has are not stored, nor are their children.
+/// What the filter is for: windows that no shortest path has are not stored, nor are their
+/// children.
 #[test]
 fn the_vertex_filter_saves_windows_of_every_discipline() {
     let mesh = generated("gen:torus,faces=5000,bump=0.1,seed=7");

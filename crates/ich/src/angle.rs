@@ -54,14 +54,14 @@ impl Angles {
         self.angles.fill(Angle::FREE);
     }
 
-    /// A window reaches the apex at distance `d`, its ray meeting `h` at the fraction `entry` of its
-    /// length; NaN if rounding blurs that.
+    /// A window reaches the apex at distance `d`, its ray meeting `h` at the fraction `entry` of
+    /// its length; NaN if rounding blurs that.
     ///
     /// The shortest of two straight paths to one apex kills every ray of the other window that
-    /// crosses it, which are those on its far side. Where both paths enter at one point there is
-    /// no telling which side that is, and the loser keeps both children, however much longer it
-    /// is: the occupant may stand on the border ray of the window (a saddle that has been reached
-    /// by a shorter path since), and then crosses none of its rays.
+    /// crosses it, which are those on its far side. Where both paths enter at one point there is no
+    /// telling which side that is, and the loser keeps both children, however much longer it is:
+    /// the occupant may stand on the border ray of the window (a saddle that has been reached by a
+    /// shorter path since), and then crosses none of its rays.
     pub(crate) fn split(&mut self, h: HalfEdgeId, d: f64, entry: f64) -> Split {
         let angle = &mut self.angles[h.index()];
         if entry.is_nan() {
@@ -88,8 +88,8 @@ impl Angles {
 
     /// Whether the angle of `guard` has a new occupant whose ray cuts the guarded subtree off.
     ///
-    /// A new ray further left cuts off the left child, one further right the right child. As long as the occupant is
-    /// the same its ray is, too.
+    /// A new ray further left cuts off the left child, one further right the right child. As long
+    /// as the occupant is the same its ray is, too.
     #[inline]
     pub(crate) fn cuts_off(&self, guard: &Guard) -> bool {
         let angle = &self.angles[guard.angle_index()];

@@ -1,4 +1,5 @@
-//! The policy of the CH family: windows pass a filter, wait, split once at each angle, and are forgotten.
+//! The policy of the CH family: windows pass a filter, wait, split once at each angle, and are
+//! forgotten.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Child, Policy, Surface, Turn};

@@ -39,8 +39,8 @@ impl Guard {
         self.place as usize / 2
     }
 
-    /// How far the ray that enters at `entry` comes in on the child's side of the ray of the split: left of it for the
-    /// left child, right of it for the right one. NaN if there is no split.
+    /// How far the ray that enters at `entry` comes in on the child's side of the ray of the split:
+    /// left of it for the left child, right of it for the right one. NaN if there is no split.
     #[inline]
     pub(crate) fn beyond(self, entry: f64) -> f64 {
         // The difference, negated for the right child, in a way that needs no branch.

@@ -185,7 +185,8 @@ fn next_along_boundary(mesh: &Mesh, h: HalfEdgeId) -> HalfEdgeId {
     g
 }
 
-/// Number of fans over all vertices: as many as vertices, were it not for isolated and pinched ones.
+/// Number of fans over all vertices: as many as vertices, were it not for isolated and pinched
+/// ones.
 fn fan_count(mesh: &Mesh) -> usize {
     let fans = |v| {
         let outgoing = mesh.outgoing(v);

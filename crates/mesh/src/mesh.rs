@@ -105,8 +105,8 @@ impl Mesh {
         (twin != NO_TWIN).then(|| HalfEdgeId::new(twin))
     }
 
-    /// Length of `h`, the same bits as that of its twin; from [`SHORTEST_EDGE`](crate::SHORTEST_EDGE)
-    /// to [`LONGEST_EDGE`](crate::LONGEST_EDGE).
+    /// Length of `h`, the same bits as that of its twin; from
+    /// [`SHORTEST_EDGE`](crate::SHORTEST_EDGE) to [`LONGEST_EDGE`](crate::LONGEST_EDGE).
     #[inline]
     pub fn length(&self, h: HalfEdgeId) -> f64 {
         self.lengths[h.index()]
@@ -115,8 +115,9 @@ impl Mesh {
     /// Position of the apex vertex in the frame of `h`; its y is positive, in a face without area
     /// some 1e-30 of its shorter edges.
     ///
-    /// It is found anew each time: solvers keep what they need of it in a layout of their own, and kept here as
-    /// well it would be a third of the mesh. Who wants all of a face takes [`apexes`](Self::apexes).
+    /// It is found anew each time: solvers keep what they need of it in a layout of their own, and
+    /// kept here as well it would be a third of the mesh. Who wants all of a face takes
+    /// [`apexes`](Self::apexes).
     pub fn apex(&self, h: HalfEdgeId) -> [f64; 2] {
         self.apexes(h.face())[h.corner() as usize]
     }
@@ -179,8 +180,9 @@ impl Mesh {
         self.flags[v.index()].pinched
     }
 
-    /// Whether `v` is a corner of a face so thin (its height below [`SLIVER_HEIGHT`](crate::precision::SLIVER_HEIGHT) of its longest edge) that
-    /// rounding may decide on which side of `v` a ray passes.
+    /// Whether `v` is a corner of a face so thin (its height below
+    /// [`SLIVER_HEIGHT`](crate::precision::SLIVER_HEIGHT) of its longest edge) that rounding may
+    /// decide on which side of `v` a ray passes.
     #[inline]
     pub fn is_beside_sliver(&self, v: VertexId) -> bool {
         self.flags[v.index()].beside_sliver

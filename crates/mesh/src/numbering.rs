@@ -4,8 +4,9 @@ use crate::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 /// From a mesh's numbers of vertices and faces to others, the *new* ones, and back.
 ///
-/// A solver that lays the mesh out for itself does so in an order in which a wavefront meets its parts, whatever the
-/// order of the file: the numbers that are its own stay inside it. The corners of a face keep their order.
+/// A solver that lays the mesh out for itself does so in an order in which a wavefront meets its
+/// parts, whatever the order of the file: the numbers that are its own stay inside it. The corners
+/// of a face keep their order.
 ///
 /// What has no other number keeps its own, and so does what is asked for after it has been dropped.
 #[derive(Clone, Debug)]
@@ -31,8 +32,8 @@ impl Numbering {
         }
     }
 
-    /// Breadth first from the first vertex of each component: close to the order in which a wavefront
-    /// meets them, wherever it starts. O(faces).
+    /// Breadth first from the first vertex of each component: close to the order in which a
+    /// wavefront meets them, wherever it starts. O(faces).
     pub fn breadth_first(mesh: &Mesh) -> Self {
         let mut numbering = Self::none(mesh);
         for start in mesh.vertices() {

@@ -1,5 +1,5 @@
-//! Whole solves of `mmp`, by list and by window, storing the windows around the wavefront or all of them, and of `mmp-edge`,
-//! on three generated models.
+//! Whole solves of `mmp`, by list and by window, storing the windows around the wavefront or all of
+//! them, and of `mmp-edge`, on three generated models.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use geobench_benches::{named, whole_solves};

@@ -3,8 +3,9 @@
 /// As many places are compared at once.
 pub(crate) const GROUP: usize = 4;
 
-/// Number of places in a block of each class: 4, and then two sizes for each power of two. It is read from a table, since a branch on
-/// the class is foreseen wrongly every other time. There are more than a list can ever need.
+/// Number of places in a block of each class: 4, and then two sizes for each power of two. It is
+/// read from a table, since a branch on the class is foreseen wrongly every other time. There are
+/// more than a list can ever need.
 const ROOMS: [usize; 64] = {
     let mut rooms = [0; 64];
     rooms[1] = GROUP;

@@ -24,7 +24,8 @@ pub(crate) struct Inserter {
     division: Division,
     met: Vec<Window>,
     slots: Vec<Slot>,
-    /// The windows to queue: what is left of the new one, and pieces of stored ones that have to wait on their own.
+    /// The windows to queue: what is left of the new one, and pieces of stored ones that have to
+    /// wait on their own.
     pub(crate) to_queue: Vec<Entry>,
     /// How many of these are pieces of the new window.
     pub(crate) new_pieces: usize,
@@ -64,7 +65,8 @@ impl Inserter {
         }
     }
 
-    /// The same for a window without a [foot](crate::foot), or for one of the pieces of one with it.
+    /// The same for a window without a [foot](crate::foot), or for one of the pieces of one with
+    /// it.
     #[inline]
     fn insert_piece(
         &mut self,

@@ -191,8 +191,9 @@ fn overlaps_by_rounding_leave_no_splinters() {
     assert!(stored(&list).iter().all(|w| w.b1 - w.b0 > 0.4));
 }
 
-/// A search finds windows up to a millionth, and one that ends before the new one begins may be the first that is compared. When
-/// all from its end on counted as free, the new window began too far left, and needles came out 1e-10 too long.
+/// A search finds windows up to a millionth, and one that ends before the new one begins may be the
+/// first that is compared. When all from its end on counted as free, the new window began too far
+/// left, and needles came out 1e-10 too long.
 #[test]
 fn a_window_begins_no_further_left_than_it_came() {
     let old = window(0.0, 0.5, 0.2, -1.0, 0.0);

@@ -15,8 +15,8 @@ pub(crate) enum Direction {
     Reverse,
 }
 
-/// The number of a window, by which lists and the queue know it: it stays the same while the window is
-/// stored, whatever becomes of its interval.
+/// The number of a window, by which lists and the queue know it: it stays the same while the window
+/// is stored, whatever becomes of its interval.
 pub(crate) type Slot = u32;
 
 /// What is known of the window in a slot.
@@ -56,7 +56,8 @@ impl Place {
     };
 }
 
-/// The upper half of the bits of an abscissa that is not negative, in the order of the abscissae up to a millionth.
+/// The upper half of the bits of an abscissa that is not negative, in the order of the abscissae up
+/// to a millionth.
 #[inline]
 fn end_key(x: f64) -> u32 {
     (x.to_bits() >> 32) as u32
@@ -75,13 +76,14 @@ struct List {
     closed: bool,
 }
 
-/// The windows of all half-edges, or of all edges in the frame of one of their half-edges. Those
-/// of one list are in ascending order and have disjoint intervals; gaps are normal.
+/// The windows of all half-edges, or of all edges in the frame of one of their half-edges. Those of
+/// one list are in ascending order and have disjoint intervals; gaps are normal.
 ///
-/// A list is a block of slots, 8 bytes for each window, of a few sizes: 4, 8, 12, 16, 24, 32, 48 and so on. To insert
-/// a window moves slots only, and the queue finds a window without a look at its list. To search a list reads
-/// its block only: where the windows are is known to a millionth, and of them those are read that the new one may
-/// meet. Slots and blocks that were given back are the first to be taken again, so that the memory in use is as small as the lists are.
+/// A list is a block of slots, 8 bytes for each window, of a few sizes: 4, 8, 12, 16, 24, 32, 48
+/// and so on. To insert a window moves slots only, and the queue finds a window without a look at
+/// its list. To search a list reads its block only: where the windows are is known to a millionth,
+/// and of them those are read that the new one may meet. Slots and blocks that were given back are
+/// the first to be taken again, so that the memory in use is as small as the lists are.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lists {
     heads: Vec<List>,
@@ -142,7 +144,8 @@ impl Lists {
         &self.places[start as usize..][..len as usize]
     }
 
-    /// How many windows of list `i` end before `x`, for certain: up to rounding, which may leave some more that do.
+    /// How many windows of list `i` end before `x`, for certain: up to rounding, which may leave
+    /// some more that do.
     #[inline]
     pub(crate) fn ending_before(&self, i: usize, x: f64) -> usize {
         let List {
@@ -193,8 +196,8 @@ impl Lists {
         self.states[slot as usize].has(State::WAITS)
     }
 
-    /// The entry of a window of list `i` has come out of the queue. The window stays stored, and does not
-    /// wait any more, unless it must wait for longer.
+    /// The entry of a window of list `i` has come out of the queue. The window stays stored, and
+    /// does not wait any more, unless it must wait for longer.
     #[inline(always)] // The window is not to pass through memory on its way to its crossing.
     #[allow(clippy::inline_always)] // Called for every window, and small.
     pub(crate) fn take(&mut self, i: usize, slot: Slot) -> Turn<()> {
@@ -244,7 +247,8 @@ impl Lists {
         }
     }
 
-    /// Cuts window `k` of list `i` down to `b0..b1`. Returns whether its least distance has grown while it waits.
+    /// Cuts window `k` of list `i` down to `b0..b1`. Returns whether its least distance has grown
+    /// while it waits.
     #[inline]
     pub(crate) fn cut(&mut self, i: usize, k: usize, b0: f64, b1: f64) -> bool {
         let place = &mut self.places[self.heads[i].start as usize + k];
@@ -324,8 +328,8 @@ impl Lists {
         self.heads[i].len = longer as u32;
     }
 
-    /// Gives list `i` a block for `len` slots and returns where it starts. The old one goes to whoever wants
-    /// it: it is not written to before the next call.
+    /// Gives list `i` a block for `len` slots and returns where it starts. The old one goes to
+    /// whoever wants it: it is not written to before the next call.
     #[inline(never)]
     fn relocate(&mut self, i: usize, len: usize) -> usize {
         let List { start, class, .. } = self.heads[i];

@@ -111,7 +111,8 @@ fn a_window_that_was_cut_waits_for_its_new_turn() {
 }
 
 proptest! {
-    /// Keys of ends are rounded: of ends that nearly equal the point any number may be left, at any scale.
+    /// Keys of ends are rounded: of ends that nearly equal the point any number may be left, at any
+    /// scale.
     #[test]
     fn none_is_counted_that_does_not_end_before_a_point(
         ends in prop::collection::vec((1..60u32, 0..3u32), 1..60),

@@ -34,8 +34,8 @@ pub struct Trimming {
     thin: ThinFaces,
     /// Windows that are stored or would be if all were kept.
     stored: usize,
-    /// The level in the sequence tree of each window, by slot: trimming needs none, they are counted because
-    /// the papers count them. Kept in counted runs only.
+    /// The level in the sequence tree of each window, by slot: trimming needs none, they are
+    /// counted because the papers count them. Kept in counted runs only.
     levels: Vec<u32>,
 }
 
@@ -215,7 +215,8 @@ impl Policy for Trimming {
 
     #[inline]
     fn announce(&self, h: HalfEdgeId, id: u32) {
-        // Where both half-edges of an edge have one list this may ask for another one, which does no harm.
+        // Where both half-edges of an edge have one list this may ask for another one, which does
+        // no harm.
         self.lists.announce(h.index(), id);
     }
 

@@ -5,9 +5,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The sum `high + low`, where `low` is at most half a unit in the last place of `high`.
 ///
-/// Sums, products, quotients and square roots are good to some 1e-31 of the result, within the exponents
-/// of `f64`. Built on the error-free sum and product (the latter by fused multiply-add), as
-/// analysed by Joldes, Muller and Popescu, "Tight and rigorous error bounds for basic building
+/// Sums, products, quotients and square roots are good to some 1e-31 of the result, within the
+/// exponents of `f64`. Built on the error-free sum and product (the latter by fused multiply-add),
+/// as analysed by Joldes, Muller and Popescu, "Tight and rigorous error bounds for basic building
 /// blocks of double-word arithmetic", 2017. Own code because the division of the `twofloat` crate
 /// (0.8.4) is good to 1e-16 only.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,15 +1,16 @@
 //! Slow, plain geodesic distances to judge the solvers by.
 //!
 //! A solver is fast because it discards windows; each rule by which it does so can be wrong. The
-//! oracle of this crate discards nothing that could still matter: from every point where a shortest path can
-//! start or bend it follows *all* straight lines over the surface, triangle after triangle, and
-//! keeps the smallest length that it meets at each vertex. It is exact, takes exponentially longer
-//! than the solvers on rough surfaces, and is meant for meshes of up to some thousand vertices.
+//! oracle of this crate discards nothing that could still matter: from every point where a shortest
+//! path can start or bend it follows *all* straight lines over the surface, triangle after
+//! triangle, and keeps the smallest length that it meets at each vertex. It is exact, takes
+//! exponentially longer than the solvers on rough surfaces, and is meant for meshes of up to some
+//! thousand vertices.
 //!
 //! To be a judge it shares no code with what it judges: it builds its own adjacency, its own
-//! unfolded triangles and its own test for the points where a path bends, from bare triangles
-//! with either positions or edge lengths. It is generic over the scalar, [`f64`] or
-//! [`DoubleDouble`] with some 31 digits, which tells rounding errors from mistakes.
+//! unfolded triangles and its own test for the points where a path bends, from bare triangles with
+//! either positions or edge lengths. It is generic over the scalar, [`f64`] or [`DoubleDouble`]
+//! with some 31 digits, which tells rounding errors from mistakes.
 //!
 //! * [`Surface`]: the triangles, from positions or from edge lengths.
 //! * [`distances`]: the oracle; [`search`] is the same with a bound on its work.

@@ -26,8 +26,8 @@ pub struct Model {
     pub triangles: Vec<[u32; 3]>,
     /// Positions or edge lengths.
     pub geometry: Geometry,
-    /// At least five vertices (all of them, if there are fewer): first those that the model was made
-    /// for, then some at random.
+    /// At least five vertices (all of them, if there are fewer): first those that the model was
+    /// made for, then some at random.
     pub sources: Vec<u32>,
 }
 

@@ -23,8 +23,8 @@ pub trait Scalar:
     /// below that rounding.
     const SADDLE_SLACK: f64;
 
-    /// Height of a triangle, as a part of its longest side, below which places on its sides cannot be told
-    /// apart well enough to aim by: rounding, as seen over that height, is a visible angle.
+    /// Height of a triangle, as a part of its longest side, below which places on its sides cannot
+    /// be told apart well enough to aim by: rounding, as seen over that height, is a visible angle.
     const THIN: f64;
 
     /// By what part of it a path must be longer than another to be dropped for it: well above the

@@ -11,8 +11,8 @@ use crate::scalar::Scalar;
 /// to every digit kept, yet a line still has two sides on which to pass its vertices.
 const LIFT: f64 = 1.0 / (1_u128 << 120) as f64 / (1_u64 << 40) as f64;
 
-/// Side `3 * triangle + corner`, in its own frame: tail at the origin, head at `(length, 0)`, the third vertex
-/// of its triangle at `apex`, above.
+/// Side `3 * triangle + corner`, in its own frame: tail at the origin, head at `(length, 0)`, the
+/// third vertex of its triangle at `apex`, above.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Side<S> {
     pub(crate) tail: usize,
@@ -55,7 +55,8 @@ impl<S: Scalar> Surface<S> {
             let corners = triangles[t].map(|v| positions[v as usize].map(S::from_f64));
             let sides = [0, 1, 2].map(|k| minus(corners[(k + 1) % 3], corners[k]));
             let lengths = sides.map(norm);
-            // The same area for all three frames: where it is mere rounding, only then do they agree.
+            // The same area for all three frames: where it is mere rounding, only then do they
+            // agree.
             let twice_area = raised(norm(cross(sides[0], sides[1])), lengths);
             [0, 1, 2].map(|k| {
                 let x = -dot(sides[(k + 2) % 3], sides[k]) / lengths[k];

@@ -1,5 +1,5 @@
-//! The kernels of `vtp-fast` on lists of several lengths, in windows per second, with every set of instructions that the
-//! processor has.
+//! The kernels of `vtp-fast` on lists of several lengths, in windows per second, with every set of
+//! instructions that the processor has.
 
 use std::hint::black_box;
 

@@ -1,5 +1,5 @@
-//! Whole solves of `vtp` and of `vtp-fast`, with every set of instructions that the processor has and without each
-//! improvement, and of `pvtp`, on three generated models.
+//! Whole solves of `vtp` and of `vtp-fast`, with every set of instructions that the processor has
+//! and without each improvement, and of `pvtp`, on three generated models.
 
 use std::hint::black_box;
 use std::sync::{Mutex, PoisonError};
@@ -48,8 +48,9 @@ fn options() -> Vec<(String, FastOptions)> {
         .collect()
 }
 
-/// Two solves of `vtp-fast` at the same time, which have nothing to do with each other: twice as long as one solve on two threads could take at
-/// best. On machines whose processors slow each other down, or that others use as well, this tells what two threads have to gain.
+/// Two solves of `vtp-fast` at the same time, which have nothing to do with each other: twice as
+/// long as one solve on two threads could take at best. On machines whose processors slow each
+/// other down, or that others use as well, this tells what two threads have to gain.
 struct Twice<'m> {
     first: VtpFast<'m>,
     second: Mutex<VtpFast<'m>>,

@@ -16,7 +16,8 @@ use crate::engine::store::Line;
 use crate::engine::surface::Surface;
 use crate::pruning::Pairs;
 
-/// Takes the lists of a half-edge in hand, as far as filter and comparisons leave them, and measures them.
+/// Takes the lists of a half-edge in hand, as far as filter and comparisons leave them, and
+/// measures them.
 pub(crate) struct Inspect<'a, P> {
     lists: [(&'a [Line], usize); 2],
     hand: &'a mut Hand,
@@ -72,7 +73,8 @@ pub(crate) struct Carry<'a, 'b, R> {
 }
 
 impl<'a, 'b, R> Carry<'a, 'b, R> {
-    /// For the list in `hand`, which has been measured; the targets must have room for what was counted then.
+    /// For the list in `hand`, which has been measured; the targets must have room for what was
+    /// counted then.
     #[inline]
     pub(crate) fn new(
         hand: &'a Hand,

@@ -30,8 +30,8 @@ pub(crate) struct Crossing<'a> {
 }
 
 impl Crossing<'_> {
-    /// The other two half-edges of the face, those that start and end at the apex reversed: the one behind the head B, and
-    /// the one before the tail A.
+    /// The other two half-edges of the face, those that start and end at the apex reversed: the one
+    /// behind the head B, and the one before the tail A.
     fn others(&self) -> [u32; 2] {
         let (f, corner) = parts(self.h);
         [next(corner), prev(corner)].map(|corner| half_edge(f as u32, corner))

@@ -33,8 +33,9 @@ struct Place {
     queued: [bool; 3],
 }
 
-/// The faces that have been taken so far, and the windows that wait. A list of windows crosses the face ahead of it as
-/// soon as that face belongs to the area; else it waits on the wavefront, the border of the area.
+/// The faces that have been taken so far, and the windows that wait. A list of windows crosses the
+/// face ahead of it as soon as that face belongs to the area; else it waits on the wavefront, the
+/// border of the area.
 #[derive(Clone, Debug)]
 pub(crate) struct Front {
     places: Vec<Place>,
@@ -177,8 +178,8 @@ impl Front {
         }
     }
 
-    /// A list for `more` windows to come to `h`, behind those that came the same way, or alone: then it has to be
-    /// [inserted](Self::insert).
+    /// A list for `more` windows to come to `h`, behind those that came the same way, or alone:
+    /// then it has to be [inserted](Self::insert).
     #[inline]
     pub(crate) fn reserve(&mut self, h: u32, arrival: Arrival, more: usize, alone: bool) -> u32 {
         let (face, corner) = parts(h);
@@ -186,16 +187,17 @@ impl Front {
         self.store.reserve(if alone { NO_LIST } else { list }, more)
     }
 
-    /// The windows of `list`, from [`reserve`](Self::reserve), now are the first `len` of its block; the list waits
-    /// on `h`.
+    /// The windows of `list`, from [`reserve`](Self::reserve), now are the first `len` of its
+    /// block; the list waits on `h`.
     #[inline]
     pub(crate) fn arrive(&mut self, h: u32, arrival: Arrival, list: u32, len: usize) {
         let (face, corner) = parts(h);
         self.places[face].lists[corner][arrival as usize] = self.store.set_len(list, len);
     }
 
-    /// Puts the first `len` windows in the block of `list`, reserved alone, into the lists on `h` in the order of the left
-    /// ends, which is the order of the whole from then on until it is taken.
+    /// Puts the first `len` windows in the block of `list`, reserved alone, into the lists on `h`
+    /// in the order of the left ends, which is the order of the whole from then on until it is
+    /// taken.
     pub(crate) fn insert(&mut self, h: u32, list: u32, len: usize) {
         if len == 0 {
             self.store.set_len(list, 0);
@@ -225,7 +227,8 @@ impl Front {
         self.places[face].lists[corner][0] = all;
     }
 
-    /// Adds a window behind those that came to `h` the same way, and returns its list and its number.
+    /// Adds a window behind those that came to `h` the same way, and returns its list and its
+    /// number.
     pub(crate) fn push(
         &mut self,
         h: u32,

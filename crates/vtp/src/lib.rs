@@ -19,8 +19,8 @@
 //! | which windows of a list are compared | [`Pairs`] | [`Neighbours`] (rules 2 and 3), [`NoPairs`], [`AllPairs`], [`TiePoints`] |
 //! | through which exits a window may leave | [`Exits`] | [`OneAngleTwoSides`] (rule 1), [`AnyExit`], [`AcrossTheFace`], [`EveryPath`] |
 //!
-//! Common to all is the vertex filter, which drops windows that a path through a known vertex
-//! beats ([`geobench_window::is_beaten_from_ends`] in plain form): without it windows behind the
+//! Common to all is the vertex filter, which drops windows that a path through a known vertex beats
+//! ([`geobench_window::is_beaten_from_ends`] in plain form): without it windows behind the
 //! wavefront, which meet no other ones, would never end.
 //!
 //! [`algorithms`] has a page for each combination that has a name. Another one is a type:
@@ -28,17 +28,17 @@
 //!
 //! # For speed
 //!
-//! All of this stands on one `engine`: lists are structures of arrays, and what is done with a list is a pass
-//! over registers of up to eight windows ([`Instructions`]). [`VtpFast`] is VTP with every further
-//! improvement that keeps it exact; see [its page](algorithms::vtp_fast). [`Pvtp`] is the same on several threads;
-//! see [its page](algorithms::pvtp).
+//! All of this stands on one `engine`: lists are structures of arrays, and what is done with a list
+//! is a pass over registers of up to eight windows ([`Instructions`]). [`VtpFast`] is VTP with
+//! every further improvement that keeps it exact; see [its page](algorithms::vtp_fast). [`Pvtp`] is
+//! the same on several threads; see [its page](algorithms::pvtp).
 //!
 //! # Every deletion is beyond doubt
 //!
 //! A window or a part of one goes only if a real path is shorter by more than 1e-12 of its length
-//! where the two cross, and only if that they cross does not hang on rounding. Equal windows
-//! keep each other. So the rules can be switched on and off one by one, and the distances stay the
-//! same; where they do not, the rule is wrong.
+//! where the two cross, and only if that they cross does not hang on rounding. Equal windows keep
+//! each other. So the rules can be switched on and off one by one, and the distances stay the same;
+//! where they do not, the rule is wrong.
 
 mod crossing;
 mod engine;

@@ -17,8 +17,8 @@ impl Merge for OrderFree {
 }
 
 /// By the left end of the interval (Qin et al. 2016, section 5.1, order-preserving merger), so that
-/// neighbours in the list are neighbours on the edge. The paper finds the place by binary search; here it is found on the
-/// way on which the windows behind it make room.
+/// neighbours in the list are neighbours on the edge. The paper finds the place by binary search;
+/// here it is found on the way on which the windows behind it make room.
 #[derive(Clone, Copy, Debug)]
 pub struct OrderPreserving;
 

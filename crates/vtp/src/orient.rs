@@ -6,8 +6,8 @@ use crate::precision::CLEARANCE;
 ///
 /// Sources that are one point reached through different triangles, and sources on one ray, differ
 /// by rounding only. A side read from that difference is noise, and noise must not delete windows:
-/// then neither this nor [`is_clearly_right`] holds. `blur` is how far rounding may have moved the sources beside what it may by
-/// the size of their coordinates.
+/// then neither this nor [`is_clearly_right`] holds. `blur` is how far rounding may have moved the
+/// sources beside what it may by the size of their coordinates.
 #[inline]
 pub(crate) fn is_clearly_left(
     source: [f64; 2],

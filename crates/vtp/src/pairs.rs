@@ -10,9 +10,10 @@ use geobench_window::Window;
 use crate::orient::{is_clearly_left, is_clearly_right};
 use crate::precision::{CLEARANCE, MARGIN, WINS, extent};
 
-/// Least distance of a crossing from the border of the triangle, as a fraction of its size, for rays
-/// that cross at a right angle in a triangle as high as it is long. It grows as the sine of the angle falls, for so does the error of the
-/// crossing: two rays through one corner of the triangle seem to cross beside it. And it grows with the triangle's slenderness.
+/// Least distance of a crossing from the border of the triangle, as a fraction of its size, for
+/// rays that cross at a right angle in a triangle as high as it is long. It grows as the sine of
+/// the angle falls, for so does the error of the crossing: two rays through one corner of the
+/// triangle seem to cross beside it. And it grows with the triangle's slenderness.
 pub(crate) const INSIDE: f64 = MARGIN;
 
 /// Greatest such distance that is asked for: rays that are closer to parallel do not cross at all.
@@ -33,11 +34,11 @@ pub(crate) struct Edge {
     pub(crate) l: f64,
     /// The third vertex of the triangle that the windows have just crossed, below the edge.
     pub(crate) behind: [f64; 2],
-    /// How far rounding may have moved the sources of windows on the edge, beside what it may have by
-    /// their distances.
+    /// How far rounding may have moved the sources of windows on the edge, beside what it may have
+    /// by their distances.
     blur: f64,
-    /// How many times as long as high the triangle is: its height is the scale on which a point lies
-    /// inside.
+    /// How many times as long as high the triangle is: its height is the scale on which a point
+    /// lies inside.
     slenderness: f64,
 }
 
@@ -130,12 +131,13 @@ fn check_disjoint(a: &Window, b: &Window, edge: &Edge) -> Verdict {
 
 /// As [`check_disjoint`], for `left` before `right`.
 ///
-/// Beyond the crossing U the ray of the dearer window is useless. So is every other ray of it: each ends on
-/// the far side of the cheaper ray and started on the near side, so that it has crossed it before
-/// U. If the windows came into the triangle through two edges, it did so in the triangle, for the cheaper
-/// ray parts the one edge from what lies beyond. If they came through one edge, the cheaper ray
-/// entered there at a point that both windows reach, and the rays that do not cross it in the triangle
-/// are those that lie beyond that point; the way from there to the source crosses them, as in [`cut`].
+/// Beyond the crossing U the ray of the dearer window is useless. So is every other ray of it: each
+/// ends on the far side of the cheaper ray and started on the near side, so that it has crossed it
+/// before U. If the windows came into the triangle through two edges, it did so in the triangle,
+/// for the cheaper ray parts the one edge from what lies beyond. If they came through one edge, the
+/// cheaper ray entered there at a point that both windows reach, and the rays that do not cross it
+/// in the triangle are those that lie beyond that point; the way from there to the source crosses
+/// them, as in [`cut`].
 fn check_in_order(left: &Window, right: &Window, edge: &Edge) -> Verdict {
     let (v, u) = (left.source(), right.source());
     let Some(Meeting { s, t, blur }) = meet((v, left.b1), (u, right.b0), edge.slenderness) else {
@@ -282,8 +284,9 @@ mod tests {
         assert_eq!(verdict, Verdict::BothStay);
     }
 
-    /// Two windows bounded by one corner of the triangle seemed to cross just beside it, and one of them
-    /// died: 14 vertices of the horse came out too far, by up to 3e-6, when all pairs were compared.
+    /// Two windows bounded by one corner of the triangle seemed to cross just beside it, and one of
+    /// them died: 14 vertices of the horse came out too far, by up to 3e-6, when all pairs were
+    /// compared.
     #[test]
     fn rays_through_one_corner_of_the_triangle_do_not_cross() {
         let edge = Edge::new(

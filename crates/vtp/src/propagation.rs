@@ -82,8 +82,8 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
         }
     }
 
-    /// Uses `instructions`, or fewer if the processor lacks them; the best that it has are used otherwise. The
-    /// answer is the same to the bit.
+    /// Uses `instructions`, or fewer if the processor lacks them; the best that it has are used
+    /// otherwise. The answer is the same to the bit.
     #[must_use]
     pub fn with_instructions(self, instructions: Instructions) -> Self {
         Self {
@@ -246,8 +246,8 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
         probe.raise(Counter::PeakWavefront, self.front.waiting() as u64);
     }
 
-    /// Sends the list in hand on, each window through the exits that are open to it; at most as many as `bound` through
-    /// each.
+    /// Sends the list in hand on, each window through the exits that are open to it; at most as
+    /// many as `bound` through each.
     #[allow(clippy::too_many_arguments)] // Private, and one step of `cross`.
     #[inline]
     fn send_children<B: Probe>(

@@ -41,8 +41,9 @@ impl Pairs for Neighbours {
     }
 }
 
-/// Compares neighbours until all of them stay, and cuts them at their tie points if `TRIM` says so. Returns whether that
-/// has come to an end; it has not if a window falls to pieces or loses its place.
+/// Compares neighbours until all of them stay, and cuts them at their tie points if `TRIM` says so.
+/// Returns whether that has come to an end; it has not if a window falls to pieces or loses its
+/// place.
 ///
 /// # Safety
 ///
@@ -75,8 +76,8 @@ impl Pairs for NoPairs {
     unsafe fn prune<L: Lanes>(_: &mut Hand, _: &Surface, _: u32) {}
 }
 
-/// Compares windows one by one: `push` adds each to those that have been checked so far, or drops it, and cuts or drops those
-/// with which it is compared.
+/// Compares windows one by one: `push` adds each to those that have been checked so far, or drops
+/// it, and cuts or drops those with which it is compared.
 fn one_by_one(
     hand: &mut Hand,
     surface: &Surface,
@@ -137,7 +138,8 @@ impl Pairs for TiePoints {
     }
 }
 
-/// Compares `new` with the last of `checked`, and the next to last if that dies, and so on, and trims overlaps.
+/// Compares `new` with the last of `checked`, and the next to last if that dies, and so on, and
+/// trims overlaps.
 fn push_and_trim(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) {
     while let Some(last) = checked.last_mut() {
         match check_pair(last, &mut new, edge) {

@@ -18,7 +18,8 @@ pub trait Schedule: Send {
     /// own, and [`wait`](Schedule::wait) must be told of windows that wait for them.
     const BY_VERTEX: bool;
 
-    /// An empty schedule for a mesh of so many faces. Vertices and faces have the numbers of the solver.
+    /// An empty schedule for a mesh of so many faces. Vertices and faces have the numbers of the
+    /// solver.
     fn new(faces: usize) -> Self;
 
     /// Forgets the last run, which has emptied the queue.

@@ -176,7 +176,8 @@ fn a_solver_gives_the_same_answer_again_and_from_several_sources() {
     for (algorithm, mut solver) in all(&mesh) {
         let [from_a, from_b] = [a, b].map(|s| solver.solve(&[s]).unwrap().distances);
         let from_both = solver.solve(&[a, b]).unwrap().distances;
-        // Several threads find the same paths in another order, whose lengths are rounded differently.
+        // Several threads find the same paths in another order, whose lengths are rounded
+        // differently.
         let rounding = if algorithm.ends_with("threads") {
             1e-12
         } else {
@@ -280,8 +281,9 @@ fn one_thread_of_the_parallel_form_does_the_same_as_the_other_one() {
     }
 }
 
-/// A thread that had nothing to do, or was far ahead, once held nobody back while windows from another one waited for it. When it did
-/// not run for a while, the others flooded its part of the surface with windows, up to three times as many.
+/// A thread that had nothing to do, or was far ahead, once held nobody back while windows from
+/// another one waited for it. When it did not run for a while, the others flooded its part of the
+/// surface with windows, up to three times as many.
 #[test]
 fn threads_do_not_run_away_from_one_that_is_late() {
     let mesh = scaled(soup_of("gen:torus,faces=5000,bump=0.1,seed=7"), 1.0);
@@ -303,7 +305,8 @@ fn threads_do_not_run_away_from_one_that_is_late() {
     }
 }
 
-/// A run that was broken off once left windows, gifts and queues behind for the next one, which found distances too short.
+/// A run that was broken off once left windows, gifts and queues behind for the next one, which
+/// found distances too short.
 #[test]
 fn a_run_that_was_broken_off_leaves_nothing_for_the_next_one() {
     struct Breaks(u32);
@@ -419,7 +422,8 @@ fn children(mesh: &Mesh, reunite: bool) -> [u64; 2] {
 
 #[test]
 fn windows_that_flat_vertices_part_are_one_behind_them() {
-    // The second surface is flat but for its edges, the third is divided without changing its shape.
+    // The second surface is flat but for its edges, the third is divided without changing its
+    // shape.
     for (spec, gain) in [
         ("gen:grid,n=30", 4),
         ("gen:cube,n=10", 2),
@@ -466,8 +470,8 @@ fn counts_fit_together_in_every_algorithm() {
     }
 }
 
-/// On the flat grid no path bends, so the deepest window has crossed the longest strip of faces that a
-/// straight line from the corner meets, whatever the algorithm.
+/// On the flat grid no path bends, so the deepest window has crossed the longest strip of faces
+/// that a straight line from the corner meets, whatever the algorithm.
 #[test]
 fn levels_are_those_of_mmp_where_only_the_shape_decides() {
     let mesh = scaled(soup_of("gen:grid,n=9"), 1.0);

@@ -1,5 +1,5 @@
-//! What an algorithm does with one window, on windows that are made up: the crossing of a triangle and what trimming
-//! compares.
+//! What an algorithm does with one window, on windows that are made up: the crossing of a triangle
+//! and what trimming compares.
 
 use std::hint::black_box;
 

@@ -46,25 +46,25 @@ counters! {
     Kept = "kept",
     /// Windows with which sources and pseudo-sources started.
     Spawned = "spawned",
-    /// Windows that wait for another turn because trimming changed their smallest distance; where they are queued one by one,
-    /// each of them is queued again.
+    /// Windows that wait for another turn because trimming changed their smallest distance; where
+    /// they are queued one by one, each of them is queued again.
     Reinserted = "reinserted",
     /// Windows that lost a part of their interval to another window.
     Trimmed = "trimmed",
     /// Windows, spawned ones included, that were dropped whole: by a vertex filter, by another
     /// window or as stale.
     Filtered = "filtered",
-    /// Most windows alive at one time: those stored on edges for MMP, less those given up behind the wave,
-    /// and those waiting to be propagated for the others.
+    /// Most windows alive at one time: those stored on edges for MMP, less those given up behind
+    /// the wave, and those waiting to be propagated for the others.
     PeakWindows = "peak_windows",
     /// Most windows that wait to be propagated at one time, whatever they wait in. A window waits
-    /// until its turn comes, or until it is trimmed away or replaced by what trimming leaves of it; an entry of
-    /// a queue whose window does not exist any more does not count. What turns out to be stale at
-    /// its turn has waited until then.
+    /// until its turn comes, or until it is trimmed away or replaced by what trimming leaves of it;
+    /// an entry of a queue whose window does not exist any more does not count. What turns out to
+    /// be stale at its turn has waited until then.
     PeakWavefront = "peak_wavefront",
-    /// Windows stored on edges when the run ends (the "window limit" of MMP), those counted too that were given
-    /// up only because the wave had passed their edge: what is stored if all are kept, and then no more than
-    /// `peak_windows`.
+    /// Windows stored on edges when the run ends (the "window limit" of MMP), those counted too
+    /// that were given up only because the wave had passed their edge: what is stored if all are
+    /// kept, and then no more than `peak_windows`.
     StoredWindows = "stored_windows",
     /// Bytes that one window takes in the structure in which it waits.
     WindowBytes = "window_bytes",
@@ -74,7 +74,8 @@ counters! {
     QueuePeak = "queue_peak",
     /// Rounds of a queue that works in batches.
     Iterations = "iterations",
-    /// Most windows, or other events, that one such round was told to take: the greatest K of Xu et al. 2015.
+    /// Most windows, or other events, that one such round was told to take: the greatest K of Xu et
+    /// al. 2015.
     KPeak = "k_peak",
     /// Depth of the sequence tree: the most triangles that one window's line of ancestors crossed.
     Levels = "levels",

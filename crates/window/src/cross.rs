@@ -16,8 +16,8 @@ pub fn separating_abscissa(frame: &Frame, w: &Window) -> f64 {
 /// The part of `w` left of `hi` (at most `min(w.b1, sp)`) as it arrives at AC, in the frame of the
 /// neighbour's half-edge A → C; `None` if nothing arrives.
 ///
-/// The ray through abscissa s meets AC at u(s) = la·n / (n + m) from A, with n = -py·s and m = (sp - s)·e, and
-/// the source turns to (û·p, û×p), û being the unit vector from A to C.
+/// The ray through abscissa s meets AC at u(s) = la·n / (n + m) from A, with n = -py·s and m = (sp
+/// - s)·e, and the source turns to (û·p, û×p), û being the unit vector from A to C.
 #[inline]
 pub fn left_child(frame: &Frame, w: &Window, sp: f64, hi: f64) -> Option<Window> {
     let at = |s: f64| {
@@ -42,8 +42,9 @@ pub fn left_child(frame: &Frame, w: &Window, sp: f64, hi: f64) -> Option<Window>
 /// The part of `w` right of `lo` (at least `max(w.b0, sp)`) as it arrives at CB, in the frame of
 /// the neighbour's half-edge C → B; `None` if nothing arrives.
 ///
-/// The ray through abscissa s meets CB at v(s) = lb·m / (n + m) from C, with n = -py·(l - s) and m = (s - sp)·e; the source
-/// turns to (v̂·(p - C), v̂×(p - C)), v̂ being the unit vector from C to B.
+/// The ray through abscissa s meets CB at v(s) = lb·m / (n + m) from C, with n = -py·(l - s) and m
+/// = (s - sp)·e; the source turns to (v̂·(p - C), v̂×(p - C)), v̂ being the unit vector from C to
+/// B.
 #[inline]
 pub fn right_child(frame: &Frame, w: &Window, sp: f64, lo: f64) -> Option<Window> {
     let at = |s: f64| {

@@ -6,16 +6,18 @@ use crate::window::{Window, norm};
 /// Whether a window is dropped when a path through a known vertex beats all of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VertexFilter {
-    /// As in ICH: theorem 3.2 of Xin and Wang 2009, all three tests of it or those that the algorithm names.
+    /// As in ICH: theorem 3.2 of Xin and Wang 2009, all three tests of it or those that the
+    /// algorithm names.
     #[default]
     On,
-    /// As in CH and MMP. In CH, branches then end only where they lose their last split, or after as many
-    /// triangles as the mesh has: no shortest path crosses one of them twice.
+    /// As in CH and MMP. In CH, branches then end only where they lose their last split, or after
+    /// as many triangles as the mesh has: no shortest path crosses one of them twice.
     Off,
 }
 
-/// How much shorter a path through a vertex must be, as a fraction of itself and of the edge, before it deletes a window:
-/// rounding must never delete one of two equal paths, and it may be that of the edge, where the vertex is much nearer than that.
+/// How much shorter a path through a vertex must be, as a fraction of itself and of the edge,
+/// before it deletes a window: rounding must never delete one of two equal paths, and it may be
+/// that of the edge, where the vertex is much nearer than that.
 const SLACK: f64 = MARGIN;
 
 /// Whether paths along the edge from one of its ends beat every ray of `w` (Xin and Wang 2009,
@@ -83,8 +85,9 @@ mod tests {
             prop_assert_eq!(beaten, path * (1.0 + 1e-14) < w.distance(w.b0));
         }
 
-        /// The detour through a vertex beside the source is longer by less than rounding, where the slack was once one of the
-        /// vertex's distance alone: windows that hardly any other path was as short as were dropped.
+        /// The detour through a vertex beside the source is longer by less than rounding, where the
+        /// slack was once one of the vertex's distance alone: windows that hardly any other path
+        /// was as short as were dropped.
         #[test]
         fn a_vertex_beside_the_source_beats_no_window_that_leaves_it_at_a_small_angle(
             distance in -9.0..0.0f64, angle in -9.0..-2.0f64, end in 0.0..1.0f64, is_head: bool,

@@ -38,7 +38,8 @@ pub struct Entrance {
     /// The half-edge A → C of the neighbour on the left and the half-edge C → B of the neighbour
     /// on the right; `None` at the boundary.
     pub exits: [Option<HalfEdgeId>; 2],
-    /// Position of the vertex opposite to each exit, B and A, in the frame by which a window leaves there.
+    /// Position of the vertex opposite to each exit, B and A, in the frame by which a window leaves
+    /// there.
     pub behind: [[f64; 2]; 2],
 }
 
@@ -110,7 +111,8 @@ pub struct Exit {
 pub struct Outlet {
     /// The neighbour's half-edge; `u32::MAX` at the boundary.
     twin: u32,
-    /// Where the edge begins as seen from the neighbour, where it ends, and the third vertex of the triangle.
+    /// Where the edge begins as seen from the neighbour, where it ends, and the third vertex of the
+    /// triangle.
     pub corners: [VertexId; 3],
 }
 
@@ -140,8 +142,8 @@ pub(crate) struct HalfEdge {
     pub(crate) apex_from_head: f64,
     /// What a window meets that leaves the face here.
     pub(crate) outlet: Outlet,
-    /// The other half-edges of the face, by which a window leaves that comes in here: that of the left exit, which
-    /// precedes this one, and that of the right exit.
+    /// The other half-edges of the face, by which a window leaves that comes in here: that of the
+    /// left exit, which precedes this one, and that of the right exit.
     pub(crate) exits: [HalfEdgeId; 2],
 }
 
@@ -186,8 +188,9 @@ impl HalfEdge {
     }
 }
 
-/// The faces of a mesh laid out for crossing: one record a half-edge instead of one array a quantity. A crossing reads
-/// two of them, that of the entrance and that of the exit, which are neighbours in memory.
+/// The faces of a mesh laid out for crossing: one record a half-edge instead of one array a
+/// quantity. A crossing reads two of them, that of the entrance and that of the exit, which are
+/// neighbours in memory.
 #[derive(Clone, Debug)]
 pub struct Faces {
     half_edges: Vec<HalfEdge>,
@@ -201,8 +204,8 @@ impl Faces {
         Self::in_order(mesh, Numbering::same())
     }
 
-    /// Lays out the faces of `mesh` in the order of `numbering`, whose numbers its half-edges then have here and wherever they come
-    /// from here; vertices keep theirs. O(faces).
+    /// Lays out the faces of `mesh` in the order of `numbering`, whose numbers its half-edges then
+    /// have here and wherever they come from here; vertices keep theirs. O(faces).
     pub fn in_order(mesh: &Mesh, mut numbering: Numbering) -> Self {
         let mut half_edges = Vec::with_capacity(mesh.half_edge_count());
         for f in 0..mesh.face_count() as u32 {
@@ -258,11 +261,12 @@ impl Faces {
         }
     }
 
-    /// The edge on one side by which a window leaves that came in through the half-edge of `frame`, `h`.
+    /// The edge on one side by which a window leaves that came in through the half-edge of `frame`,
+    /// `h`.
     ///
-    /// Windows pass an apex on either side as often as not, and no processor foresees on which: both sides go the
-    /// same way here and in all that depends on the exit, without a branch, and nothing is known of the side that would
-    /// tempt the compiler to make one.
+    /// Windows pass an apex on either side as often as not, and no processor foresees on which:
+    /// both sides go the same way here and in all that depends on the exit, without a branch, and
+    /// nothing is known of the side that would tempt the compiler to make one.
     #[inline]
     pub fn exit(&self, h: HalfEdgeId, frame: &Frame, side: Side) -> Exit {
         let side = std::hint::black_box(side as u32);
@@ -318,8 +322,9 @@ impl Faces {
         self.half_edge(h).outlet.half_edge()
     }
 
-    /// The edges at the tail of `h` that come with it when those of a vertex are gone through by its outgoing half-edges: its own, and
-    /// the other one of its face if that is on the boundary. The other end of each and its length.
+    /// The edges at the tail of `h` that come with it when those of a vertex are gone through by
+    /// its outgoing half-edges: its own, and the other one of its face if that is on the boundary.
+    /// The other end of each and its length.
     #[inline]
     pub fn edges_at_tail(&self, h: HalfEdgeId) -> [Option<(VertexId, f64)>; 2] {
         let own = self.half_edge(h);

@@ -10,9 +10,10 @@
 //! in the windows that they can prove useless, and in the order in which they take the others.
 //!
 //! * The kernels are small pure functions: [`separating_abscissa`], the two children, the apex
-//!   distance, all of these in one as [`Passage`], [`tie_points`], the vertex filter ([`is_beaten_from_ends`], [`is_beaten_across`]),
-//!   [`spawn_window`]. None of them takes a square root or an angle that it can do without, and all
-//!   tolerances are relative, so that a model in millimetres gives the same digits as in metres.
+//!   distance, all of these in one as [`Passage`], [`tie_points`], the vertex filter
+//!   ([`is_beaten_from_ends`], [`is_beaten_across`]), [`spawn_window`]. None of them takes a square
+//!   root or an angle that it can do without, and all tolerances are relative, so that a model in
+//!   millimetres gives the same digits as in metres.
 //! * [`Faces`] lays the mesh out for crossing, and gives the [`Frame`] of a half-edge.
 //! * [`continuous`] is the frame of the algorithms that take one window at a time: a policy under a
 //!   [discipline](queue::Discipline).

@@ -89,11 +89,11 @@ impl<'a> Passage<'a> {
         self.window.sigma + self.squared_straight().sqrt()
     }
 
-    /// Length of the path to the apex of a window that leaves by `exit` alone: bent at the end of the
-    /// window that is nearer to the straight path.
+    /// Length of the path to the apex of a window that leaves by `exit` alone: bent at the end of
+    /// the window that is nearer to the straight path.
     ///
-    /// That is a real path, and must be tried as well as the straight one: it carries a distance past a vertex
-    /// that is hit exactly.
+    /// That is a real path, and must be tried as well as the straight one: it carries a distance
+    /// past a vertex that is hit exactly.
     #[inline]
     pub fn bent_distance(&self, exit: &Exit) -> f64 {
         let w = self.window;
@@ -165,8 +165,8 @@ pub(crate) fn entry(offset: f64, height: f64, px: f64, l: f64) -> f64 {
 struct Turn<'a> {
     passage: &'a Passage<'a>,
     exit: &'a Exit,
-    /// Where the source comes to lie, (û·p', û×p') for û the unit vector along the exit and p' the source
-    /// seen from where the exit begins.
+    /// Where the source comes to lie, (û·p', û×p') for û the unit vector along the exit and p' the
+    /// source seen from where the exit begins.
     source: [f64; 2],
 }
 
@@ -184,12 +184,12 @@ impl<'a> Turn<'a> {
         }
     }
 
-    /// How far from where the exit begins the ray through abscissa `s` crosses it, which leaves on its side; `side`
-    /// is s·e - D0.
+    /// How far from where the exit begins the ray through abscissa `s` crosses it, which leaves on
+    /// its side; `side` is s·e - D0.
     ///
-    /// The ray divides the exit as n : m, with n = -py·s on the left and -py·(l - s) on the right from the end that the exit
-    /// shares with the half-edge, and m = |s·e - D0| from C. Neither is negative, so their sum loses no digits, however close the source
-    /// is to the half-edge.
+    /// The ray divides the exit as n : m, with n = -py·s on the left and -py·(l - s) on the right
+    /// from the end that the exit shares with the half-edge, and m = |s·e - D0| from C. Neither is
+    /// negative, so their sum loses no digits, however close the source is to the half-edge.
     #[inline]
     fn leaving(&self, s: f64, side: f64) -> f64 {
         let (exit, passage) = (self.exit, self.passage);

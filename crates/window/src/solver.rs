@@ -53,7 +53,8 @@ pub trait Solver: Send {
     ///
     /// # Errors
     ///
-    /// When `sources` is empty or names a vertex that does not exist, or set-up did not get the threads it needs.
+    /// When `sources` is empty or names a vertex that does not exist, or set-up did not get the
+    /// threads it needs.
     fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError>;
 
     /// The same with its events counted.

@@ -181,8 +181,8 @@ mod tests {
         assert!(x < y && (x + y - 1.0).abs() < 1e-14);
     }
 
-    /// Where σ differs by more than the sources are apart one window is always shorter; the roots of
-    /// the squared equation are then the points whose distances *add up* to the difference.
+    /// Where σ differs by more than the sources are apart one window is always shorter; the roots
+    /// of the squared equation are then the points whose distances *add up* to the difference.
     #[test]
     fn points_at_which_distances_add_up_are_no_ties() {
         let ties = tie_points(&window(-2.75, 0.0, 2.5), &window(-2.5, 0.0, 0.0));

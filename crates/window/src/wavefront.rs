@@ -15,7 +15,8 @@ pub struct WavefrontSample {
     /// Mean of their distances.
     pub distance: f64,
     /// Standard deviation of their distances: the less they differ, the better the wavefront keeps
-    /// the order of the distances (Xu et al. 2015, section 6; transfer report of 2014, section 5.5.2).
+    /// the order of the distances (Xu et al. 2015, section 6; transfer report of 2014, section
+    /// 5.5.2).
     pub deviation: f64,
     /// How many windows the round at that moment was told to take, of a queue that works in rounds.
     pub k: Option<u64>,
@@ -51,8 +52,8 @@ impl Wavefront {
         self.left == 0
     }
 
-    /// Takes a sample of the wavefront whose windows have these least distances, in a round that was
-    /// told to take `k` of them.
+    /// Takes a sample of the wavefront whose windows have these least distances, in a round that
+    /// was told to take `k` of them.
     pub(crate) fn sample(&mut self, labels: impl Iterator<Item = f64>, k: Option<u64>) {
         // Welford's recurrence: one pass, and no cancellation far from the source.
         let (mut windows, mut mean, mut squares) = (0, 0.0, 0.0);

@@ -156,10 +156,11 @@ impl Stretched {
     }
 }
 
-/// Mean of g = P·H / (2√3·S) over the triangles: P half the perimeter, H the longest side, S the area.
+/// Mean of g = P·H / (2√3·S) over the triangles: P half the perimeter, H the longest side, S the
+/// area.
 ///
-/// 1 for equilateral triangles, growing with their stretch, infinite where one has no area; NaN
-/// for a model without triangles. This is the papers' measure (Xu et al. 2015, section 5).
+/// 1 for equilateral triangles, growing with their stretch, infinite where one has no area; NaN for
+/// a model without triangles. This is the papers' measure (Xu et al. 2015, section 5).
 ///
 /// # Panics
 ///

@@ -1,18 +1,19 @@
 //! Procedural models: a short spec such as `gen:torus,faces=50000,bump=0.1,seed=7` names one mesh.
 //!
 //! A spec is `gen:FAMILY[,key=value...]`. [`FAMILIES`] and [`MODIFIER_KEYS`] are the one list of
-//! what there is, with defaults, ranges and descriptions; parsing, errors and [`help`] read it.
-//! The text of a [`Spec`] is its canonical form, with every default written out, so it keeps its
+//! what there is, with defaults, ranges and descriptions; parsing, errors and [`help`] read it. The
+//! text of a [`Spec`] is its canonical form, with every default written out, so it keeps its
 //! meaning even if a default changes.
 //!
 //! # Same spec, same bits
 //!
-//! A spec gives the same coordinates, bit for bit, on every machine: chance comes from a
-//! generator of our own, angles from `libm` in pure Rust, and everything else from operations that
-//! IEEE 754 defines to the last bit. Tests pin a checksum of every family.
+//! A spec gives the same coordinates, bit for bit, on every machine: chance comes from a generator
+//! of our own, angles from `libm` in pure Rust, and everything else from operations that IEEE 754
+//! defines to the last bit. Tests pin a checksum of every family.
 //!
 //! Every model is an oriented manifold, outward where it is closed, without isolated vertices.
-//! Modifiers act in the order parts, subdivide, noise, scale, on generated models and on files alike:
+//! Modifiers act in the order parts, subdivide, noise, scale, on generated models and on files
+//! alike:
 //!
 //! ```
 //! use geobench_mesh::generate::{Spec, generate};

@@ -1,7 +1,7 @@
 //! A small generator of pseudo-random numbers that will never change.
 
-/// `SplitMix64` (Steele, Lea, Flood 2014): a counter stepped by an odd constant, and a mixing function
-/// that turns the counter into the output.
+/// `SplitMix64` (Steele, Lea, Flood 2014): a counter stepped by an odd constant, and a mixing
+/// function that turns the counter into the output.
 ///
 /// A spec promises the same bits for ever, so this stands here instead of a dependency whose next
 /// version might draw otherwise.

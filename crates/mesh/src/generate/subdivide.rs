@@ -5,10 +5,10 @@ use crate::soup::TriangleSoup;
 
 /// Splits every triangle into four at the midpoints of its sides: the same surface, finer.
 ///
-/// Old vertices keep their numbers and positions; one new vertex follows for each edge, in the order
-/// of the edge's smaller and then larger vertex. Triangle `t` becomes triangles `4t` to `4t + 3`,
-/// those at its three corners and the middle one, oriented as it was; `file_faces` says from which
-/// face of the file each comes. Works on anything: boundaries, pinched vertices, several
+/// Old vertices keep their numbers and positions; one new vertex follows for each edge, in the
+/// order of the edge's smaller and then larger vertex. Triangle `t` becomes triangles `4t` to `4t +
+/// 3`, those at its three corners and the middle one, oriented as it was; `file_faces` says from
+/// which face of the file each comes. Works on anything: boundaries, pinched vertices, several
 /// components, edges of many triangles. A triangle that names a vertex twice, or one that does not
 /// exist, has no inside to split and is kept as it is, for validation to find.
 ///
@@ -16,8 +16,8 @@ use crate::soup::TriangleSoup;
 ///
 /// # Panics
 ///
-/// If the result would have more half-edges or vertices than 32 bits can number: above some
-/// 350 million triangles. [`Modifiers::apply`](super::Modifiers::apply) refuses long before that.
+/// If the result would have more half-edges or vertices than 32 bits can number: above some 350
+/// million triangles. [`Modifiers::apply`](super::Modifiers::apply) refuses long before that.
 pub fn midpoint_subdivide(soup: &TriangleSoup) -> TriangleSoup {
     let mut fine = split(soup);
     // Children are told apart from kept triangles by how `split` numbers them.

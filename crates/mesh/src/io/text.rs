@@ -5,7 +5,8 @@
 
 use super::error::Flaw;
 
-/// The lines of a file with their numbers, counted from 1. A line ends with LF or CR LF; in a file without any LF, with CR.
+/// The lines of a file with their numbers, counted from 1. A line ends with LF or CR LF; in a file
+/// without any LF, with CR.
 #[derive(Clone, Debug)]
 pub(super) struct Lines<'a> {
     rest: &'a [u8],

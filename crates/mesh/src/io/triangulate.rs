@@ -24,8 +24,8 @@ const FLAT: f64 = 1e-12;
 
 /// Steps of ear clipping that the polygons of a file may take together, some nanoseconds each.
 ///
-/// Clipping the ears of k corners takes O(k²) steps at worst. A file of 3 MB can hold a polygon that
-/// takes minutes, and one of 30 MB a polygon that takes hours.
+/// Clipping the ears of k corners takes O(k²) steps at worst. A file of 3 MB can hold a polygon
+/// that takes minutes, and one of 30 MB a polygon that takes hours.
 #[derive(Debug)]
 pub(super) struct Budget(u64);
 

@@ -12,7 +12,8 @@ use geobench_window::trimming::{Division, Owner, Segment, foot, is_sliver, matte
 /// Windows that arrive at one half-edge together.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Run {
-    /// In the order in which they arrive, which is mostly, and need not be, that of their intervals.
+    /// In the order in which they arrive, which is mostly, and need not be, that of their
+    /// intervals.
     pub(super) windows: Vec<Window>,
     /// Their levels in the sequence tree, if they are kept.
     pub(super) levels: Vec<u32>,
@@ -75,14 +76,16 @@ impl Pieces {
 }
 
 impl Merger {
-    /// Merges `run` into list `i`, whose edge has length `l`, and tells `weigh` the label of every window that has to be propagated
-    /// at another time than before: what is left of the new ones, and of stored ones that have to wait for longer.
+    /// Merges `run` into list `i`, whose edge has length `l`, and tells `weigh` the label of every
+    /// window that has to be propagated at another time than before: what is left of the new ones,
+    /// and of stored ones that have to wait for longer.
     ///
-    /// Each stored window that a new one meets is split at the tie points inside the common range, of which there may be two,
-    /// and each part goes to the window that is shorter there, the stored one where they are equal. Ranges that nobody held go to the
-    /// new one. What comes out is the same as if the windows were inserted one after the other: those in ascending order take one
-    /// sweep over the list, and one that is not in order starts another. A sweep takes O(log k + m) for m windows met among k, and the
-    /// moving of those behind them.
+    /// Each stored window that a new one meets is split at the tie points inside the common range,
+    /// of which there may be two, and each part goes to the window that is shorter there, the
+    /// stored one where they are equal. Ranges that nobody held go to the new one. What comes out
+    /// is the same as if the windows were inserted one after the other: those in ascending order
+    /// take one sweep over the list, and one that is not in order starts another. A sweep takes
+    /// O(log k + m) for m windows met among k, and the moving of those behind them.
     #[inline]
     pub(super) fn merge<P: Probe>(
         &mut self,
@@ -129,7 +132,8 @@ impl Merger {
         while k < windows.len() {
             let mut sweep = Sweep::start(store, i, windows[k].b0, &mut self.pieces);
             let mut is_open = sweep.insert(&windows[k], run.level(k), l, merged, weigh, probe);
-            // What this sweep has inserted, it does not meet again: the next window must begin behind the one that ends last.
+            // What this sweep has inserted, it does not meet again: the next window must begin
+            // behind the one that ends last.
             let mut last = &windows[k];
             k += 1;
             while !is_open && k < windows.len() {
@@ -250,8 +254,8 @@ fn report_growth<P: Probe>(old: &Stored, cut: &Stored, weigh: &mut impl FnMut(f6
 
 /// A pass over a list in ascending order, in which windows are inserted.
 ///
-/// What takes the place of windows is put down apart and copied when it is over, but a stored window that loses its left part is cut at
-/// its place.
+/// What takes the place of windows is put down apart and copied when it is over, but a stored
+/// window that loses its left part is cut at its place.
 struct Sweep<'a> {
     pieces: &'a mut Pieces,
     windows: &'a mut [Stored],
@@ -292,8 +296,8 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Inserts `new`, which begins at or behind the end of the windows passed. Returns whether it cannot tell what becomes of it; then
-    /// nothing is changed.
+    /// Inserts `new`, which begins at or behind the end of the windows passed. Returns whether it
+    /// cannot tell what becomes of it; then nothing is changed.
     #[inline(always)]
     fn insert<P: Probe>(
         &mut self,

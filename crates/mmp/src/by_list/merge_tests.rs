@@ -103,8 +103,8 @@ proptest! {
     }
 }
 
-/// Children of windows that meet along a ray overlap by as much as rounding has moved the ray. Each of them began a sweep of its own
-/// when this was not told from a run that is not in order.
+/// Children of windows that meet along a ray overlap by as much as rounding has moved the ray. Each
+/// of them began a sweep of its own when this was not told from a run that is not in order.
 #[test]
 fn windows_of_a_run_that_overlap_by_rounding_take_one_sweep() {
     let left = Window {

@@ -4,7 +4,8 @@ use geobench_mesh::Mesh;
 use geobench_window::queue::{Discipline, Event, Priority, mean_edge_length};
 use geobench_window::{Counter, Probe};
 
-/// A [`Priority`] queue of lists: the one with the nearest window has its turn, and what is not much further goes with it.
+/// A [`Priority`] queue of lists: the one with the nearest window has its turn, and what is not
+/// much further goes with it.
 ///
 /// # Cost
 ///
@@ -19,13 +20,16 @@ pub struct NearLists {
 }
 
 impl NearLists {
-    /// How much further than the nearest window others of its half-edge may be by default, in mean edge lengths: a choice of ours.
+    /// How much further than the nearest window others of its half-edge may be by default, in mean
+    /// edge lengths: a choice of ours.
     ///
-    /// Nearly all that waits in a list goes at once then, so that more gains little; with less, turns shrink to single windows.
+    /// Nearly all that waits in a list goes at once then, so that more gains little; with less,
+    /// turns shrink to single windows.
     pub const SLACK: f64 = 1.0;
 
-    /// An empty queue for the lists of `mesh`, of which a turn takes windows that are further than the nearest one by up to `slack`
-    /// mean edge lengths; O(edges). A negative slack and NaN count as 0.
+    /// An empty queue for the lists of `mesh`, of which a turn takes windows that are further than
+    /// the nearest one by up to `slack` mean edge lengths; O(edges). A negative slack and NaN count
+    /// as 0.
     pub fn new(mesh: &Mesh, slack: f64) -> Self {
         Self {
             queue: Priority::new(mesh),

@@ -32,13 +32,15 @@ const COUNTERS: &[Counter] = &[
     Counter::Levels,
 ];
 
-/// How many turns before its own the list of a half-edge and its face are asked for, and how many before it its windows.
+/// How many turns before its own the list of a half-edge and its face are asked for, and how many
+/// before it its windows.
 const AHEAD: [usize; 2] = [6, 2];
 
 /// MMP that takes the windows of a half-edge together, all that are due by its queue.
 ///
-/// An event of the queue is a half-edge whose list has windows that wait, under the least of their labels. Its turn takes
-/// those that are [due](Discipline::is_due), and what waits on is queued again.
+/// An event of the queue is a half-edge whose list has windows that wait, under the least of their
+/// labels. Its turn takes those that are [due](Discipline::is_due), and what waits on is queued
+/// again.
 #[derive(Clone, Debug)]
 pub struct ByList<'m, Q> {
     front: Front<'m, Q>,
@@ -103,8 +105,9 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
         self
     }
 
-    /// Drops windows that a path through an end of their edge beats before they are merged, by two of the three tests of ICH, which is the
-    /// default, or merges all, as in the paper of MMP. Distances are the same.
+    /// Drops windows that a path through an end of their edge beats before they are merged, by two
+    /// of the three tests of ICH, which is the default, or merges all, as in the paper of MMP.
+    /// Distances are the same.
     #[must_use]
     pub fn filtering(mut self, filter: VertexFilter) -> Self {
         self.front.sieve.filter = filter;
@@ -143,7 +146,8 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
         self.cross(h, label, probe);
     }
 
-    /// Takes the windows whose turn it is across the face of `h`; none of them is nearer than `label`.
+    /// Takes the windows whose turn it is across the face of `h`; none of them is nearer than
+    /// `label`.
     #[inline]
     fn cross<P: Probe>(&mut self, h: HalfEdgeId, label: f64, probe: &mut P) {
         let front = &mut self.front;
@@ -205,8 +209,8 @@ impl<Q: Discipline> Front<'_, Q> {
         }
     }
 
-    /// So many windows have been taken through `h`, none of them nearer than `label`: gives up the lists that the wave has
-    /// passed.
+    /// So many windows have been taken through `h`, none of them nearer than `label`: gives up the
+    /// lists that the wave has passed.
     #[inline]
     fn give_up(&mut self, h: HalfEdgeId, entrance: &Entrance, windows: usize, label: f64) {
         if !self.store.is_waited_for(h.index()) {
@@ -261,7 +265,8 @@ impl<Q: Discipline> Front<'_, Q> {
         }
     }
 
-    /// Merges windows that have reached `h` into its list; returns how many of them something is left of, in counted runs.
+    /// Merges windows that have reached `h` into its list; returns how many of them something is
+    /// left of, in counted runs.
     #[inline]
     fn arrive<P: Probe>(&mut self, h: HalfEdgeId, run: &Run, probe: &mut P) -> u64 {
         probe.enter(Phase::Pruning);
@@ -294,7 +299,8 @@ impl<Q: Discipline> Front<'_, Q> {
         self.merge(h, &rest, probe)
     }
 
-    /// The same for a list that holds windows, and has it queued if something comes to wait there before all else.
+    /// The same for a list that holds windows, and has it queued if something comes to wait there
+    /// before all else.
     #[inline]
     fn merge<P: Probe>(&mut self, h: HalfEdgeId, run: &Run, probe: &mut P) -> u64 {
         let i = h.index();
@@ -332,8 +338,10 @@ impl<Q: Discipline> Front<'_, Q> {
     }
 }
 
-/// Takes `taken` across the triangle of `frame`, the distances of whose tail, head and apex are `known`: puts what they leave on its exits
-/// into `children`, except what `sieve` drops, or drops beside one of the `thin` faces, and returns the least of the apex's distance and those that they offer to it.
+/// Takes `taken` across the triangle of `frame`, the distances of whose tail, head and apex are
+/// `known`: puts what they leave on its exits into `children`, except what `sieve` drops, or drops
+/// beside one of the `thin` faces, and returns the least of the apex's distance and those that they
+/// offer to it.
 #[inline]
 #[allow(clippy::too_many_arguments)] // Private, and one step of `cross`.
 fn cross_all<P: Probe>(
@@ -392,7 +400,8 @@ fn cross_all<P: Probe>(
     least
 }
 
-/// How many children were tried: going round the triangle from the left, a window all of whose rays leave there is done.
+/// How many children were tried: going round the triangle from the left, a window all of whose rays
+/// leave there is done.
 fn tries(taken: &Run, entrance: &Entrance) -> u64 {
     let [left, right] = entrance.exits.map(|exit| u64::from(exit.is_some()));
     let both = taken.windows.iter().map(|window| {

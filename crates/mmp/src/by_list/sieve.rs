@@ -4,9 +4,9 @@ use geobench_window::{VertexFilter, Window, is_beaten_from_ends};
 
 /// What is asked of a window that comes to a half-edge, before its list is looked at.
 ///
-/// A merge finds out sooner or later what the vertex filter tells at once, since the windows that start from the vertex, or others
-/// as near, beat the same rays. But it takes a search in a list for that, and where they come later the window has gone on by then, and its
-/// children after it.
+/// A merge finds out sooner or later what the vertex filter tells at once, since the windows that
+/// start from the vertex, or others as near, beat the same rays. But it takes a search in a list
+/// for that, and where they come later the window has gone on by then, and its children after it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sieve {
     pub(super) filter: VertexFilter,
@@ -15,8 +15,8 @@ pub(super) struct Sieve {
 }
 
 impl Sieve {
-    /// The same beside a thin face, where windows are always filtered: those that come in any order but nearest first would wind around
-    /// needles otherwise.
+    /// The same beside a thin face, where windows are always filtered: those that come in any order
+    /// but nearest first would wind around needles otherwise.
     pub(super) fn beside_thin_face(self) -> Self {
         Self {
             filter: VertexFilter::On,
@@ -24,7 +24,8 @@ impl Sieve {
         }
     }
 
-    /// Whether a child that has come to an edge of length `l` is dropped; `ends` are the distances known of the edge's tail and head.
+    /// Whether a child that has come to an edge of length `l` is dropped; `ends` are the distances
+    /// known of the edge's tail and head.
     #[inline]
     pub(super) fn drops_child(&self, child: &Window, l: f64, ends: [f64; 2]) -> bool {
         child.b1 - child.b0 < self.threshold || self.drops(child, l, ends)
@@ -32,8 +33,8 @@ impl Sieve {
 
     /// The same for a window that starts from a vertex, however narrow it is.
     ///
-    /// Of the three tests of Xin and Wang's theorem 3.2 it makes the two that know the ends of the edge: with the third, which
-    /// takes a square root, a run takes 1 to 7 % longer.
+    /// Of the three tests of Xin and Wang's theorem 3.2 it makes the two that know the ends of the
+    /// edge: with the third, which takes a square root, a run takes 1 to 7 % longer.
     #[inline]
     pub(super) fn drops(&self, window: &Window, l: f64, [tail, head]: [f64; 2]) -> bool {
         self.filter == VertexFilter::On && is_beaten_from_ends(window, l, tail, head)

@@ -7,8 +7,8 @@ use crate::forgetting::Past;
 
 /// A window of a list, in no more than its 40 bytes.
 ///
-/// Whether it waits is told by the side on which its source lies: below the edge, where it belongs, until it has been propagated, and above
-/// from then on. The distances on the edge are the same.
+/// Whether it waits is told by the side on which its source lies: below the edge, where it belongs,
+/// until it has been propagated, and above from then on. The distances on the edge are the same.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stored {
     pub(super) window: Window,
@@ -76,7 +76,8 @@ struct List {
     class: u8,
     /// Whether its windows have been given up.
     closed: bool,
-    /// The label under which it is in the queue, which is at most that of any window that waits; infinite if it is not.
+    /// The label under which it is in the queue, which is at most that of any window that waits;
+    /// infinite if it is not.
     queued: f64,
 }
 
@@ -92,10 +93,11 @@ impl Default for List {
     }
 }
 
-/// The windows of all half-edges. Those of one list are in ascending order and have disjoint intervals; gaps are normal.
+/// The windows of all half-edges. Those of one list are in ascending order and have disjoint
+/// intervals; gaps are normal.
 ///
-/// A list is a block of 4, 8, 12, 16, 24 ... windows of 40 bytes each. Blocks that were given back are the first to be
-/// taken again.
+/// A list is a block of 4, 8, 12, 16, 24 ... windows of 40 bytes each. Blocks that were given back
+/// are the first to be taken again.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Store {
     lists: Vec<List>,
@@ -146,7 +148,8 @@ impl Store {
         &self.windows[start as usize..][..len as usize]
     }
 
-    /// The windows of list `i`, of which each may be cut at its place, and their levels if they are kept.
+    /// The windows of list `i`, of which each may be cut at its place, and their levels if they are
+    /// kept.
     #[inline]
     pub(super) fn windows_and_levels(&mut self, i: usize) -> (&mut [Stored], &[u32]) {
         let List { start, len, .. } = self.lists[i];
@@ -216,8 +219,9 @@ impl Store {
         count + ends.sum::<usize>()
     }
 
-    /// Copies the windows of list `i` that are due to the end of `taken`, which they leave waiting no more, and their levels
-    /// to that of `levels` if they are kept. Returns the least label of those that still wait.
+    /// Copies the windows of list `i` that are due to the end of `taken`, which they leave waiting
+    /// no more, and their levels to that of `levels` if they are kept. Returns the least label of
+    /// those that still wait.
     #[inline]
     pub(super) fn take(
         &mut self,
@@ -248,7 +252,8 @@ impl Store {
         rest
     }
 
-    /// Puts `pieces`, which have these levels if they are kept, in the place of the windows `first..first + old` of list `i`.
+    /// Puts `pieces`, which have these levels if they are kept, in the place of the windows
+    /// `first..first + old` of list `i`.
     #[inline]
     pub(super) fn replace(
         &mut self,
@@ -306,8 +311,8 @@ impl Store {
         self.windows.copy_within(from, to);
     }
 
-    /// Gives list `i` a block for `len` windows and returns where it starts. The old one goes to whoever wants
-    /// it: it is not written to before the next call.
+    /// Gives list `i` a block for `len` windows and returns where it starts. The old one goes to
+    /// whoever wants it: it is not written to before the next call.
     #[inline(never)]
     fn relocate(&mut self, i: usize, len: usize) -> usize {
         let List { start, class, .. } = self.lists[i];
@@ -332,7 +337,8 @@ impl Store {
         prefetch(&self.lists, i);
     }
 
-    /// Asks for windows of a list that was [announced](Self::announce) before, those in its middle, by which a search goes.
+    /// Asks for windows of a list that was [announced](Self::announce) before, those in its middle,
+    /// by which a search goes.
     #[inline]
     pub(super) fn prepare(&self, i: usize) {
         let List { start, len, .. } = self.lists[i];

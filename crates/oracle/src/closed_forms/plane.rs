@@ -129,7 +129,8 @@ fn around(model: Model, holes: &[Rectangle]) -> ClosedForm {
     })
 }
 
-/// The shortest way from the first to the last of `stops`, straight between those that see each other.
+/// The shortest way from the first to the last of `stops`, straight between those that see each
+/// other.
 fn shortest_over(stops: &[[f64; 3]], holes: &[Rectangle]) -> f64 {
     let mut best = vec![f64::INFINITY; stops.len()];
     best[0] = 0.0;

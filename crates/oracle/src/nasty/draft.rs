@@ -132,7 +132,8 @@ impl Draft {
     }
 
     /// Puts new vertices on edges, or `height` of the edge beside them, and cuts the faces on one
-    /// side only. Between the new vertex and the edge there is a face with hardly any area, or none.
+    /// side only. Between the new vertex and the edge there is a face with hardly any area, or
+    /// none.
     pub(super) fn insert_on_edges(&mut self, count: u32, height: f64, random: &mut Random) {
         for _ in 0..count {
             let (face, [a, b, c]) = self.random_side(random);

@@ -28,12 +28,13 @@ pub(crate) fn from_layout(
     Model::from_lengths(name, vertex_count, triangles, lengths)
 }
 
-/// A flat torus of m x n cells spanned by `u` and `v`, and where each vertex lies in the plane; each is moved
-/// by up to `jitter` cells.
+/// A flat torus of m x n cells spanned by `u` and `v`, and where each vertex lies in the plane;
+/// each is moved by up to `jitter` cells.
 ///
 /// # Panics
 ///
-/// When there are fewer than three cells either way, so that two edges would join the same vertices.
+/// When there are fewer than three cells either way, so that two edges would join the same
+/// vertices.
 pub fn flat_torus(
     [m, n]: [u32; 2],
     u: [f64; 2],

@@ -19,7 +19,8 @@ pub fn side_by_side(a: &Model, b: &Model) -> Model {
     Model::new(name, positions, triangles).starting_at(&[0, shift])
 }
 
-/// `a` and `b` touching in one point: vertex `at_b` of `b` becomes vertex `at_a` of `a`, and `b` moves there.
+/// `a` and `b` touching in one point: vertex `at_b` of `b` becomes vertex `at_a` of `a`, and `b`
+/// moves there.
 ///
 /// # Panics
 ///
@@ -49,7 +50,8 @@ pub fn pinched(a: &Model, at_a: u32, b: &Model, at_b: u32) -> Model {
     Model::new(name, positions, triangles).starting_at(&[at_a, far])
 }
 
-/// The same surface with a vertex without faces before each of the vertices `before`, and one at the end.
+/// The same surface with a vertex without faces before each of the vertices `before`, and one at
+/// the end.
 ///
 /// # Panics
 ///

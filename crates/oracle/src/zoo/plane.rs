@@ -153,8 +153,8 @@ pub fn dog_ear(plate: Model, at: f64) -> Model {
 }
 
 /// The same surface with `count` faces of no area, each along an edge between two triangles: the
-/// edge gets a point at the part `at` of its length on one of its sides only. No two vertices come to lie in
-/// one place.
+/// edge gets a point at the part `at` of its length on one of its sides only. No two vertices come
+/// to lie in one place.
 ///
 /// # Panics
 ///

@@ -17,8 +17,8 @@ pub fn terrain(n: u32, sigma: f64) -> Model {
     model
 }
 
-/// A terrain of n x n unit cells with random whole heights below `levels`: its distances tie, and its
-/// paths run through one vertex after another.
+/// A terrain of n x n unit cells with random whole heights below `levels`: its distances tie, and
+/// its paths run through one vertex after another.
 pub fn whole_terrain(n: u32, levels: u32) -> Model {
     let mut random = Random::new(u64::from(n));
     let flat = grid([n, n], Diagonal::Rising);
@@ -27,8 +27,8 @@ pub fn whole_terrain(n: u32, levels: u32) -> Model {
     model
 }
 
-/// A strip of `count` triangles of height 1 on bases of length `width`, with random heights up to `noise`
-/// out of the plane.
+/// A strip of `count` triangles of height 1 on bases of length `width`, with random heights up to
+/// `noise` out of the plane.
 pub fn needles(count: u32, width: f64, noise: f64) -> Model {
     let mut random = Random::new(u64::from(count));
     let point = |i: u32| {
@@ -77,8 +77,8 @@ pub fn caps(count: u32, height: f64) -> Model {
     Model::new(name, positions, triangles).starting_at(&[2, 3 * (count / 2) + 2])
 }
 
-/// A disc of `spokes` triangles around vertex 0, the rim at radii 1 and `other_radius` and heights 0
-/// and `height` in turn.
+/// A disc of `spokes` triangles around vertex 0, the rim at radii 1 and `other_radius` and heights
+/// 0 and `height` in turn.
 pub fn star(spokes: u32, other_radius: f64, height: f64) -> Model {
     let mut positions = vec![[0.0, 0.0, 0.0]];
     for i in 0..spokes {

@@ -72,8 +72,8 @@ pub fn disphenoid([p, q, r]: [f64; 3]) -> Model {
 }
 
 /// A rectangle of m x n unit cells covered twice, the two sheets joined along its boundary. Each
-/// cell has a vertex in its middle, so that no edge joins two vertices of the boundary across a sheet. Vertices
-/// of the lower sheet have z = 0 as well; the second list says which ones they are.
+/// cell has a vertex in its middle, so that no edge joins two vertices of the boundary across a
+/// sheet. Vertices of the lower sheet have z = 0 as well; the second list says which ones they are.
 pub fn pillow([m, n]: [u32; 2]) -> (Model, Vec<bool>) {
     let mut lattice = Lattice::default();
     let mut triangles = Vec::new();

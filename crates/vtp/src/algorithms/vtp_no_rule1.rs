@@ -3,9 +3,9 @@
 //! Qin et al. 2016, section 6.2. Each window is tried on both exits, without any clipping; the
 //! windows' paths are still offered to the apex. Everything else is as in [VTP](super::vtp).
 //!
-//! On the horse there are 99 % more propagations than in VTP, which is the paper's "saves about 50 %";
-//! but a propagation is counted when it is tried, and rule 1 decides a side before trying. Of the
-//! windows that come of it, the children, there are 4 % more.
+//! On the horse there are 99 % more propagations than in VTP, which is the paper's "saves about 50
+//! %"; but a propagation is counted when it is tried, and rule 1 decides a side before trying. Of
+//! the windows that come of it, the children, there are 4 % more.
 //!
 //! **Cost** as VTP. **Keeps** the windows of the wavefront. **Choose it** to see what rule 1 does.
 

@@ -136,7 +136,8 @@ impl Program for Run<'_> {
                     len: 0,
                     open: true,
                 });
-                // SAFETY: promised by the caller; `keep` is of this list, and each target has room for all of it.
+                // SAFETY: promised by the caller; `keep` is of this list, and each target has room
+                // for all of it.
                 unsafe {
                     kernels::carry::<L, BestPath>(
                         block,

@@ -9,7 +9,8 @@ const NONE: u32 = u32::MAX;
 /// A queue that hands out all vertices of the nearest bucket together.
 ///
 /// A vertex that improves is pushed again; what it leaves behind in another bucket is void. Buckets
-/// less than [`RING`] ahead are lists of their own, the rest waits in one until the ring gets there.
+/// less than [`RING`] ahead are lists of their own, the rest waits in one until the ring gets
+/// there.
 #[derive(Clone, Debug)]
 pub(crate) struct Buckets {
     inverse_width: f64,
@@ -89,8 +90,8 @@ impl Buckets {
         far
     }
 
-    /// Replaces the contents of `turn` by the vertices of `bucket`. No bucket before it may have one, as
-    /// [`nearest`](Self::nearest) has found since the last push.
+    /// Replaces the contents of `turn` by the vertices of `bucket`. No bucket before it may have
+    /// one, as [`nearest`](Self::nearest) has found since the last push.
     pub(crate) fn take(&mut self, bucket: u32, turn: &mut Vec<u32>) {
         turn.clear();
         self.current = bucket;

@@ -59,11 +59,11 @@ unsafe fn run_avx512<T: Program>(program: T) -> T::Output {
     unsafe { program.run::<Avx512>() }
 }
 
-/// Runs `program` with the instructions of `L`, from within one that was compiled for `L` as well, in a function of its own where
-/// registers have 512 bits.
+/// Runs `program` with the instructions of `L`, from within one that was compiled for `L` as well,
+/// in a function of its own where registers have 512 bits.
 ///
-/// Constants that the program keeps in such registers would be loaded again and again by what runs around it, and one such instruction
-/// slows down all others for a while.
+/// Constants that the program keeps in such registers would be loaded again and again by what runs
+/// around it, and one such instruction slows down all others for a while.
 ///
 /// # Safety
 ///
@@ -79,8 +79,8 @@ pub(crate) unsafe fn run_apart<L: Lanes, T: Program>(program: T) -> T::Output {
     unsafe { program.run::<L>() }
 }
 
-/// [`run_avx512`] is not inlined into a function without its features, and this one into none; on one that has both attributes, the
-/// compiler forgets the one against inlining.
+/// [`run_avx512`] is not inlined into a function without its features, and this one into none; on
+/// one that has both attributes, the compiler forgets the one against inlining.
 ///
 /// # Safety
 ///

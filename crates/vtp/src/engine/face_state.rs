@@ -2,8 +2,8 @@
 
 use super::store::NO_LIST;
 
-/// What a wave knows of a face: the lists that wait on its half-edges to cross it, which of them are queued, and the
-/// run in which it joined the traversed area last.
+/// What a wave knows of a face: the lists that wait on its half-edges to cross it, which of them
+/// are queued, and the run in which it joined the traversed area last.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FaceState {
     list: [u32; 3],
@@ -43,7 +43,8 @@ impl FaceState {
         std::mem::replace(&mut self.list[corner], NO_LIST)
     }
 
-    /// Marks a half-edge as queued, if the face has joined in this run; returns whether it was not and is now.
+    /// Marks a half-edge as queued, if the face has joined in this run; returns whether it was not
+    /// and is now.
     #[inline(always)]
     pub(crate) fn enqueue(&mut self, corner: usize, run: u8) -> bool {
         let news = self.run == run && !self.queued[corner];

@@ -60,7 +60,8 @@ impl Hand {
         unsafe { measure::<L, false>(&self.lines[..own], 0, self.len, gate, &mut self.keep) }
     }
 
-    /// Room for `windows`, in columns of an odd number of lines: those of an even number would share cache lines.
+    /// Room for `windows`, in columns of an odd number of lines: those of an even number would
+    /// share cache lines.
     #[inline]
     fn make_room(&mut self, windows: usize) {
         let lines = windows.div_ceil(Line::LANES) + 1;

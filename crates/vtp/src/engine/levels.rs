@@ -10,7 +10,8 @@ use super::kernels::Triangle;
 /// A source image with the distance of its pseudo-source, to the bit.
 type Image = [u64; 3];
 
-/// A map without a seed of its own: one with a random seed takes another amount of memory each time.
+/// A map without a seed of its own: one with a random seed takes another amount of memory each
+/// time.
 type Map<K, V> = HashMap<K, V, BuildHasherDefault<DefaultHasher>>;
 
 /// The level of the windows of each source image in a list.
@@ -18,10 +19,10 @@ type OfList = Map<Image, u32>;
 
 /// How many triangles the ancestors of each waiting window have crossed.
 ///
-/// No rule needs levels; they are counted because the papers count them. So they are kept in counted
-/// runs only, and beside the lists. A window is known by its half-edge and source image. Those that
-/// have both in common have crossed the same triangles, or are on a flat part of the surface and
-/// came by both sides of a vertex; the deeper level then stands for both.
+/// No rule needs levels; they are counted because the papers count them. So they are kept in
+/// counted runs only, and beside the lists. A window is known by its half-edge and source image.
+/// Those that have both in common have crossed the same triangles, or are on a flat part of the
+/// surface and came by both sides of a vertex; the deeper level then stands for both.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Levels {
     lists: Map<u32, OfList>,

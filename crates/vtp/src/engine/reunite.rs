@@ -1,21 +1,23 @@
 //! Windows of one source image that meet are one window.
 //!
-//! A vertex parts a window into one that passes on its left and one that passes on its right. Where the surface is flat,
-//! the two come together again on the edge behind the vertex, side by side, with the same source image, and from there on cover
-//! what one window across both intervals would. No rule drops a window for being narrow; so without this a plane
-//! is crossed by a window for every vertex that the source sees.
+//! A vertex parts a window into one that passes on its left and one that passes on its right. Where
+//! the surface is flat, the two come together again on the edge behind the vertex, side by side,
+//! with the same source image, and from there on cover what one window across both intervals would.
+//! No rule drops a window for being narrow; so without this a plane is crossed by a window for
+//! every vertex that the source sees.
 
 use super::store::{COLUMNS, WindowStore};
 use super::surface::{Face, Surface, next, prev};
 
-/// Lists with so many windows or fewer cross one by one where windows are reunited: most lists are no longer, and
-/// one number is computed sooner than eight of which seven are of no use.
+/// Lists with so many windows or fewer cross one by one where windows are reunited: most lists are
+/// no longer, and one number is computed sooner than eight of which seven are of no use.
 pub(crate) const FEW: usize = 4;
 
 /// The part of the half-edges that must lie behind flat vertices for windows to be reunited.
 const ENOUGH: f64 = 0.125;
 
-/// How far apart two places of a source image may lie, relative to its distance and the edge, to be one but for rounding.
+/// How far apart two places of a source image may lie, relative to its distance and the edge, to be
+/// one but for rounding.
 const SAME_IMAGE: f64 = 1e-13;
 
 /// How wide, relative to the edge, a gap between two intervals may be that rounding has left.
@@ -31,8 +33,9 @@ impl Surface {
 }
 
 impl WindowStore {
-    /// Reunites windows in the `lists` behind both exits of `face`, which windows have crossed from half-edge `corner`: those that
-    /// were there `before` with those that came, `after` which there are so many. Returns how many are left.
+    /// Reunites windows in the `lists` behind both exits of `face`, which windows have crossed from
+    /// half-edge `corner`: those that were there `before` with those that came, `after` which there
+    /// are so many. Returns how many are left.
     #[inline(always)]
     pub(crate) fn reunite_behind(
         &mut self,
@@ -51,10 +54,12 @@ impl WindowStore {
         after
     }
 
-    /// Gives the windows from number `waiting` up to `len` of `list`, on a half-edge of length `l`, that continue one of the
-    /// first `waiting` to that one, and returns how many windows are left; O(waiting · (len - waiting)).
+    /// Gives the windows from number `waiting` up to `len` of `list`, on a half-edge of length `l`,
+    /// that continue one of the first `waiting` to that one, and returns how many windows are left;
+    /// O(waiting · (len - waiting)).
     ///
-    /// No distance changes but by rounding: a ray in a gap passes the flat vertex on the one side or the other.
+    /// No distance changes but by rounding: a ray in a gap passes the flat vertex on the one side
+    /// or the other.
     fn reunite(&mut self, list: u32, waiting: usize, len: usize, l: f64) -> usize {
         let mut left = waiting;
         for i in waiting..len {

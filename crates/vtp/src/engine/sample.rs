@@ -5,9 +5,9 @@ const SHORTEST: usize = 17;
 
 /// A pseudo-random one in so many of the lists that are not short.
 ///
-/// To compare a window with its neighbour costs twice as much as to take it across a face. Long lists, in which most is
-/// lost, are worth it; to compare the short ones of a model of some thousand faces takes 3 to 6 % of the time, and
-/// not to leaves 1 to 4 % more windows.
+/// To compare a window with its neighbour costs twice as much as to take it across a face. Long
+/// lists, in which most is lost, are worth it; to compare the short ones of a model of some
+/// thousand faces takes 3 to 6 % of the time, and not to leaves 1 to 4 % more windows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
     /// Half-edges whose hash is less.

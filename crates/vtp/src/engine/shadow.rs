@@ -34,7 +34,8 @@ impl Shadow {
     }
 
     /// A shortest path bends at an interior vertex only if it leaves it at an angle of π or more on
-    /// both sides, so only in a wedge as wide as the excess over 2π, opposite to where it came from.
+    /// both sides, so only in a wedge as wide as the excess over 2π, opposite to where it came
+    /// from.
     pub(crate) fn of(surface: &Surface, v: u32, origin: Origin) -> Self {
         let places = surface.ring_places(v);
         let (ring, angles) = (&surface.rings[places.clone()], &surface.angles[places]);

@@ -1,8 +1,8 @@
 //! Where windows wait: structures of arrays in one arena.
 //!
-//! A list is a *block* of five columns, b0, b1, px, py and σ, each a whole number of cache lines; 40
-//! bytes a window. Blocks come in classes by size and are used again, last freed first, so that the
-//! few thousand windows of a wavefront stay in the same cache lines from the start to the end.
+//! A list is a *block* of five columns, b0, b1, px, py and σ, each a whole number of cache lines;
+//! 40 bytes a window. Blocks come in classes by size and are used again, last freed first, so that
+//! the few thousand windows of a wavefront stay in the same cache lines from the start to the end.
 
 use std::ops::Range;
 
@@ -154,8 +154,8 @@ impl WindowStore {
         self.lists[list as usize].len as usize
     }
 
-    /// Makes room for `more` windows in `list`, which may be [`NO_LIST`], and returns the list, which
-    /// may have moved into another block, under another handle.
+    /// Makes room for `more` windows in `list`, which may be [`NO_LIST`], and returns the list,
+    /// which may have moved into another block, under another handle.
     #[inline(always)]
     pub(crate) fn reserve(&mut self, list: u32, more: usize) -> u32 {
         let entry = self.lists[list as usize];
@@ -208,7 +208,8 @@ impl WindowStore {
         (self.lists.len() - 1) as u32
     }
 
-    /// Says that `list` has `len` windows now; gives an empty one back and returns [`NO_LIST`] then.
+    /// Says that `list` has `len` windows now; gives an empty one back and returns [`NO_LIST`]
+    /// then.
     #[inline]
     pub(crate) fn set_len(&mut self, list: u32, len: usize) -> u32 {
         let entry = &mut self.lists[list as usize];
@@ -245,8 +246,8 @@ impl WindowStore {
         }
     }
 
-    /// Adds windows that were [copied out](Self::copy_out) to `list`, which may be [`NO_LIST`], and returns the
-    /// list, as [`reserve`](Self::reserve) does.
+    /// Adds windows that were [copied out](Self::copy_out) to `list`, which may be [`NO_LIST`], and
+    /// returns the list, as [`reserve`](Self::reserve) does.
     pub(crate) fn append(&mut self, list: u32, columns: &[f64]) -> u32 {
         let more = columns.len() / COLUMNS;
         if more == 0 {
@@ -311,8 +312,8 @@ impl WindowStore {
         assert!(!twice, "a list is there twice");
         let ranges = lists.map(|list| self.range(list));
         let lines = self.lines.as_mut_ptr();
-        // SAFETY: every block lies within `lines`, and `grow` makes it of lines that no other block has; that of no
-        // list is empty.
+        // SAFETY: every block lies within `lines`, and `grow` makes it of lines that no other block
+        // has; that of no list is empty.
         ranges.map(|range| unsafe {
             std::slice::from_raw_parts_mut(lines.add(range.start), range.len())
         })
@@ -323,7 +324,8 @@ impl WindowStore {
         self.lists[list as usize].lines()
     }
 
-    /// Has `kept` decide on those windows of `list`, on half-edge `h` of a thin face, that stand at `places`; returns how many are left.
+    /// Has `kept` decide on those windows of `list`, on half-edge `h` of a thin face, that stand at
+    /// `places`; returns how many are left.
     #[cold]
     pub(crate) fn admit(
         &mut self,

@@ -12,7 +12,8 @@ use super::kernels::{Gate, Triangle};
 /// Stands for a neighbour that does not exist.
 pub(crate) const NOBODY: u32 = u32::MAX;
 
-/// By how much the angle around a flat vertex may differ from 2π, in radians; whether windows fit together is asked of each two of them.
+/// By how much the angle around a flat vertex may differ from 2π, in radians; whether windows fit
+/// together is asked of each two of them.
 const FLATNESS: f64 = 1e-8;
 
 /// Number 4f + k for corner k of face f, so that the face and the corner are bits of it.
@@ -60,8 +61,8 @@ pub(crate) struct Face {
     pub(crate) apex_x: [f64; 3],
     pub(crate) inverse_length: [f64; 3],
     pub(crate) twice_area: f64,
-    /// Whether the surface is flat at the vertex opposite to each half-edge, so that windows which have passed it on either
-    /// side and meet on that half-edge may be one.
+    /// Whether the surface is flat at the vertex opposite to each half-edge, so that windows which
+    /// have passed it on either side and meet on that half-edge may be one.
     pub(crate) flat: [bool; 3],
 }
 
@@ -94,8 +95,9 @@ impl Face {
         ]
     }
 
-    /// How far the foot of the apex lies before the head of a half-edge: l - cx, with an error relative to itself. The half-edge from
-    /// the head on and this one project onto each other alike.
+    /// How far the foot of the apex lies before the head of a half-edge: l - cx, with an error
+    /// relative to itself. The half-edge from the head on and this one project onto each other
+    /// alike.
     #[inline]
     pub(crate) fn apex_from_head(&self, corner: usize) -> f64 {
         let after = next(corner);
@@ -141,8 +143,8 @@ fn is_flat(mesh: &Mesh, v: VertexId) -> bool {
 pub(crate) struct Vertex {
     /// Whether windows start from it when a path reaches it.
     pub(crate) pseudo_source: bool,
-    /// Whether they must start in all directions: what lies in the shadow of the path is not known where fans meet
-    /// or end, or angles are small.
+    /// Whether they must start in all directions: what lies in the shadow of the path is not known
+    /// where fans meet or end, or angles are small.
     pub(crate) all_around: bool,
     /// Whether its last half-edge has no face on its other side.
     pub(crate) boundary: bool,
@@ -225,7 +227,8 @@ impl Surface {
         }
     }
 
-    /// The third vertex of the face below `h`, in the frame of `h`; a point infinitely far below if there is none.
+    /// The third vertex of the face below `h`, in the frame of `h`; a point infinitely far below if
+    /// there is none.
     #[inline]
     pub(crate) fn behind(&self, h: u32) -> [f64; 2] {
         let (f, corner) = parts(h);

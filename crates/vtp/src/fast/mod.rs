@@ -1,4 +1,5 @@
-//! VTP for speed; see [`vtp_fast`](crate::algorithms::vtp_fast) for what it does, and [`wave`](crate::wave) for how.
+//! VTP for speed; see [`vtp_fast`](crate::algorithms::vtp_fast) for what it does, and
+//! [`wave`](crate::wave) for how.
 
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]

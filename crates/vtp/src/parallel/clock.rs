@@ -1,7 +1,7 @@
 //! How long a thread has worked.
 
-/// A reading of a clock: the processor's own counter, at 12 ns, where the system's takes 70. Threads read it after each turn, which takes some
-/// microseconds on models of some thousand faces.
+/// A reading of a clock: the processor's own counter, at 12 ns, where the system's takes 70.
+/// Threads read it after each turn, which takes some microseconds on models of some thousand faces.
 #[cfg(target_arch = "x86_64")]
 type Reading = u64;
 #[cfg(not(target_arch = "x86_64"))]
@@ -9,7 +9,8 @@ type Reading = std::time::Instant;
 
 /// The time that a thread has worked in a run.
 ///
-/// It only decides who gives how much to whom: nothing goes wrong where counters of processors differ.
+/// It only decides who gives how much to whom: nothing goes wrong where counters of processors
+/// differ.
 #[derive(Debug)]
 pub(super) struct Clock {
     started: Reading,

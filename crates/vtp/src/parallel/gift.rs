@@ -15,7 +15,8 @@ use crate::engine::store::{COLUMNS, NO_LIST};
 use crate::engine::surface::{half_edge, parts};
 use crate::wave::{Field, Improvement, Wave};
 
-/// Vertices that are to have their turns, with all windows of the giver that wait on the faces around them.
+/// Vertices that are to have their turns, with all windows of the giver that wait on the faces
+/// around them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gift {
     /// The bucket at which the giver is.
@@ -40,8 +41,8 @@ impl Gift {
         self.windows.len() / COLUMNS
     }
 
-    /// Adds `v`, whose turn was to come in `wave`, and the windows around it. Returns what they weigh, `each` for each list and one for each
-    /// window.
+    /// Adds `v`, whose turn was to come in `wave`, and the windows around it. Returns what they
+    /// weigh, `each` for each list and one for each window.
     ///
     /// None of the wave's lists may be ready to cross, and no path may wait for its consequences.
     pub(super) fn add(
@@ -117,7 +118,8 @@ impl Gifts {
         }
     }
 
-    /// Has `fill` pack what a thread at `bucket` gives to thread `to`, unless something is on its way there already.
+    /// Has `fill` pack what a thread at `bucket` gives to thread `to`, unless something is on its
+    /// way there already.
     pub(super) fn send(&self, bucket: u32, to: usize, pace: &Pace, fill: impl FnOnce(&mut Gift)) {
         let slot = &self.slots[to].0;
         let Ok(mut gift) = slot.gift.try_lock() else {
@@ -144,7 +146,8 @@ impl Gifts {
         self.slots[to].0.full.load(Relaxed)
     }
 
-    /// Takes the gift to a thread, if there is one, into its wave; `spare` is for its room. Returns whether there was one.
+    /// Takes the gift to a thread, if there is one, into its wave; `spare` is for its room. Returns
+    /// whether there was one.
     pub(super) fn receive<P: Probe>(
         &self,
         to: usize,

@@ -1,15 +1,16 @@
 //! Delays at random, in unit tests alone.
 //!
-//! What goes wrong only when two threads do something in the same moment, or one of them stops between two steps, happens once in many
-//! thousand runs. With delays where others might come between, it happens in a few.
+//! What goes wrong only when two threads do something in the same moment, or one of them stops
+//! between two steps, happens once in many thousand runs. With delays where others might come
+//! between, it happens in a few.
 
 /// Might take a while.
 #[cfg(not(test))]
 #[inline(always)]
 pub(super) fn jitter() {}
 
-/// Might take a while: nothing mostly, up to some microseconds or as long as others want now and then, and a
-/// quarter of a millisecond at most once in two thousand times.
+/// Might take a while: nothing mostly, up to some microseconds or as long as others want now and
+/// then, and a quarter of a millisecond at most once in two thousand times.
 #[cfg(test)]
 pub(super) fn jitter() {
     use std::cell::Cell;

@@ -8,8 +8,8 @@ use super::padded::Padded;
 /// What a list that waits costs besides its windows, in windows.
 pub(super) const LIST: usize = 16;
 
-/// How much more than the mean a thread must have before it gives, relatively. With 0.05 it is the same, with 0.2 two threads take
-/// up to 2 % longer, with 0.35 4 %.
+/// How much more than the mean a thread must have before it gives, relatively. With 0.05 it is the
+/// same, with 0.2 two threads take up to 2 % longer, with 0.35 4 %.
 const TOO_MUCH: f64 = 0.1;
 
 /// How much of what turns have taken so far counts against what the last one took.
@@ -28,11 +28,12 @@ pub(super) struct Load {
 }
 
 impl Load {
-    /// A thread that has [worked](super::clock::Clock) for so long has so many windows and lists that wait. Returns how long their turns are likely to
-    /// take, in no unit but the same for all threads.
+    /// A thread that has [worked](super::clock::Clock) for so long has so many windows and lists
+    /// that wait. Returns how long their turns are likely to take, in no unit but the same for all
+    /// threads.
     ///
-    /// It does so after each turn and once more when it has waited. So a thread that waits seems faster than it is, is given more and waits
-    /// less.
+    /// It does so after each turn and once more when it has waited. So a thread that waits seems
+    /// faster than it is, is given more and waits less.
     pub(super) fn note(&mut self, windows: usize, lists: usize, worked: u64) -> u64 {
         let took = worked.saturating_sub(self.worked);
         self.times = KEPT * self.times + took as f64;
@@ -44,7 +45,8 @@ impl Load {
         expected
     }
 
-    /// Time for each unit of weight; before anything is measured little, so that whoever has just woken up is given more.
+    /// Time for each unit of weight; before anything is measured little, so that whoever has just
+    /// woken up is given more.
     fn time_for_each(&self) -> f64 {
         if self.weights > 0.0 && self.times > 0.0 {
             1000.0 * self.times / self.weights
@@ -89,7 +91,8 @@ impl Loads {
         self.0[thread].0.store(expected, Relaxed);
     }
 
-    /// To whom a thread is to give, and how much of what it has: so much that both have the same, if it has too much.
+    /// To whom a thread is to give, and how much of what it has: so much that both have the same,
+    /// if it has too much.
     pub(super) fn advice(&self, thread: usize) -> Option<(usize, f64)> {
         let loads = self.0.iter().map(|load| load.0.load(Relaxed)).enumerate();
         let awake = loads.filter(|&(_, load)| load != ABSENT);

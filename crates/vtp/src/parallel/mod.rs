@@ -48,11 +48,12 @@ pub struct Pvtp<'m> {
 }
 
 impl<'m> Pvtp<'m> {
-    /// Sets up for `mesh` and a number of threads, from 1 to 1024, with every improvement; O(threads · faces).
+    /// Sets up for `mesh` and a number of threads, from 1 to 1024, with every improvement;
+    /// O(threads · faces).
     ///
-    /// To solve from within a task of `rayon` is sound, but the thread may take up another of its tasks while it waits for the others
-    /// to end; so a task must not hold a lock meanwhile that others take. Where the system does not start so many threads,
-    /// solving is an error.
+    /// To solve from within a task of `rayon` is sound, but the thread may take up another of its
+    /// tasks while it waits for the others to end; so a task must not hold a lock meanwhile that
+    /// others take. Where the system does not start so many threads, solving is an error.
     pub fn new(mesh: &'m Mesh, threads: usize) -> Self {
         Self::with_options(mesh, threads, Options::default())
     }
@@ -116,7 +117,8 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// The task of `worker`, after which it has filled its share of the distances, in the mesh's order.
+    /// The task of `worker`, after which it has filled its share of the distances, in the mesh's
+    /// order.
     fn task<P: Probe>(self, worker: &mut Worker, distances: &mut [f64], probe: &mut P) {
         let instructions = self.instructions;
         if self.shared.reunites {
@@ -213,7 +215,8 @@ impl Propagate for Pvtp<'_> {
         if !P::COUNTS {
             return self.propagate_with(sources, probe, &mut vec![(); others]);
         }
-        // Threads reach their peaks at different times; what is reported is the sum of what they are.
+        // Threads reach their peaks at different times; what is reported is the sum of what they
+        // are.
         let mut first = Count::default();
         let mut counts = vec![Count::default(); others];
         let solution = self.propagate_with(sources, &mut first, &mut counts);

@@ -11,12 +11,13 @@ use super::padded::Padded;
 /// The place of a thread that has no vertex to wait for.
 const NOWHERE: u32 = u32::MAX;
 
-/// How many buckets one of two threads may be ahead of the other. With none they would wait for each other in each bucket, with 2 they take 2 to
-/// 3 % longer on models of some thousand faces; with more, windows that come late cross what others have made of earlier ones once more.
+/// How many buckets one of two threads may be ahead of the other. With none they would wait for
+/// each other in each bucket, with 2 they take 2 to 3 % longer on models of some thousand faces;
+/// with more, windows that come late cross what others have made of earlier ones once more.
 const LEAD_OF_TWO: u32 = 4;
 
-/// The same among more threads, where that weighs more: with 4, 16 threads took up to 37 % more windows than one, with 2 less than 30 %
-/// (on two processors, before gifts went by place).
+/// The same among more threads, where that weighs more: with 4, 16 threads took up to 37 % more
+/// windows than one, with 2 less than 30 % (on two processors, before gifts went by place).
 const LEAD_OF_MORE: u32 = 2;
 
 /// Turns of a loop of some 40 ns each in which a thread looks again before it lets others run.
@@ -59,7 +60,8 @@ impl Pace {
         }
     }
 
-    /// The first thread is at work, at the first bucket, in a run in which so many threads take part.
+    /// The first thread is at work, at the first bucket, in a run in which so many threads take
+    /// part.
     pub(super) fn reset(&mut self, threads: usize) {
         self.arrived = Padded::default();
         self.expected = threads;
@@ -76,8 +78,8 @@ impl Pace {
             .store(bucket.unwrap_or(NOWHERE), Relaxed);
     }
 
-    /// A thread gets something from one that is at `bucket`, and falls back until it has taken it in: it may be far ahead or
-    /// have nothing to do.
+    /// A thread gets something from one that is at `bucket`, and falls back until it has taken it
+    /// in: it may be far ahead or have nothing to do.
     pub(super) fn call_back(&self, to: usize, bucket: u32) {
         self.places[to].0.fetch_min(bucket, Relaxed);
     }
@@ -88,13 +90,14 @@ impl Pace {
         last.unwrap_or(NOWHERE).saturating_add(self.lead)
     }
 
-    /// A thread goes to work again, or a gift is sent; by a thread that is at work, or that has a gift.
+    /// A thread goes to work again, or a gift is sent; by a thread that is at work, or that has a
+    /// gift.
     pub(super) fn begin(&self) {
         self.pending.0.fetch_add(1, Relaxed);
     }
 
-    /// A thread has nothing left to do, or has taken in all of a gift; what that leads to is counted by the thread, which is
-    /// at work.
+    /// A thread has nothing left to do, or has taken in all of a gift; what that leads to is
+    /// counted by the thread, which is at work.
     pub(super) fn end(&self) {
         self.pending.0.fetch_sub(1, Release);
     }
@@ -104,7 +107,8 @@ impl Pace {
         self.pending.0.load(Acquire) == 0
     }
 
-    /// Waits until all threads have come here. What they have done before is seen then. Returns whether nobody has panicked.
+    /// Waits until all threads have come here. What they have done before is seen then. Returns
+    /// whether nobody has panicked.
     pub(super) fn meet(&self) -> bool {
         let arrived = &self.arrived.0;
         arrived.fetch_add(1, Release);
@@ -133,8 +137,8 @@ impl Pace {
     }
 }
 
-/// Waits a little longer each time: threads wait for microseconds mostly, and waking one that sleeps takes tens. Where there are more
-/// threads than processors, it lets others run.
+/// Waits a little longer each time: threads wait for microseconds mostly, and waking one that
+/// sleeps takes tens. Where there are more threads than processors, it lets others run.
 #[derive(Debug)]
 pub(super) struct Patience {
     spins: u32,

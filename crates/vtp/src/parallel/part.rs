@@ -13,9 +13,11 @@ use crate::wave::Field;
 #[derive(Debug)]
 pub(super) struct Own {
     faces: Vec<FaceState>,
-    /// The length of the first path to each vertex that this thread has found or been given, and from then on of those that were shorter than
-    /// this and than the distance that it saw; infinite if there is none, or if the vertex was given away since. So whoever wrote a distance,
-    /// or was given the vertex, has one that is no longer. Where it is finite the vertex has had its turn in this wave or is to have it.
+    /// The length of the first path to each vertex that this thread has found or been given, and
+    /// from then on of those that were shorter than this and than the distance that it saw;
+    /// infinite if there is none, or if the vertex was given away since. So whoever wrote a
+    /// distance, or was given the vertex, has one that is no longer. Where it is finite the vertex
+    /// has had its turn in this wave or is to have it.
     reached: Vec<f64>,
     /// Where what need not be written is written to.
     nowhere: Distance,
@@ -45,7 +47,8 @@ impl Own {
 
     /// Lowers the distances that all threads share to what this one has found.
     ///
-    /// Threads write them without regard for each other, so that a longer path may have overwritten a shorter one.
+    /// Threads write them without regard for each other, so that a longer path may have overwritten
+    /// a shorter one.
     pub(super) fn repair(&self, distances: &[Distance]) {
         for (distance, &own) in distances.iter().zip(&self.reached) {
             if own < f64::INFINITY && own < distance.get() {
@@ -80,12 +83,14 @@ impl<'a> Part<'a> {
 }
 
 impl Part<'_> {
-    /// The turn of `v` is up to another thread; returns the length of the path that this one has to it.
+    /// The turn of `v` is up to another thread; returns the length of the path that this one has to
+    /// it.
     pub(super) fn give_up(&mut self, v: u32) -> f64 {
         std::mem::replace(&mut self.reached[v as usize], f64::INFINITY)
     }
 
-    /// The turn of `v`, to which another thread has found a path of length `d`, is up to this one from now on.
+    /// The turn of `v`, to which another thread has found a path of length `d`, is up to this one
+    /// from now on.
     pub(super) fn take_over(&mut self, v: u32, d: f64) {
         let reached = &mut self.reached[v as usize];
         *reached = reached.min(d);
@@ -130,11 +135,12 @@ impl Field for Part<'_> {
         self.distances[v as usize].get()
     }
 
-    /// A vertex that another thread has reached by a shorter path is to have a turn in this wave too, for the lists of this wave
-    /// around it.
+    /// A vertex that another thread has reached by a shorter path is to have a turn in this wave
+    /// too, for the lists of this wave around it.
     ///
-    /// Without a branch: whether a path is the shortest is hard to predict. And without an atomic minimum: where another thread
-    /// writes a longer path at the same time, threads may see that for a while, which prunes less, until [`Own::repair`].
+    /// Without a branch: whether a path is the shortest is hard to predict. And without an atomic
+    /// minimum: where another thread writes a longer path at the same time, threads may see that
+    /// for a while, which prunes less, until [`Own::repair`].
     #[inline(always)]
     #[allow(clippy::needless_bitwise_bool)] // The lazy ones are branches.
     fn offer(&mut self, v: u32, d: f64) -> bool {
@@ -210,8 +216,9 @@ mod tests {
         assert_eq!(shared.distances[7].get(), 3.0);
     }
 
-    /// The distance of a vertex once was lowered by another thread, and its turn came before it was known by
-    /// which path: windows started into the shadow of the old path, and never into that of the new one.
+    /// The distance of a vertex once was lowered by another thread, and its turn came before it was
+    /// known by which path: windows started into the shadow of the old path, and never into that of
+    /// the new one.
     #[test]
     fn windows_do_not_start_into_the_shadow_of_a_path_that_is_no_longer_the_shortest() {
         let (shared, mut threads) = two_threads();

@@ -12,8 +12,9 @@ type Position = [f32; 3];
 
 /// Where vertices are, and where each thread is at work.
 ///
-/// Parts of the wavefront that lie together have few half-edges on which two threads have windows, and windows that
-/// travel away from the source stay beside each other. So a thread gives what lies on the side of whoever gets it.
+/// Parts of the wavefront that lie together have few half-edges on which two threads have windows,
+/// and windows that travel away from the source stay beside each other. So a thread gives what lies
+/// on the side of whoever gets it.
 #[derive(Debug)]
 pub(super) struct Regions {
     positions: Vec<Position>,
@@ -21,11 +22,12 @@ pub(super) struct Regions {
 }
 
 impl Regions {
-    /// For the vertices of `mesh` by their new numbers. Without positions, neighbours in number count as neighbours.
+    /// For the vertices of `mesh` by their new numbers. Without positions, neighbours in number
+    /// count as neighbours.
     pub(super) fn new(mesh: &Mesh, numbering: &Numbering, threads: usize) -> Self {
         let positions = mesh.positions();
-        // So that single precision tells vertices apart wherever the model lies and however large it is; vertices without
-        // faces may lie anywhere.
+        // So that single precision tells vertices apart wherever the model lies and however large
+        // it is; vertices without faces may lie anywhere.
         let on_faces = mesh.vertices().filter(|&v| !mesh.outgoing(v).is_empty());
         let mut places = on_faces.filter_map(|v| positions.get(v.index())).peekable();
         let origin = places.peek().copied().copied().unwrap_or_default();
@@ -53,8 +55,9 @@ impl Regions {
         }
     }
 
-    /// About `share` of `vertices`: those that lie farthest on the side of thread `to`, the farthest first; not all of them. If that thread
-    /// is nowhere yet or in their middle, those at one end of where they extend farthest. O(m + n log n) for n of m vertices.
+    /// About `share` of `vertices`: those that lie farthest on the side of thread `to`, the
+    /// farthest first; not all of them. If that thread is nowhere yet or in their middle, those at
+    /// one end of where they extend farthest. O(m + n log n) for n of m vertices.
     pub(super) fn on_the_side_of<'a>(
         &self,
         to: usize,

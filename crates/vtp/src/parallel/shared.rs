@@ -13,9 +13,11 @@ use crate::fast::Options;
 
 /// The state of a run that threads share.
 ///
-/// Distances are atomic, but in no order of their own, and whoever finds a shorter path than the one that it sees writes its length without regard
-/// for what others write meanwhile. So a distance that a thread sees may be too long, which prunes less. Whoever writes one
-/// keeps it for itself too, or hands it over with a gift, and brings it in at the end ([`Own::repair`](super::part::Own::repair)).
+/// Distances are atomic, but in no order of their own, and whoever finds a shorter path than the
+/// one that it sees writes its length without regard for what others write meanwhile. So a distance
+/// that a thread sees may be too long, which prunes less. Whoever writes one keeps it for itself
+/// too, or hands it over with a gift, and brings it in at the end
+/// ([`Own::repair`](super::part::Own::repair)).
 #[derive(Debug)]
 pub(super) struct Shared {
     pub(super) surface: Surface,
@@ -54,8 +56,8 @@ impl Shared {
         self.gifts = Gifts::new(self.threads);
     }
 
-    /// Starts another run, in which so many threads take part. Nothing may be on its way, as after a run or when it has
-    /// [recovered](Self::recover).
+    /// Starts another run, in which so many threads take part. Nothing may be on its way, as after
+    /// a run or when it has [recovered](Self::recover).
     pub(super) fn start(&mut self, threads: usize) {
         self.distances.fill_with(Distance::unknown);
         self.regions.reset();

@@ -14,7 +14,8 @@ use crate::engine::surface::Surface;
 use crate::fast::Options;
 use crate::wave::{Field, Wave};
 
-/// Buckets between two times that a thread looks whether it has too much. From 1 to 4 it makes no difference.
+/// Buckets between two times that a thread looks whether it has too much. From 1 to 4 it makes no
+/// difference.
 const BUCKETS: u32 = 4;
 
 /// A thread's own things, kept from run to run; in cache lines of their own.
@@ -31,7 +32,8 @@ pub(super) struct Worker {
     load: Load,
     /// The bucket from which on it looks again whether it has too much.
     looks: u32,
-    /// The last bucket whose turn it may take, as far as it has looked. Threads that fall back since only make this one go further ahead.
+    /// The last bucket whose turn it may take, as far as it has looked. Threads that fall back
+    /// since only make this one go further ahead.
     limit: u32,
     clock: Clock,
     /// Windows given to other threads in this run.
@@ -54,7 +56,8 @@ impl Worker {
         }
     }
 
-    /// All that is this thread's in a run from `sources`; windows that flat vertices have parted become one again if `REUNITE`.
+    /// All that is this thread's in a run from `sources`; windows that flat vertices have parted
+    /// become one again if `REUNITE`.
     ///
     /// # Safety
     ///
@@ -101,8 +104,9 @@ impl Worker {
         );
     }
 
-    /// The first thread starts with the turns of the sources, the others wait until they are given something: nobody waits for a thread that
-    /// takes its time to wake up. Returns whether there is anything to do.
+    /// The first thread starts with the turns of the sources, the others wait until they are given
+    /// something: nobody waits for a thread that takes its time to wake up. Returns whether there
+    /// is anything to do.
     fn start<P: Probe>(&mut self, shared: &Shared, sources: &[u32], probe: &mut P) -> bool {
         self.wave.reset();
         self.own.reset();
@@ -130,8 +134,8 @@ impl Worker {
         self.own.repair(&shared.distances);
     }
 
-    /// Whether the turn of a bucket may be taken. The places of the others are looked at only if they must be, since each look waits for what they
-    /// have written.
+    /// Whether the turn of a bucket may be taken. The places of the others are looked at only if
+    /// they must be, since each look waits for what they have written.
     fn may_take(&mut self, shared: &Shared, bucket: u32) -> bool {
         if bucket > self.limit {
             self.limit = shared.pace.limit();
@@ -149,8 +153,9 @@ impl Worker {
         }
     }
 
-    /// Gives a part of the wavefront to the thread that has least, if this one has too much and the last time is a while ago: what lies on
-    /// the side of that thread. The bucket is that of the next turn.
+    /// Gives a part of the wavefront to the thread that has least, if this one has too much and the
+    /// last time is a while ago: what lies on the side of that thread. The bucket is that of the
+    /// next turn.
     fn give(&mut self, shared: &Shared, bucket: u32) {
         if shared.threads == 1 || bucket < self.looks {
             return;
@@ -187,8 +192,8 @@ impl Worker {
         gifts.receive(self.thread, &shared.pace, gift, wave, part, probe)
     }
 
-    /// Waits for a gift, or until `nearest`, the nearest bucket that has a vertex, may have its turn; returns whether there is
-    /// anything left to do, and nobody has panicked.
+    /// Waits for a gift, or until `nearest`, the nearest bucket that has a vertex, may have its
+    /// turn; returns whether there is anything left to do, and nobody has panicked.
     fn wait(&mut self, shared: &Shared, nearest: Option<u32>) -> bool {
         let Some(bucket) = nearest else {
             shared.pace.end();

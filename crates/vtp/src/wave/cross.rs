@@ -12,7 +12,8 @@ use crate::engine::surface::{NOBODY, next, parts, prev};
 use crate::precision::extent;
 
 impl Wave {
-    /// Lists cross until none is ready; windows are reunited if `REUNITE`, of which nothing is left otherwise in the code that runs.
+    /// Lists cross until none is ready; windows are reunited if `REUNITE`, of which nothing is left
+    /// otherwise in the code that runs.
     ///
     /// # Safety
     ///
@@ -131,8 +132,8 @@ impl Wave {
         probe.raise(Counter::PeakWindows, self.store.waiting() as u64);
     }
 
-    /// Sends what `found` counted in the `list` on `h` across its face, which is `triangle`, into the lists behind its two
-    /// exits.
+    /// Sends what `found` counted in the `list` on `h` across its face, which is `triangle`, into
+    /// the lists behind its two exits.
     ///
     /// # Safety
     ///

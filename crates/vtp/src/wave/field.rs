@@ -2,9 +2,11 @@
 
 use crate::engine::surface::Surface;
 
-/// The surface as one wave finds it: the faces, the lists of this wave that wait on them, and what is known of distances.
+/// The surface as one wave finds it: the faces, the lists of this wave that wait on them, and what
+/// is known of distances.
 pub(crate) trait Field {
-    /// Whether the levels of windows are counted: not where windows come from other waves, which know them.
+    /// Whether the levels of windows are counted: not where windows come from other waves, which
+    /// know them.
     const COUNTS_LEVELS: bool;
 
     /// The faces and vertices.
@@ -19,7 +21,8 @@ pub(crate) trait Field {
     /// Takes the list from a half-edge, which is not queued any more.
     fn take_list(&mut self, f: usize, corner: usize) -> u32;
 
-    /// Marks a half-edge as queued, if its face has joined the traversed area; returns whether it was not and is now.
+    /// Marks a half-edge as queued, if its face has joined the traversed area; returns whether it
+    /// was not and is now.
     fn enqueue(&mut self, f: usize, corner: usize) -> bool;
 
     /// A face joins the traversed area of this wave; returns whether it had not.
@@ -28,11 +31,13 @@ pub(crate) trait Field {
     /// The length of the shortest path to `v` that is known.
     fn distance(&self, v: u32) -> f64;
 
-    /// A path of length `d` reaches `v`. Returns whether the wave must [settle](super::Wave::settle) that: if it is shorter than all that are
-    /// known, or if the vertex is to have a turn of which this wave does not know.
+    /// A path of length `d` reaches `v`. Returns whether the wave must
+    /// [settle](super::Wave::settle) that: if it is shorter than all that are known, or if the
+    /// vertex is to have a turn of which this wave does not know.
     fn offer(&mut self, v: u32, d: f64) -> bool;
 
-    /// The length of the path to `v` that this wave has [settled](super::Wave::settle) last or is to settle: the one whose origin it knows.
+    /// The length of the path to `v` that this wave has [settled](super::Wave::settle) last or is
+    /// to settle: the one whose origin it knows.
     fn reached(&self, v: u32) -> f64;
 
     /// Asks the processor for a face, and for the lists on it.

@@ -1,7 +1,9 @@
-//! What `vtp-fast` and each thread of `pvtp` run: buckets of vertices have their turns, and lists cross faces until all wait.
+//! What `vtp-fast` and each thread of `pvtp` run: buckets of vertices have their turns, and lists
+//! cross faces until all wait.
 //!
-//! A [`Wave`] holds what one thread alone changes, its windows and its queues; what it runs over is a [`Field`]. The two programs
-//! differ in their fields, in how a wave starts and in what happens between turns.
+//! A [`Wave`] holds what one thread alone changes, its windows and its queues; what it runs over is
+//! a [`Field`]. The two programs differ in their fields, in how a wave starts and in what happens
+//! between turns.
 
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
@@ -26,8 +28,9 @@ use crate::fast::Options;
 /// Paths wait for their consequences until so many have come together.
 const IMPROVEMENTS: usize = 4096;
 
-/// A path to a vertex whose consequences wait: it was the shortest that this wave saw when it was found; or it is the first, at all or since the
-/// vertex was given away, to one that other waves know, which is to have a turn in this one too; or another wave has given it, with the vertex.
+/// A path to a vertex whose consequences wait: it was the shortest that this wave saw when it was
+/// found; or it is the first, at all or since the vertex was given away, to one that other waves
+/// know, which is to have a turn in this one too; or another wave has given it, with the vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Improvement {
     pub(crate) vertex: u32,
@@ -56,7 +59,8 @@ pub(crate) struct Wave {
     passed: Vec<bool>,
     /// The distance at which each pseudo-source has sent out windows last.
     spawned: Vec<f64>,
-    /// How the path reached each pseudo-source that is as long as the field has it [reached](Field::reached).
+    /// How the path reached each pseudo-source that is as long as the field has it
+    /// [reached](Field::reached).
     pub(crate) origins: Vec<Origin>,
     improvements: Vec<Improvement>,
     improved: usize,
@@ -99,7 +103,8 @@ impl Wave {
         &self.turn
     }
 
-    /// Forgets what the last run has learnt. Every list and queue must be empty, as after a run that was not broken off.
+    /// Forgets what the last run has learnt. Every list and queue must be empty, as after a run
+    /// that was not broken off.
     pub(crate) fn reset(&mut self) {
         let vertices = self.origins.len();
         self.buckets.reset();

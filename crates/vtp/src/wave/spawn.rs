@@ -66,8 +66,8 @@ impl Wave {
         probe.raise(Counter::PeakWindows, self.store.waiting() as u64);
     }
 
-    /// Sends a path along `h`, which starts at `v`, and a window across its face; along the other edge too
-    /// if that is the last one.
+    /// Sends a path along `h`, which starts at `v`, and a window across its face; along the other
+    /// edge too if that is the last one.
     #[inline]
     fn spawn_across<F: Field, P: Probe>(
         &mut self,

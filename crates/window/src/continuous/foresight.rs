@@ -9,8 +9,9 @@ use crate::queue::{Discipline, EventKind};
 
 /// The windows that were next to come when it looked last, in that order, and their crossings.
 ///
-/// Nothing depends on whether a window was foreseen: it is crossed before its turn, and everything else, from the question
-/// whether it still matters to what its child is compared with, is done when its turn comes.
+/// Nothing depends on whether a window was foreseen: it is crossed before its turn, and everything
+/// else, from the question whether it still matters to what its child is compared with, is done
+/// when its turn comes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Foresight {
     crossings: Crossings,
@@ -29,7 +30,8 @@ impl Foresight {
         &self.crossings
     }
 
-    /// The lane of window `id` on `h`, which has come out of `queue`; `None` if it was not foreseen.
+    /// The lane of window `id` on `h`, which has come out of `queue`; `None` if it was not
+    /// foreseen.
     #[inline]
     pub(super) fn lane<W: Policy, Q: Discipline>(
         &mut self,
@@ -50,8 +52,8 @@ impl Foresight {
         self.skip_to(id)
     }
 
-    /// Passes over windows that other events have been put in front of for good. Those that came too late to be foreseen
-    /// move nothing.
+    /// Passes over windows that other events have been put in front of for good. Those that came
+    /// too late to be foreseen move nothing.
     #[cold]
     fn skip_to(&mut self, id: u32) -> Option<usize> {
         let waiting = &self.ids[self.next..self.crossings.len()];
@@ -60,8 +62,8 @@ impl Foresight {
         Some(lane)
     }
 
-    /// Crosses this window and those that come next, and asks for what their turns will need and for those after
-    /// them.
+    /// Crosses this window and those that come next, and asks for what their turns will need and
+    /// for those after them.
     #[inline(never)]
     fn look<W: Policy, Q: Discipline>(
         &mut self,

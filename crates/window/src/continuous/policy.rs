@@ -22,7 +22,8 @@ pub struct Arrival<L> {
     pub edge: Edge,
 }
 
-/// A window that has reached a half-edge, of which all that a [policy](Policy::FORESEES) asks is known already.
+/// A window that has reached a half-edge, of which all that a [policy](Policy::FORESEES) asks is
+/// known already.
 #[derive(Clone, Copy, Debug)]
 pub struct Child<L> {
     /// The half-edge, in whose frame the window is.
@@ -86,15 +87,16 @@ pub trait Policy: Send {
         probe: &mut P,
     ) -> Turn<Self::Lineage>;
 
-    /// The least distance of window `id` on `h`, which is in the queue under `label`; `None` if it does not exist
-    /// any more, and nothing waits. It serves samples of the wavefront only.
+    /// The least distance of window `id` on `h`, which is in the queue under `label`; `None` if it
+    /// does not exist any more, and nothing waits. It serves samples of the wavefront only.
     fn least_distance(&self, h: HalfEdgeId, id: u32, label: f64) -> Option<f64> {
         let _ = (h, id);
         Some(label)
     }
 
-    /// Whether windows stay as they are while they wait, all that is asked when one arrives is said in [`Child`], and
-    /// both children are [tried](Self::tries). Windows are then crossed before their turns, several at a time.
+    /// Whether windows stay as they are while they wait, all that is asked when one arrives is said
+    /// in [`Child`], and both children are [tried](Self::tries). Windows are then crossed before
+    /// their turns, several at a time.
     const FORESEES: bool = false;
 
     /// Window `id`, which waits, if the policy [foresees](Self::FORESEES).
@@ -104,8 +106,8 @@ pub trait Policy: Send {
         None
     }
 
-    /// As [`take`](Self::take), if the policy [foresees](Self::FORESEES), without the window; `None` if there is nothing
-    /// to propagate.
+    /// As [`take`](Self::take), if the policy [foresees](Self::FORESEES), without the window;
+    /// `None` if there is nothing to propagate.
     #[inline]
     fn release<P: Probe>(
         &mut self,
@@ -117,8 +119,9 @@ pub trait Policy: Send {
         None
     }
 
-    /// As [`split`](Self::split), if the policy [foresees](Self::FORESEES): the straight path to the apex, of length `d`,
-    /// meets the half-edge `angle` at the fraction `entry` of its length, which is NaN if rounding blurs it.
+    /// As [`split`](Self::split), if the policy [foresees](Self::FORESEES): the straight path to
+    /// the apex, of length `d`, meets the half-edge `angle` at the fraction `entry` of its length,
+    /// which is NaN if rounding blurs it.
     #[inline]
     fn split_at(
         &mut self,
@@ -131,8 +134,8 @@ pub trait Policy: Send {
         [Some(heir); 2]
     }
 
-    /// As [`arrive`](Self::arrive), if the policy [foresees](Self::FORESEES): returns the number by which the window
-    /// waits, if anything of it is left.
+    /// As [`arrive`](Self::arrive), if the policy [foresees](Self::FORESEES): returns the number by
+    /// which the window waits, if anything of it is left.
     #[inline]
     fn admit<P: Probe>(&mut self, child: &Child<Self::Lineage>, probe: &mut P) -> Option<u32> {
         let _ = (child, probe);

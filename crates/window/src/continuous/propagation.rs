@@ -31,8 +31,8 @@ const COUNTERS: &[Counter] = &[
     Counter::PseudoSources,
 ];
 
-/// How many turns before its own the memory of a window is asked for. To ask for that of the windows that it will
-/// meet as well costs more than it saves.
+/// How many turns before its own the memory of a window is asked for. To ask for that of the
+/// windows that it will meet as well costs more than it saves.
 const AHEAD: usize = 5;
 
 /// An algorithm that takes one window at a time: `policy` under `queue`, on one mesh.
@@ -130,7 +130,8 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         }
     }
 
-    /// Hands a window that has reached a half-edge to the policy; returns whether any of it is left.
+    /// Hands a window that has reached a half-edge to the policy; returns whether any of it is
+    /// left.
     #[inline(always)]
     fn arrive<P: Probe>(&mut self, arrival: &Arrival<W::Lineage>, probe: &mut P) -> bool {
         probe.enter(Phase::Pruning);
@@ -171,7 +172,8 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         probe.enter(Phase::Propagation);
     }
 
-    /// Where window `id` on `h`, which has come out of the queue, is among those crossed before their turns.
+    /// Where window `id` on `h`, which has come out of the queue, is among those crossed before
+    /// their turns.
     #[inline(always)]
     fn foresee(&mut self, h: HalfEdgeId, id: u32) -> Option<usize> {
         if W::FORESEES {
@@ -249,8 +251,8 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
         self.end(h, tried, probe);
     }
 
-    /// Takes a window that covers the apex across the face of `h`, as far as the policy lets it; returns
-    /// which sides are tried.
+    /// Takes a window that covers the apex across the face of `h`, as far as the policy lets it;
+    /// returns which sides are tried.
     #[inline(never)]
     fn split<P: Probe>(
         &mut self,

@@ -14,7 +14,8 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The order in which faces are laid out, whose numbers half-edges have during a run: breadth first. O(faces).
+    /// The order in which faces are laid out, whose numbers half-edges have during a run: breadth
+    /// first. O(faces).
     pub fn order(mesh: &Mesh) -> Numbering {
         Numbering::breadth_first(mesh)
     }

@@ -1,6 +1,7 @@
 //! The program for the processor that is there.
 
-// A function with features of the processor can only be called so; each call follows the check that they are there.
+// A function with features of the processor can only be called so; each call follows the check that
+// they are there.
 #![allow(unsafe_code)]
 
 use super::Crossings;

@@ -1,13 +1,14 @@
 //! Windows crossing triangles several at a time.
 //!
-//! What a window that passes the apex on one side leaves, what one that covers it leaves on the left, and what is compared
-//! with distances on the way, depends on the window and its triangle alone. So it can be computed before the window's turn has come, for all [`LANES`] windows
-//! that come next and in structures of arrays, which lets one instruction do it for two windows or, with AVX2, for four. A
-//! crossing one by one takes 600 instructions for each window, most of them here; [`Crossings`] takes a sixth of
-//! that. The formulas are those of [`Passage`](crate::Passage).
+//! What a window that passes the apex on one side leaves, what one that covers it leaves on the
+//! left, and what is compared with distances on the way, depends on the window and its triangle
+//! alone. So it can be computed before the window's turn has come, for all [`LANES`] windows that
+//! come next and in structures of arrays, which lets one instruction do it for two windows or, with
+//! AVX2, for four. A crossing one by one takes 600 instructions for each window, most of them here;
+//! [`Crossings`] takes a sixth of that. The formulas are those of [`Passage`](crate::Passage).
 //!
-//! Both programs do the same operations in the same order on numbers of the same precision, so that results
-//! do not depend on the processor.
+//! Both programs do the same operations in the same order on numbers of the same precision, so that
+//! results do not depend on the processor.
 
 mod dispatch;
 mod offspring;
@@ -134,8 +135,8 @@ impl Crossings {
         self.apices[lane]
     }
 
-    /// Length of the path of window `lane` to the apex: straight if it covers that, else bent at the end of the window
-    /// that is nearer to the straight path.
+    /// Length of the path of window `lane` to the apex: straight if it covers that, else bent at
+    /// the end of the window that is nearer to the straight path.
     #[inline]
     pub fn apex_distance(&self, lane: usize) -> f64 {
         self.leaving.apex_distance[lane]

@@ -4,8 +4,8 @@ use crate::frame::Outlet;
 use crate::precision;
 use crate::window::{Window, norm};
 
-/// How much shorter than a window's a path through a vertex must be, relatively, to beat it: as in [the
-/// filter](crate::is_beaten_from_ends).
+/// How much shorter than a window's a path through a vertex must be, relatively, to beat it: as in
+/// [the filter](crate::is_beaten_from_ends).
 const MARGIN: f64 = 1.0 - precision::MARGIN;
 
 /// What a window leaves at one exit, in the frame of the neighbour's half-edge.
@@ -22,10 +22,11 @@ pub struct Offspring {
 }
 
 impl Offspring {
-    /// Whether a path through one of the outlet's corners, whose distances these are, beats every ray of the window: the
-    /// vertex filter of Xin and Wang 2009, theorem 3.2.
+    /// Whether a path through one of the outlet's corners, whose distances these are, beats every
+    /// ray of the window: the vertex filter of Xin and Wang 2009, theorem 3.2.
     ///
-    /// Each of the three tests has its distance on the left alone, and a bound on the right that does not depend on any.
+    /// Each of the three tests has its distance on the left alone, and a bound on the right that
+    /// does not depend on any.
     #[inline]
     #[allow(clippy::needless_bitwise_bool)] // Hardly any window is beaten: one branch for all three.
     pub fn is_beaten(&self, distances: [f64; 3]) -> bool {

@@ -101,7 +101,8 @@ fn check(together: &Offspring, alone: Option<Window>, exit: &Exit) -> Result<(),
     Ok(())
 }
 
-/// The window that a source at the tail of an edge has there is exactly as long as the path along the edge.
+/// The window that a source at the tail of an edge has there is exactly as long as the path along
+/// the edge.
 #[test]
 fn a_tie_beats_nothing() {
     let mesh = terrain();

@@ -43,8 +43,8 @@ impl Chain {
     }
 }
 
-/// The events of any number of chains. A link that becomes free goes to the next event that comes, so
-/// that as many are ever taken from the allocator as are needed at one time.
+/// The events of any number of chains. A link that becomes free goes to the next event that comes,
+/// so that as many are ever taken from the allocator as are needed at one time.
 #[derive(Clone, Debug)]
 pub struct Arena {
     links: Vec<Link>,
@@ -140,7 +140,8 @@ impl Arena {
         prefetch(&self.links, chain.head as usize);
     }
 
-    /// Asks for the memory of the event behind one that was asked for a while ago; both are told by their places.
+    /// Asks for the memory of the event behind one that was asked for a while ago; both are told by
+    /// their places.
     ///
     /// Nothing depends on it: a place that has become free since leads somewhere else.
     #[inline]
@@ -154,7 +155,8 @@ impl Arena {
     /// Takes all events of `chain` and puts them behind those in `to`.
     #[inline]
     pub fn drain(&mut self, chain: &mut Chain, to: &mut Vec<(f64, Event)>) {
-        // To know how many come, instead of waiting for the last one to tell, lets the processor begin with what follows.
+        // To know how many come, instead of waiting for the last one to tell, lets the processor
+        // begin with what follows.
         let mut next = chain.head;
         to.extend((0..chain.len).map(|_| {
             let link = &self.links[next as usize];

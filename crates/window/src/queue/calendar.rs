@@ -13,7 +13,8 @@ const MOST_BUCKETS: u64 = 1 << 18;
 /// The number of the last bucket; no label of a mesh comes near it.
 const LAST_BUCKET: f64 = (1u64 << 51) as f64;
 
-/// Where the integers are the only numbers: what is added to it is rounded to one, which then stands in the last bits.
+/// Where the integers are the only numbers: what is added to it is rounded to one, which then
+/// stands in the last bits.
 pub(super) const INTEGERS: f64 = (1u64 << 52) as f64;
 
 /// Buckets of equal width that hold events first in, first out, from a first bucket on that only
@@ -71,7 +72,8 @@ impl Calendar {
         rounded.to_bits() - INTEGERS.to_bits() - u64::from(rounded - INTEGERS > place)
     }
 
-    /// Where `label` lies, in widths of a bucket: bucket k holds what is at k or above and below k + 1.
+    /// Where `label` lies, in widths of a bucket: bucket k holds what is at k or above and below k
+    /// + 1.
     #[inline]
     pub fn place(&self, label: f64) -> f64 {
         less(label * self.per_length, LAST_BUCKET)
@@ -155,21 +157,23 @@ impl Calendar {
         }
     }
 
-    /// Asks for the memory of one more event of the bucket that was looked for. An event tells where the next one lies, so
-    /// that a bucket whose events are far apart would take long to [drain](Self::drain) otherwise.
+    /// Asks for the memory of one more event of the bucket that was looked for. An event tells
+    /// where the next one lies, so that a bucket whose events are far apart would take long to
+    /// [drain](Self::drain) otherwise.
     #[inline]
     pub(super) fn walk(&mut self) {
         self.arena.walk(&mut self.walker);
     }
 
-    /// Takes all events of a bucket, first in, first out, and puts them behind those of `to`, in constant time.
+    /// Takes all events of a bucket, first in, first out, and puts them behind those of `to`, in
+    /// constant time.
     #[inline]
     pub fn detach(&mut self, bucket: u64, to: &mut Chain) {
         self.arena.join(to, self.ring.vacate(bucket));
     }
 
-    /// Takes the first of the events that were [detached](Self::detach), with its label, and asks for the memory of the
-    /// next.
+    /// Takes the first of the events that were [detached](Self::detach), with its label, and asks
+    /// for the memory of the next.
     #[inline]
     pub fn take(&mut self, detached: &mut Chain) -> Option<(f64, Event)> {
         let taken = self.arena.take(detached);

@@ -20,8 +20,8 @@ const VERTEX: u32 = 1 << 31;
 pub enum EventKind {
     /// A vertex whose distance has improved.
     Vertex(VertexId),
-    /// A window that waits on this half-edge, and the number by which its solver finds it again; 0 where the whole list of the
-    /// half-edge waits.
+    /// A window that waits on this half-edge, and the number by which its solver finds it again; 0
+    /// where the whole list of the half-edge waits.
     Window(HalfEdgeId, u32),
 }
 

@@ -39,8 +39,8 @@ pub trait Discipline: Send {
     /// Adds `event` with its label, a non-negative distance.
     fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P);
 
-    /// Adds the event of a half-edge whose windows are taken together, with the least of their labels; each of them has been
-    /// [weighed](Self::weigh).
+    /// Adds the event of a half-edge whose windows are taken together, with the least of their
+    /// labels; each of them has been [weighed](Self::weigh).
     #[inline]
     fn push_list<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
         self.push(label, event, probe);
@@ -55,8 +55,8 @@ pub trait Discipline: Send {
     /// Takes the next event, with its label.
     fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)>;
 
-    /// Whether an event that has just come out may be dealt with although its label has grown to this; of a list, whether
-    /// a window of this label goes with it.
+    /// Whether an event that has just come out may be dealt with although its label has grown to
+    /// this; of a list, whether a window of this label goes with it.
     #[inline]
     fn is_due(&self, label: f64) -> bool {
         let _ = label;

@@ -19,11 +19,12 @@ const REACH: usize = 16;
 
 /// A priority queue, which makes an algorithm a continuous Dijkstra.
 ///
-/// Only the events that are next to come are in order: the buckets of a [`Calendar`] are taken and sorted one
-/// after the other, a few events ahead. What comes later and belongs before the end of them, as every child does whose
-/// window touches the vertex where its parent is nearest, is put in its place if that is near the front, where nearly
-/// all belong, and else into a heap. Events come in exactly the order of one heap for all of them, up to those of
-/// equal labels, which come in an order that depends on the insertions alone.
+/// Only the events that are next to come are in order: the buckets of a [`Calendar`] are taken and
+/// sorted one after the other, a few events ahead. What comes later and belongs before the end of
+/// them, as every child does whose window touches the vertex where its parent is nearest, is put in
+/// its place if that is near the front, where nearly all belong, and else into a heap. Events come
+/// in exactly the order of one heap for all of them, up to those of equal labels, which come in an
+/// order that depends on the insertions alone.
 ///
 /// # Cost
 ///
@@ -82,7 +83,8 @@ impl Priority {
         std::mem::swap(&mut self.fresh, &mut self.sorted);
     }
 
-    /// Puts an event in its place among those that are in order, or into the heap if that is far from the front.
+    /// Puts an event in its place among those that are in order, or into the heap if that is far
+    /// from the front.
     #[inline]
     fn insert(&mut self, label: f64, event: Event) {
         let behind = self.sorted.len().checked_sub(REACH + 1);

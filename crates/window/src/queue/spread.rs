@@ -6,15 +6,18 @@ use super::calendar::INTEGERS;
 /// As many events are spread over bins before they are sorted.
 const MOST: usize = 255;
 
-/// Appends `events` to `sorted` in the order of their labels, those of equal labels in the order in which they are.
+/// Appends `events` to `sorted` in the order of their labels, those of equal labels in the order in
+/// which they are.
 ///
-/// `place` says how far a label lies within the range, from 0 to 1, up to rounding, and must not decrease. So many bins
-/// as there are events bring them nearly in order; what is left is done by insertion, hardly any of whose branches
-/// is foreseen wrongly. A sort that compares pairs gets half of its branches wrong.
+/// `place` says how far a label lies within the range, from 0 to 1, up to rounding, and must not
+/// decrease. So many bins as there are events bring them nearly in order; what is left is done by
+/// insertion, hardly any of whose branches is foreseen wrongly. A sort that compares pairs gets
+/// half of its branches wrong.
 ///
 /// # Cost
 ///
-/// O(k) for k events that spread; O(k log k) if there are many; O(k²) for up to 255 that do not spread.
+/// O(k) for k events that spread; O(k log k) if there are many; O(k²) for up to 255 that do not
+/// spread.
 pub(super) fn append_in_order(
     sorted: &mut Vec<(f64, Event)>,
     events: &mut [(f64, Event)],

@@ -1,6 +1,7 @@
 //! Which of two windows of one edge is shorter where.
 
-// Which of two conditions fails is chance, and both are cheap: a single branch is foreseen wrongly less often.
+// Which of two conditions fails is chance, and both are cheap: a single branch is foreseen wrongly
+// less often.
 #![allow(clippy::needless_bitwise_bool)]
 
 use std::cmp::Ordering;
@@ -10,13 +11,13 @@ use crate::precision::{GRAIN, PLACE};
 use crate::tie::tie_points;
 use crate::window::Window;
 
-/// By how much a distance of `d` at a point of an edge of length `l` must differ from another one to be
-/// the shorter or the longer one of both.
+/// By how much a distance of `d` at a point of an edge of length `l` must differ from another one
+/// to be the shorter or the longer one of both.
 ///
 /// A new window must be so much shorter to take ground from a stored one. The old one wins ties, so
-/// that a window that comes twice is not stored twice, and one that has wound around a needle not at
-/// all. Where a source is much nearer than the edge is long, its place is known to the rounding of
-/// the edge only.
+/// that a window that comes twice is not stored twice, and one that has wound around a needle not
+/// at all. Where a source is much nearer than the edge is long, its place is known to the rounding
+/// of the edge only.
 #[inline(always)]
 #[allow(clippy::inline_always)] // Twice in each duel.
 fn doubt(d: f64, l: f64) -> f64 {
@@ -33,8 +34,8 @@ fn doubt(d: f64, l: f64) -> f64 {
 /// through as little as that; hence the distance of the source.
 const SLIVER: f64 = 1e-10;
 
-/// Width, in terms of the height of a source over the edge, on which its distances are taken to be a
-/// straight line: √(2·[`GRAIN`]); see [`is_straight`].
+/// Width, in terms of the height of a source over the edge, on which its distances are taken to be
+/// a straight line: some √(2·[`GRAIN`]); see [`is_straight`].
 const STRAIGHT: f64 = 4e-7;
 
 /// What a new window takes from an old one of a range that they share.
@@ -71,8 +72,8 @@ pub fn matters(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool
 impl Duel {
     /// Who is shorter on `lo..hi`, which matters to one of them, on an edge of length `l`.
     ///
-    /// The distances at both ends tell it for all cases but those in which there may be two tie points or
-    /// the windows are equal at the ends: these are left [open](Duel::Open).
+    /// The distances at both ends tell it for all cases but those in which there may be two tie
+    /// points or the windows are equal at the ends: these are left [open](Duel::Open).
     #[inline(always)]
     #[allow(clippy::inline_always)] // The windows are not to pass through memory.
     pub fn between(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
@@ -139,21 +140,22 @@ impl Duel {
     }
 }
 
-/// Whether the distances of both windows are straight lines over `width`, to a fourth of the [margin](GRAIN), so
-/// that what are equal at the ends are equal between them.
+/// Whether the distances of both windows are straight lines over `width`, to a fourth of the
+/// [margin](GRAIN), so that what are equal at the ends are equal between them.
 ///
-/// The second derivative of √(x² + y²) is at most 1/|y|, which bends the curve by width²/(8|y|), and the
-/// distances are |y| or more. Windows that meet along a ray overlap by so little, and by as much as rounding has
-/// moved the ray: a tenth of all windows on scans.
+/// The second derivative of √(x² + y²) is at most 1/|y|, which bends the curve by width²/(8|y|),
+/// and the distances are |y| or more. Windows that meet along a ray overlap by so little, and by as
+/// much as rounding has moved the ray: a tenth of all windows on scans.
 #[inline]
 fn is_straight(old: &Window, new: &Window, width: f64) -> bool {
     width <= STRAIGHT * old.py.abs().min(new.py.abs())
 }
 
-/// The tie point of two windows of which one is shorter at `lo` and the other at `hi`; NaN if there are two.
+/// The tie point of two windows of which one is shorter at `lo` and the other at `hi`; NaN if there
+/// are two.
 ///
-/// The formulas are those of [`tie_points`], which does the same for both roots: here one of them is between `lo` and `hi`, and
-/// hardly ever both.
+/// The formulas are those of [`tie_points`], which does the same for both roots: here one of them
+/// is between `lo` and `hi`, and hardly ever both.
 #[inline(always)]
 #[allow(clippy::inline_always)] // As `between`.
 fn tie_between(old: &Window, new: &Window, lo: f64, hi: f64) -> f64 {
@@ -200,11 +202,12 @@ fn within(ties: &[f64], lo: f64, hi: f64) -> impl Iterator<Item = f64> {
     ties.iter().copied().filter(move |&t| lo < t && t < hi)
 }
 
-/// Whether the curves of the windows may cross twice between `lo` and `hi`, where one of them is shorter at
-/// both.
+/// Whether the curves of the windows may cross twice between `lo` and `hi`, where one of them is
+/// shorter at both.
 ///
-/// The [tie points](tie_points) are among the roots of A·u² + 2ab·u + (b² - D²·y1²), which then lie on
-/// both sides of the vertex of this parabola: without real roots, or with the vertex elsewhere, they do not.
+/// The [tie points](tie_points) are among the roots of A·u² + 2ab·u + (b² - D²·y1²), which then lie
+/// on both sides of the vertex of this parabola: without real roots, or with the vertex elsewhere,
+/// they do not.
 #[inline]
 fn may_tie_twice(old: &Window, new: &Window, lo: f64, hi: f64) -> bool {
     let a = new.px - old.px;
@@ -281,8 +284,8 @@ mod tests {
             prop_assert!(won <= least * (1.0 + 1e-9), "{won} {least}");
         }
 
-        /// Windows that meet along a ray overlap by as much as rounding has moved it. These were a tenth of all on scans, and
-        /// each took the way of those that may tie twice.
+        /// Windows that meet along a ray overlap by as much as rounding has moved it. These were a
+        /// tenth of all on scans, and each took the way of those that may tie twice.
         #[test]
         fn windows_that_meet_along_a_ray_are_told_apart_at_once(
             old in windows(), lo in 0.0..1.0f64, slope in -1.0..1.0f64, width in 1e-10..1e-7f64, at in 0.0..1.0f64,

@@ -3,12 +3,12 @@
 //! Trimming compares distances along the edge. A source V on the edge itself, behind a face of no
 //! area, sends rays of all directions through its foot, where its distance is σ, and only grazing
 //! ones through all other points. A window of another source that comes along the edge, V on its
-//! way, ties with it at the foot and beyond, and has one direction only. If it took the foot from V,
-//! or half of it by rounding, the other directions would be lost.
+//! way, ties with it at the foot and beyond, and has one direction only. If it took the foot from
+//! V, or half of it by rounding, the other directions would be lost.
 //!
 //! So the foot of a window is a piece of its own, as wide as rounding moves it. It is compared with
-//! other windows as a whole, at the foot, and yields only to one that is shorter there: then V
-//! is no shortest path to its own foot, and none of its directions is of use. Among equals it stays,
+//! other windows as a whole, at the foot, and yields only to one that is shorter there: then V is
+//! no shortest path to its own foot, and none of its directions is of use. Among equals it stays,
 //! since it holds every direction that they have.
 
 use crate::precision::{GRAIN, PLACE};
@@ -18,8 +18,8 @@ use crate::window::Window;
 /// source hardly grows beyond rounding.
 const HALF_WIDTH: f64 = 30.0 * PLACE;
 
-/// How far an interval must reach to both sides of the foot to hold all directions, as a fraction of
-/// the edge: some units in the last place of an abscissa.
+/// How far an interval must reach to both sides of the foot to hold all directions, as a fraction
+/// of the edge: some units in the last place of an abscissa.
 const CLEARANCE: f64 = PLACE;
 
 /// How close to the edge a source stands on it, as a fraction of the edge.
@@ -58,8 +58,8 @@ pub(super) fn may_be_foot(width: f64, l: f64) -> bool {
     width <= 2.5 * (HALF_WIDTH + STEEP * CLOSE) * l
 }
 
-/// Whether the whole range that `old` and `new` share goes to `new`, if one of them is a foot; `None`
-/// if neither is.
+/// Whether the whole range that `old` and `new` share goes to `new`, if one of them is a foot;
+/// `None` if neither is.
 #[cold]
 pub(super) fn does_new_win(old: &Window, new: &Window, l: f64) -> Option<bool> {
     if is_foot(old, l) {

@@ -9,10 +9,11 @@ use crate::window::Window;
 
 /// The windows that have come to the half-edges of thin faces, for algorithms that keep none.
 ///
-/// No shortest path crosses an edge twice. A window that winds around a needle does, and the vertex filter deletes it as soon as it is longer
-/// than a path along an edge, which on a thin needle it never is beyond rounding. MMP does not propagate it: where it comes to a half-edge
-/// for the second time, the window that came first is as short, and of equal windows the first one stays. The same is done
-/// here on the half-edges of thin faces, which hardly any mesh has.
+/// No shortest path crosses an edge twice. A window that winds around a needle does, and the vertex
+/// filter deletes it as soon as it is longer than a path along an edge, which on a thin needle it
+/// never is beyond rounding. MMP does not propagate it: where it comes to a half-edge for the
+/// second time, the window that came first is as short, and of equal windows the first one stays.
+/// The same is done here on the half-edges of thin faces, which hardly any mesh has.
 #[derive(Clone, Debug, Default)]
 pub struct KeptWindows {
     /// Which list each half-edge has, by its number; none if `NO_LIST`. Empty if no face is thin.
@@ -40,10 +41,12 @@ struct Kept {
 const NO_LIST: u32 = u32::MAX;
 
 impl KeptWindows {
-    /// The root of windows of an algorithm that never gives a window up because its root has come nearer.
+    /// The root of windows of an algorithm that never gives a window up because its root has come
+    /// nearer.
     pub const ANY_ROOT: u32 = u32::MAX;
 
-    /// For `mesh`, whose half-edges have the numbers that `number` gives, all less than `numbers`; O(faces).
+    /// For `mesh`, whose half-edges have the numbers that `number` gives, all less than `numbers`;
+    /// O(faces).
     pub fn new(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
         let mut kept = Self::default();
         let thin = ThinFaces::of(mesh, numbers, &number);
@@ -77,11 +80,13 @@ impl KeptWindows {
         }
     }
 
-    /// Keeps `new`, which comes to half-edge number `h` from vertex number `root`, and returns the part of it that is to be
-    /// propagated; `None` if nothing is. A window to a half-edge of no thin face is returned whole.
+    /// Keeps `new`, which comes to half-edge number `h` from vertex number `root`, and returns the
+    /// part of it that is to be propagated; `None` if nothing is. A window to a half-edge of no
+    /// thin face is returned whole.
     ///
-    /// Of two windows of one root the one with less σ stays: its root has been reached by a shorter path since the other one started, which
-    /// the algorithm may give up for that. O(k) for k windows kept there.
+    /// Of two windows of one root the one with less σ stays: its root has been reached by a shorter
+    /// path since the other one started, which the algorithm may give up for that. O(k) for k
+    /// windows kept there.
     #[cold]
     pub fn admit(&mut self, h: usize, new: &Window, root: u32) -> Option<Window> {
         let list = self.lists.get(h).copied().unwrap_or(NO_LIST);

@@ -4,10 +4,10 @@ use geobench_mesh::{HalfEdgeId, Mesh};
 
 /// Height of a face, relative to its longest edge, below which it is thin.
 ///
-/// A path that winds N times around a needle of length L and girth c is longer than a straight one by
-/// some (Nc)²/2L. The vertex filter deletes its window once that is more than the detour by way of a
-/// vertex, which is up to c: at N = √(2L/c), three turns where faces are as thin as this, and 2,000
-/// where they are 100,000 times thinner. Lengths do not tell both paths apart at all, to the
+/// A path that winds N times around a needle of length L and girth c is longer than a straight one
+/// by some (Nc)²/2L. The vertex filter deletes its window once that is more than the detour by way
+/// of a vertex, which is up to c: at N = √(2L/c), three turns where faces are as thin as this, and
+/// 2,000 where they are 100,000 times thinner. Lengths do not tell both paths apart at all, to the
 /// [margin](crate::precision::MARGIN) m, up to N = √(2m)·L/c.
 const THIN: f64 = 6.5e-3;
 

@@ -10,9 +10,9 @@ use super::header::Header;
 use super::row::{FaceRow, Skipped, VertexRow};
 use crate::io::error::{Flaw, Place};
 
-/// Reads the payload `bytes`, which ends a file of `file_size` bytes. Blanks and
-/// zero bytes may follow the declared elements, and nothing else: elements that the header does not count would be lost
-/// without a word.
+/// Reads the payload `bytes`, which ends a file of `file_size` bytes. Blanks and zero bytes may
+/// follow the declared elements, and nothing else: elements that the header does not count would be
+/// lost without a word.
 pub(super) fn read(header: &Header, bytes: &[u8], file_size: usize) -> Result<Contents, Flaw> {
     let smallest = |name| {
         let element = header.elements.iter().find(|e| e.name == name);

@@ -22,8 +22,8 @@ pub(crate) struct Triangle {
 }
 
 impl Triangle {
-    /// Where the source image of a window lies for its children behind AC (0) or CB (1): the same arithmetic, and
-    /// so the same bits, as in [`carry`].
+    /// Where the source image of a window lies for its children behind AC (0) or CB (1): the same
+    /// arithmetic, and so the same bits, as in [`carry`].
     #[inline]
     pub(crate) fn source_beyond(&self, side: usize, [px, py]: [f64; 2]) -> [f64; 2] {
         let [ux, uy] = self.directions[side];
@@ -55,13 +55,15 @@ pub(crate) struct Carried {
     pub(crate) tiny: usize,
 }
 
-/// Takes those of the first `len` windows of `block` for which `keep` has bits across `triangle`, as `rule` lets them, and
-/// adds those that arrive and are no narrower than `threshold` to the targets behind AC and CB.
+/// Takes those of the first `len` windows of `block` for which `keep` has bits across `triangle`,
+/// as `rule` lets them, and adds those that arrive and are no narrower than `threshold` to the
+/// targets behind AC and CB.
 ///
-/// With e, D and m(s) as in [`measure`](super::measure()), the ray through abscissa s divides AC as n : |m(s)| with n = -py·s, and
-/// BC as n : |m(s)| with n = -py·(l - s), from the ends that they share with the half-edge. Neither part is negative, so their sum loses no
-/// digits, however close the source is to the half-edge. Each end of a window leaves through one exit, so both ends take two divisions,
-/// which are made as one: 1/(d₀d₁).
+/// With e, D and m(s) as in [`measure`](super::measure()), the ray through abscissa s divides AC as
+/// n : |m(s)| with n = -py·s, and BC as n : |m(s)| with n = -py·(l - s), from the ends that they
+/// share with the half-edge. Neither part is negative, so their sum loses no digits, however close
+/// the source is to the half-edge. Each end of a window leaves through one exit, so both ends take
+/// two divisions, which are made as one: 1/(d₀d₁).
 ///
 /// # Safety
 ///

@@ -8,7 +8,8 @@ use crate::precision::{CLEARANCE, WINS};
 /// What neighbours leave of the intervals, kept from run to run.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cuts {
-    /// Left and right ends after the comparison with the right neighbour, then after that with the left one.
+    /// Left and right ends after the comparison with the right neighbour, then after that with the
+    /// left one.
     ends: [Vec<f64>; 4],
 }
 
@@ -24,11 +25,13 @@ impl Cuts {
         }
     }
 
-    /// Notes what is left of the windows from number `i` on, compared with their right neighbours, and of these.
+    /// Notes what is left of the windows from number `i` on, compared with their right neighbours,
+    /// and of these.
     ///
     /// # Safety
     ///
-    /// The processor must know the instructions of `L`, and there must be room for a list that long.
+    /// The processor must know the instructions of `L`, and there must be room for a list that
+    /// long.
     #[inline(always)]
     pub(super) unsafe fn note<L: Lanes>(&mut self, i: usize, [of_a, of_b]: [[L; 2]; 2]) {
         let [b0_first, b1_first, b0_second, b1_second] = &mut self.ends;
@@ -67,13 +70,14 @@ impl Cuts {
 }
 
 /// Compares neighbours among the first `len` windows of `block`, which is followed by a line that
-/// may be read and whose edge has this [`extent`](crate::precision::extent); cuts what each loses, drops who has lost all, and returns how many are left.
+/// may be read and whose edge has this [`extent`](crate::precision::extent); cuts what each loses,
+/// drops who has lost all, and returns how many are left.
 ///
-/// As [`check_pair`](crate::pairs::check_pair) for windows that overlap, but all comparisons are made
-/// with the windows as they came: a ray that is cut crosses a real path that is shorter, and that
-/// stays true when the winner is cut elsewhere. So the comparisons need no order, and whole registers of
-/// neighbours are compared at once. Windows apart are not compared (cases 3 and 6), which saves next to
-/// nothing.
+/// As [`check_pair`](crate::pairs::check_pair) for windows that overlap, but all comparisons are
+/// made with the windows as they came: a ray that is cut crosses a real path that is shorter, and
+/// that stays true when the winner is cut elsewhere. So the comparisons need no order, and whole
+/// registers of neighbours are compared at once. Windows apart are not compared (cases 3 and 6),
+/// which saves next to nothing.
 ///
 /// # Safety
 ///
@@ -90,8 +94,8 @@ pub(crate) unsafe fn compare<L: Lanes>(
     let own = block.len() - 1;
     let mut rest = Sink::new(&mut block[..own], 0);
     let columns = rest.columns();
-    // SAFETY: the caller vouches for the processor. Windows are read up to one behind the line in which the
-    // last one lies, and the scratch is longer than that.
+    // SAFETY: the caller vouches for the processor. Windows are read up to one behind the line in
+    // which the last one lies, and the scratch is longer than that.
     unsafe {
         let mut i = 0;
         while i < len {
@@ -115,7 +119,8 @@ pub(crate) unsafe fn compare<L: Lanes>(
     }
 }
 
-/// What is left of the intervals of `a` and of `b` after each of `pairs` has been compared, and which of these do not meet.
+/// What is left of the intervals of `a` and of `b` after each of `pairs` has been compared, and
+/// which of these do not meet.
 ///
 /// # Safety
 ///

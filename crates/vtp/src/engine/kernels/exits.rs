@@ -5,13 +5,13 @@ use crate::engine::lanes::{LaneMask, Lanes};
 use crate::engine::store::Line;
 use crate::precision::{CLEARANCE, MARGIN, RESOLUTION, WINS};
 
-/// By how far, as a fraction of the half-edge, rays of a source close to the edge must lie beyond the
-/// best path before rule 1 cuts them: such a source sends rays of all directions through less width
-/// than rounding moves the path by.
+/// By how far, as a fraction of the half-edge, rays of a source close to the edge must lie beyond
+/// the best path before rule 1 cuts them: such a source sends rays of all directions through less
+/// width than rounding moves the path by.
 const SLACK: f64 = MARGIN;
 
-/// How close, as a fraction of the half-edge: nearer sources see the slack under more than the least
-/// angle that lengths tell from 0.
+/// How close, as a fraction of the half-edge: nearer sources see the slack under more than the
+/// least angle that lengths tell from 0.
 const CLOSE: f64 = RESOLUTION;
 
 /// Windows about to cross, and where their rays go.
@@ -90,15 +90,15 @@ impl Rule for Free {
 
 /// A shortest path to the apex: that of a list, for rule 1 (one angle, two sides).
 ///
-/// Let S be where it enters and q its source. Every path of a window to the apex C is at least as long. A ray
-/// that enters left of S but heads for the right exit crosses the segment from S to C, and is useless from
-/// there on; so rays left of S may only go left, and rays right of S only right. Rays on their
-/// own side survive, unless the best path has crossed them before it reached S: that is certain for
-/// all rays right of S if q lies right of the window's last ray and the window's source left of the
-/// best path, and mirrored on the left.
+/// Let S be where it enters and q its source. Every path of a window to the apex C is at least as
+/// long. A ray that enters left of S but heads for the right exit crosses the segment from S to C,
+/// and is useless from there on; so rays left of S may only go left, and rays right of S only
+/// right. Rays on their own side survive, unless the best path has crossed them before it reached
+/// S: that is certain for all rays right of S if q lies right of the window's last ray and the
+/// window's source left of the best path, and mirrored on the left.
 ///
-/// The printed rule drops a window's whole side by comparing where rays to C enter; that is unsound where
-/// intervals overlap.
+/// The printed rule drops a window's whole side by comparing where rays to C enter; that is unsound
+/// where intervals overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct BestPath {
     /// Where it crosses the half-edge.
@@ -107,8 +107,8 @@ pub struct BestPath {
     pub(crate) source: [f64; 2],
     /// By how much rounding may move it.
     slack: f64,
-    /// What of that counts for windows whose sources are below this ordinate: nothing, unless the source of the
-    /// path is close to the half-edge itself.
+    /// What of that counts for windows whose sources are below this ordinate: nothing, unless the
+    /// source of the path is close to the half-edge itself.
     least_slack: f64,
     close: f64,
 }
@@ -179,7 +179,8 @@ impl Rule for BestPath {
 }
 
 /// Where the best path has, beyond doubt, crossed all rays of a window left of its entry, and all
-/// right of it: its source lies beyond the outer ray, and the window's source on the other side of it.
+/// right of it: its source lies beyond the outer ray, and the window's source on the other side of
+/// it.
 ///
 /// # Safety
 ///
@@ -199,8 +200,8 @@ unsafe fn crossed<L: Lanes>(w: &Windows<L>, best: &BestPath) -> [L::Mask; 2] {
     };
     let (dx, dy) = (qx - px, qy - py);
     let size = clearance * (px.abs() + py.abs() + qx.abs() + qy.abs());
-    // Twice the area of the window's source, its end x on the edge, and the best source; the sign is that of
-    // the side on which the latter lies.
+    // Twice the area of the window's source, its end x on the edge, and the best source; the sign
+    // is that of the side on which the latter lies.
     let left = (b0 - px) * dy + py * dx;
     let left_doubt = size * ((b0 - px).abs() + py.abs());
     let right = (b1 - px) * dy + py * dx;
@@ -217,9 +218,10 @@ unsafe fn crossed<L: Lanes>(w: &Windows<L>, best: &BestPath) -> [L::Mask; 2] {
 /// How far the ends of a half-edge are on paths across its face from the other two half-edges.
 ///
 /// A path from BC to A parts AB from AC, so every ray of a window for the left exit crosses it. The
-/// crossing lies on a path of the window to A, and of these the one bent at `b0` is the shortest; if
-/// the path from BC is shorter, so it is up to the crossing, and the ray is useless from there on.
-/// Mirrored for B and the right exit (Strategy II of the transfer report, figure 5.6 c; case 11 of Qin et al. 2016).
+/// crossing lies on a path of the window to A, and of these the one bent at `b0` is the shortest;
+/// if the path from BC is shorter, so it is up to the crossing, and the ray is useless from there
+/// on. Mirrored for B and the right exit (Strategy II of the transfer report, figure 5.6 c; case 11
+/// of Qin et al. 2016).
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
     /// Length of the half-edge.
@@ -269,8 +271,9 @@ impl<A: Rule, B: Rule> Rule for (A, B) {
     }
 }
 
-/// The paths of all windows of a list to the apex C: none of them is crossed by a ray of a window whose own path to C
-/// is longer (cases 7 to 10 of Qin et al. 2016 for all pairs, which rule 1 makes for the best window only).
+/// The paths of all windows of a list to the apex C: none of them is crossed by a ray of a window
+/// whose own path to C is longer (cases 7 to 10 of Qin et al. 2016 for all pairs, which rule 1
+/// makes for the best window only).
 #[derive(Clone, Copy, Debug)]
 pub struct EveryBetterPath<'a> {
     pub(crate) apex: [f64; 2],
@@ -454,7 +457,8 @@ mod tests {
         assert_eq!(sides(&(Free, both.0), w, 0.3), open(Some(0.3), Some(0.5)));
     }
 
-    /// A window from a source on the edge: the shortest ways to both ends have length 1 + 0.25 + 0.25.
+    /// A window from a source on the edge: the shortest ways to both ends have length 1 + 0.25 +
+    /// 0.25.
     const ON_EDGE: [f64; 5] = [0.25, 0.75, 0.5, 0.0, 1.0];
 
     #[test]
@@ -480,7 +484,8 @@ mod tests {
 
     #[test]
     fn only_paths_shorter_than_a_window_s_own_part_it() {
-        // The apex stands 1 above its source (the e of `sides`): its own path there, through 0.25, is a little longer.
+        // The apex stands 1 above its source (the e of `sides`): its own path there, through 0.25,
+        // is a little longer.
         let w = window(0.1, 0.9, 0.2, -1.0);
         let paths = |length| [(best(0.5, [0.6, -0.2]), length)];
         let every = |paths: &[(BestPath, f64)]| {

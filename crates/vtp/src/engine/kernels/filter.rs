@@ -5,8 +5,8 @@ use crate::engine::lanes::{LaneMask, Lanes};
 use crate::engine::store::Line;
 use crate::precision::MARGIN;
 
-/// What a path through a vertex and the edge are multiplied by before they are compared with a window: rounding may be that of the edge,
-/// where the vertex is much nearer than its length.
+/// What a path through a vertex and the edge are multiplied by before they are compared with a
+/// window: rounding may be that of the edge, where the vertex is much nearer than its length.
 pub(crate) const LOSES: f64 = 1.0 + MARGIN;
 
 /// What the passes must know of the half-edge.
@@ -43,8 +43,8 @@ impl<L: Lanes> Filter<L> {
     }
 
     /// The windows that no path from an end of the edge along it beats at their far end, and so
-    /// everywhere (Xin and Wang 2009, theorem 3.2); `squares` are those of the distances from the source to
-    /// both ends of the window.
+    /// everywhere (Xin and Wang 2009, theorem 3.2); `squares` are those of the distances from the
+    /// source to both ends of the window.
     #[inline(always)]
     pub(super) fn passes(&self, w: &Windows<L>, squares: [L; 2], zero: L) -> L::Mask {
         let (from_tail, from_head) = (self.tail - w.sigma + w.b1, self.head - w.sigma - w.b0);
@@ -62,8 +62,8 @@ pub(super) fn squares<L: Lanes>(w: &Windows<L>) -> [L; 2] {
     [x0 * x0 + py2, x1 * x1 + py2]
 }
 
-/// Writes the windows of `lists`, blocks with their lengths, that pass the filter into `hand`, one list
-/// behind the other, and returns how many there are.
+/// Writes the windows of `lists`, blocks with their lengths, that pass the filter into `hand`, one
+/// list behind the other, and returns how many there are.
 ///
 /// # Safety
 ///
@@ -75,7 +75,8 @@ pub(crate) unsafe fn gather<L: Lanes>(
     hand: &mut [Line],
 ) -> usize {
     let mut rest = Sink::new(hand, 0);
-    // SAFETY: promised by the caller; windows are read up to the end of the line in which the last one lies.
+    // SAFETY: promised by the caller; windows are read up to the end of the line in which the last
+    // one lies.
     unsafe {
         let zero = L::splat(0.0);
         let filter = Filter::<L>::new(gate);

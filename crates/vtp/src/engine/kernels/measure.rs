@@ -1,5 +1,5 @@
-//! Pass over a list that is about to cross its face: the vertex filter, if that has not been applied
-//! yet, and the shortest path to the apex.
+//! Pass over a list that is about to cross its face: the vertex filter, if that has not been
+//! applied yet, and the shortest path to the apex.
 
 use super::columns::{Columns, Windows, within};
 use super::filter::{Filter, Gate, squares};
@@ -21,21 +21,22 @@ pub(crate) struct Measured {
     pub(crate) bound: [usize; 2],
 }
 
-/// Measures the windows of `block` from `start` to `len`, those that pass the vertex filter if `FILTER` says so;
-/// leaves in `keep` a bit for each window, a byte for each register, whether it is left.
+/// Measures the windows of `block` from `start` to `len`, those that pass the vertex filter if
+/// `FILTER` says so; leaves in `keep` a bit for each window, a byte for each register, whether it
+/// is left.
 ///
-/// With e = cy - py and D = cy·px - cx·py, a ray through abscissa s leaves to the left if
-/// m(s) = s·e - D < 0: the sides of both ends of a window take no division. It offers the apex C
-/// σ + |pC| if it sees it, else σ + |p s| + |s C| with s its end nearest to the ray to C.
+/// With e = cy - py and D = cy·px - cx·py, a ray through abscissa s leaves to the left if m(s) =
+/// s·e - D < 0: the sides of both ends of a window take no division. It offers the apex C σ + |pC|
+/// if it sees it, else σ + |p s| + |s C| with s its end nearest to the ray to C.
 ///
-/// All paths are measured, and each lane keeps its shortest until the end. Two square roots take less time than a branch
-/// on whether a path is the shortest so far, which is foreseen badly: 8 % of a solve one window at a time, 4 % four
-/// at a time, nothing eight at a time.
+/// All paths are measured, and each lane keeps its shortest until the end. Two square roots take
+/// less time than a branch on whether a path is the shortest so far, which is foreseen badly: 8 %
+/// of a solve one window at a time, 4 % four at a time, nothing eight at a time.
 ///
 /// # Safety
 ///
-/// The processor must know the instructions of `L`; if `start` is not 0 a line behind the block must be readable and
-/// belong to it.
+/// The processor must know the instructions of `L`; if `start` is not 0 a line behind the block
+/// must be readable and belong to it.
 #[inline(always)]
 pub(crate) unsafe fn measure<L: Lanes, const FILTER: bool>(
     block: &[Line],
@@ -56,8 +57,8 @@ pub(crate) unsafe fn measure<L: Lanes, const FILTER: bool>(
         kept: 0,
         bound: [0; 2],
     };
-    // SAFETY: the caller vouches for the processor; windows are read up to the end of the line in which the
-    // last one lies, and there are no more registers than windows.
+    // SAFETY: the caller vouches for the processor; windows are read up to the end of the line in
+    // which the last one lies, and there are no more registers than windows.
     unsafe {
         let zero = L::splat(0.0);
         let filter = Filter::<L>::new(gate);

@@ -8,7 +8,8 @@
 //! | [`measure()`] | counts who goes where, finds the shortest path to the apex | vertex filter, if asked |
 //! | [`carry()`] | takes the windows across the face | 1 and others, see [`exits`] |
 
-// They are made of the instructions of one processor, which `lanes` offers to those who vouch for it.
+// They are made of the instructions of one processor, which `lanes` offers to those who vouch for
+// it.
 #![allow(unsafe_code)]
 
 mod carry;

@@ -8,19 +8,21 @@ use crate::engine::store::Line;
 use crate::pairs::{BLURRED, INSIDE};
 use crate::precision::{CLEARANCE, WINS, extent};
 
-/// Compares neighbours among the first `len` windows of `block`, which is followed by a line that may be read; cuts what
-/// each loses, drops who has lost all, compares those who thereby become neighbours, and so on.
-/// Returns how many are left, and whether they have settled.
+/// Compares neighbours among the first `len` windows of `block`, which is followed by a line that
+/// may be read; cuts what each loses, drops who has lost all, compares those who thereby become
+/// neighbours, and so on. Returns how many are left, and whether they have settled.
 ///
-/// If `TRIM` says so, neighbours also give up the stretches of their overlap on which the other is shorter. If one of
-/// them would be left in several pieces by that, or out of order, the list has not settled and must be taken on window
-/// by window.
+/// If `TRIM` says so, neighbours also give up the stretches of their overlap on which the other is
+/// shorter. If one of them would be left in several pieces by that, or out of order, the list has
+/// not settled and must be taken on window by window.
 ///
-/// `l` is the length of the edge, `behind` finds the third vertex of the triangle below it, `again` is scratch.
+/// `l` is the length of the edge, `behind` finds the third vertex of the triangle below it, `again`
+/// is scratch.
 ///
-/// The paper goes through the list from one end, and a window meets its second neighbour as the first one has left it.
-/// Here all pairs of a round meet as they came, registers at a time: a ray that is cut crosses a real path that is
-/// shorter, and that stays true when the winner is cut elsewhere. Which windows are compared is the same.
+/// The paper goes through the list from one end, and a window meets its second neighbour as the
+/// first one has left it. Here all pairs of a round meet as they came, registers at a time: a ray
+/// that is cut crosses a real path that is shorter, and that stays true when the winner is cut
+/// elsewhere. Which windows are compared is the same.
 ///
 /// # Safety
 ///
@@ -50,8 +52,8 @@ pub(crate) unsafe fn settle<L: Lanes, const TRIM: bool>(
         let mut rest = Sink::new(&mut block[..own], 0);
         let columns = rest.columns();
         let mut died = false;
-        // SAFETY: the caller vouches for the processor. Windows are read up to one behind the line in which the
-        // last one lies, and the scratch is longer than that.
+        // SAFETY: the caller vouches for the processor. Windows are read up to one behind the line
+        // in which the last one lies, and the scratch is longer than that.
         unsafe {
             let mut i = 0;
             while i < len {
@@ -100,8 +102,8 @@ pub(crate) unsafe fn settle<L: Lanes, const TRIM: bool>(
     }
 }
 
-/// Sets the bits of windows whose right neighbours have died. Of `listed` windows of a register those in `alive` stay, behind
-/// `before` others.
+/// Sets the bits of windows whose right neighbours have died. Of `listed` windows of a register
+/// those in `alive` stay, behind `before` others.
 #[inline(always)]
 fn bring_together<L: Lanes>(alive: L::Mask, listed: usize, before: usize, again: &mut [u8]) {
     let mut place = before;
@@ -115,8 +117,9 @@ fn bring_together<L: Lanes>(alive: L::Mask, listed: usize, before: usize, again:
     }
 }
 
-/// What is `left` of neighbours after those that are `apart` have been compared (cases 3 and 6): if their nearest
-/// rays have crossed inside the triangle behind the edge, the one that is longer up to there dies.
+/// What is `left` of neighbours after those that are `apart` have been compared (cases 3 and 6): if
+/// their nearest rays have crossed inside the triangle behind the edge, the one that is longer up
+/// to there dies.
 ///
 /// Why all of it may go stands with [`check_pair`](crate::pairs::check_pair), the plain form.
 ///
@@ -283,8 +286,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
-        /// Two windows leave of each other what the plain form leaves, except that both of its cuts are made with the windows
-        /// as they came.
+        /// Two windows leave of each other what the plain form leaves, except that both of its cuts
+        /// are made with the windows as they came.
         #[test]
         fn two_windows_fare_as_in_the_plain_form(a in windows(), b in windows()) {
             let (mut first, mut second) = (a, b);
@@ -306,7 +309,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
-        /// At every point of the edge the shorter one of the two is kept, and no overlap is left that is worth a tie.
+        /// At every point of the edge the shorter one of the two is kept, and no overlap is left
+        /// that is worth a tie.
         #[test]
         fn trimmed_neighbours_lose_no_distance(
             a in windows(), b in windows(), x in 0.0..1.0f64,

@@ -6,11 +6,12 @@ use crate::engine::lanes::{LaneMask, Lanes};
 use crate::precision::WINS;
 use crate::trim::ON_EDGE;
 
-/// What is `left` of the intervals of neighbours `a` and `b` after each of `pairs` has given up the stretches of
-/// their overlap on which the other is shorter; and the pairs of which one would be left in several pieces, or both
-/// in the wrong order, for which a list would have to be made anew.
+/// What is `left` of the intervals of neighbours `a` and `b` after each of `pairs` has given up the
+/// stretches of their overlap on which the other is shorter; and the pairs of which one would be
+/// left in several pieces, or both in the wrong order, for which a list would have to be made anew.
 ///
-/// The vector form of [`trim_pair`](crate::trim::trim_pair), with the formulas of [`geobench_window::tie_points`].
+/// The vector form of [`trim_pair`](crate::trim::trim_pair), with the formulas of
+/// [`geobench_window::tie_points`].
 ///
 /// # Safety
 ///
@@ -64,8 +65,8 @@ pub(super) unsafe fn trim<L: Lanes>(
     (left, overlap & (a_parted | b_parted | disordered))
 }
 
-/// What is left of an interval that has `lost` some of three consecutive stretches in it, some of which may be
-/// `empty`, and whether a lost one parts it.
+/// What is left of an interval that has `lost` some of three consecutive stretches in it, some of
+/// which may be `empty`, and whether a lost one parts it.
 #[inline(always)]
 fn rest<L: Lanes>(
     [start, end]: [L; 2],

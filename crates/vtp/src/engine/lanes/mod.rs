@@ -1,9 +1,9 @@
 //! Several numbers in one register: what the kernels are written in.
 //!
-//! A kernel is one generic function over [`Lanes`]; the three implementations make a scalar, an AVX2
-//! and an AVX-512 program of it. All operations round as IEEE 754 says and none is fused, so that
-//! the three programs give the same bits. The type of a lane stands for the proof that the processor
-//! knows its instructions: values come only out of the unsafe functions here.
+//! A kernel is one generic function over [`Lanes`]; the three implementations make a scalar, an
+//! AVX2 and an AVX-512 program of it. All operations round as IEEE 754 says and none is fused, so
+//! that the three programs give the same bits. The type of a lane stands for the proof that the
+//! processor knows its instructions: values come only out of the unsafe functions here.
 
 // Vector instructions run only on processors that have them.
 #![allow(unsafe_code)]
@@ -29,7 +29,8 @@ pub(crate) trait Lanes:
     /// How many.
     const COUNT: usize;
 
-    /// Whether storing some lanes takes so much longer than storing all that a branch on it pays, though it is foreseen badly.
+    /// Whether storing some lanes takes so much longer than storing all that a branch on it pays,
+    /// though it is foreseen badly.
     const STORES_SOME_SLOWLY: bool;
 
     /// One answer for each lane.

@@ -13,8 +13,8 @@ use crate::probe::{Phase, Probe};
 use crate::queue::{Discipline, Event};
 
 impl<W: Policy, Q: Discipline> Continuous<'_, W, Q> {
-    /// Goes on with a window that crossed the face of `h` before its turn: what [`cross`](Self::cross) does, with
-    /// results that are there already.
+    /// Goes on with a window that crossed the face of `h` before its turn: what
+    /// [`cross`](Self::cross) does, with results that are there already.
     #[inline(always)]
     pub(super) fn cross_foreseen<P: Probe>(
         &mut self,
@@ -41,8 +41,8 @@ impl<W: Policy, Q: Discipline> Continuous<'_, W, Q> {
         self.end(h, tried, probe);
     }
 
-    /// As [`split`](Self::split), for a window whose straight path to the apex, of length `d`, and whose left child are
-    /// there already.
+    /// As [`split`](Self::split), for a window whose straight path to the apex, of length `d`, and
+    /// whose left child are there already.
     #[inline(never)]
     fn split_foreseen<P: Probe>(
         &mut self,

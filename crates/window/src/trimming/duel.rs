@@ -49,7 +49,8 @@ pub enum Duel {
     Open,
 }
 
-/// Whether hardly any ray of `w` passes between `start` and `end`; see [`SLIVER`].
+/// Whether hardly any ray of `w` passes between `start` and `end`: what trimming leaves of a window
+/// there is dropped.
 #[inline]
 pub fn is_sliver(w: &Window, start: f64, end: f64, l: f64) -> bool {
     let width = end - start;

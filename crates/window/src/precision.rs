@@ -2,8 +2,10 @@
 //!
 //! A solver deletes windows because a real path is shorter than all of their rays. It computes in
 //! `f64`, so each of these comparisons must be safe against the rounding that both sides have
-//! gathered. This page says how much that is. All tolerances of the solvers follow from the four
-//! numbers here, [`MARGIN`], [`GRAIN`], [`PLACE`] and [`RESOLUTION`].
+//! gathered. This page says how much that is. What deletes a window takes its margin from the
+//! four numbers here, [`MARGIN`], [`GRAIN`], [`PLACE`] and [`RESOLUTION`]. Two older ones stand
+//! beside their code: how close two rays to an apex count as one (`geobench-ich`), and how narrow
+//! a window is that trimming drops ([`trimming::is_sliver`](crate::trimming::is_sliver)).
 //!
 //! # What is exact to begin with
 //!

@@ -57,16 +57,29 @@ impl Inserter {
         (self.new_pieces, self.outdated) = (0, 0);
         (self.trimmed, self.removed) = (0, 0);
         if foot(new, l).is_some() {
-            for piece in pieces(new, l) {
-                self.insert_piece(lists, i, &piece, direction, l);
-            }
+            self.insert_pieces(lists, i, new, direction, l);
         } else {
             self.insert_piece(lists, i, new, direction, l);
         }
     }
 
-    /// The same for a window without a [foot](crate::foot), or for one of the pieces of one with
-    /// it.
+    /// The same for a window with a [foot].
+    #[cold]
+    #[inline(never)]
+    fn insert_pieces(
+        &mut self,
+        lists: &mut Lists,
+        i: usize,
+        new: &Window,
+        direction: Direction,
+        l: f64,
+    ) {
+        for piece in pieces(new, l) {
+            self.insert_piece(lists, i, &piece, direction, l);
+        }
+    }
+
+    /// The same for a window without a [foot], or for one of the pieces of one with it.
     #[inline]
     fn insert_piece(
         &mut self,

@@ -2,7 +2,7 @@
 
 use geobench_window::Window;
 
-use geobench_window::trimming::{Duel, is_sliver, matters};
+use geobench_window::trimming::{Duel, is_sliver};
 
 /// What becomes of a new window, as far as it is simple.
 #[derive(Clone, Copy, Debug)]
@@ -43,19 +43,17 @@ impl Fate {
             }
             // The first ones may end before it, up to the rounding of a search.
             decided = if hi > decided { hi } else { decided };
-            if matters(w, new, lo, hi, l) {
-                match Duel::between(w, new, lo, hi, l) {
-                    Duel::Won(from, to) => {
-                        if start >= end {
-                            start = from;
-                        } else if end != from {
-                            return Self::Open;
-                        }
-                        end = to;
+            match Duel::between(w, new, lo, hi, l) {
+                Duel::Won(from, to) => {
+                    if start >= end {
+                        start = from;
+                    } else if end != from {
+                        return Self::Open;
                     }
-                    Duel::Lost => {}
-                    Duel::Open => return Self::Open,
+                    end = to;
                 }
+                Duel::Lost => {}
+                Duel::Open => return Self::Open,
             }
             if w.b1 >= new.b1 {
                 // The next one begins behind it, and need not be looked at.

@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 use super::foot::{does_new_win, may_be_foot};
 use crate::precision::{GRAIN, PLACE};
 use crate::tie::tie_points;
-use crate::window::Window;
+use crate::window::{Window, greater, less};
 
 /// By how much a distance of `d` at a point of an edge of length `l` must differ from another one
 /// to be the shorter or the longer one of both.
@@ -71,57 +71,78 @@ pub fn matters(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool
 }
 
 impl Duel {
-    /// Who is shorter on `lo..hi`, which matters to one of them, on an edge of length `l`.
+    /// Who is shorter on `lo..hi` on an edge of length `l`: a range that matters to neither is left
+    /// to the old one.
     ///
     /// The distances at both ends tell it for all cases but those in which there may be two tie
     /// points or the windows are equal at the ends: these are left [open](Duel::Open).
     #[inline(always)]
     #[allow(clippy::inline_always)] // The windows are not to pass through memory.
     pub fn between(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
-        let (held, offered) = (
-            [old.distance(lo), old.distance(hi)],
-            [new.distance(lo), new.distance(hi)],
-        );
-        let width = hi - lo;
-        if may_be_foot(width, l)
+        if hi - lo <= SLIVER * l {
+            return Self::on_narrow(old, new, lo, hi, l);
+        }
+        Self::on_wide(old, new, lo, hi, l)
+    }
+
+    /// As [`between`](Self::between) where the range may not matter or be a foot.
+    #[cold]
+    #[inline(never)]
+    fn on_narrow(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
+        if !matters(old, new, lo, hi, l) {
+            return Self::Lost;
+        }
+        if may_be_foot(hi - lo, l)
             && let Some(wins) = does_new_win(old, new, l)
         {
             return if wins { Self::Won(lo, hi) } else { Self::Lost };
         }
-        let gains = [0, 1].map(|end| held[end] - offered[end]);
+        Self::on_wide(old, new, lo, hi, l)
+    }
+
+    /// As [`between`](Self::between) where the range matters and is no foot.
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // As `between`.
+    fn on_wide(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
+        let held = [old.distance(lo), old.distance(hi)];
+        let gains = [held[0] - new.distance(lo), held[1] - new.distance(hi)];
+        let width = hi - lo;
         // At the other end the distance is no longer than this.
         let doubt = doubt(held[0] + width, l);
-        let wins = gains.map(|gain| gain > doubt);
-        let loses = gains.map(|gain| gain < -doubt);
-        if (wins[0] | wins[1]) & (loses[0] | loses[1]) {
+        let wins = greater(gains[0], gains[1]) > doubt;
+        let loses = less(gains[0], gains[1]) < -doubt;
+        if wins & loses {
             let tie = tie_between(old, new, lo, hi);
             // Not if there is none, or two.
             if !(lo < tie && tie < hi) {
                 return Self::Open;
             }
-            let (start, end) = if wins[0] { (lo, tie) } else { (tie, hi) };
+            let wins_first = gains[0] > 0.0;
+            let (start, end) = if wins_first { (lo, tie) } else { (tie, hi) };
             let narrow = SLIVER * l;
             if (tie - lo > narrow) & (hi - tie > narrow) {
                 return Self::Won(start, end);
             }
             return Self::beside(
-                [wins[0], wins[1]],
+                wins_first,
                 [matters(old, new, lo, tie, l), matters(old, new, tie, hi, l)],
                 [lo, tie, hi],
             );
         }
-        if !(wins[0] | wins[1] | loses[0] | loses[1]) {
-            return if is_straight(old, new, hi - lo) {
+        if !(wins | loses) {
+            return if is_straight(old, new, width) {
                 Self::Lost
             } else {
                 Self::Open
             };
         }
-        if may_tie_twice(old, new, lo, hi)
+        // Distances change by no more than the way, so that differences change by twice that.
+        if (gains[0] + gains[1]).abs() < 2.0 * width
+            && may_tie_twice(old, new, lo, hi)
             && within(tie_points(old, new).as_slice(), lo, hi).count() > 0
         {
             Self::Open
-        } else if wins[0] | wins[1] {
+        } else if wins {
             Self::Won(lo, hi)
         } else {
             Self::Lost
@@ -130,8 +151,8 @@ impl Duel {
 
     /// As [`between`](Self::between) where a tie is close to one of the ends.
     #[cold]
-    fn beside(wins: [bool; 2], matters: [bool; 2], [lo, tie, hi]: [f64; 3]) -> Self {
-        match (wins[0], matters[0], matters[1]) {
+    fn beside(wins_first: bool, matters: [bool; 2], [lo, tie, hi]: [f64; 3]) -> Self {
+        match (wins_first, matters[0], matters[1]) {
             (true, true, true) => Self::Won(lo, tie),
             (false, true, true) => Self::Won(tie, hi),
             (true, true, false) | (false, false, true) => Self::Won(lo, hi),

@@ -34,6 +34,9 @@ pub(crate) type Expected = Vec<Option<f64>>;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Verdict {
     Right,
+    /// Off by no more than the solve itself says that its distances may be:
+    /// [`precision::doubt`](geobench_window::precision::doubt).
+    InDoubt,
     /// The algorithm takes too long on such a mesh, as is known.
     LeftOut,
     Failed(Failure),

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use geobench::registry::{Selection, select_one};
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_oracle::{DoubleDouble, Model, Search, rounded, search};
-use geobench_window::Counter;
+use geobench_window::{Counter, precision};
 
 use crate::case::{Case, Expected, Failure, FailureKind, Skip, Verdict};
 use crate::variants;
@@ -111,8 +111,15 @@ pub(crate) fn judge(
         Ok(Err(error)) => return failed(FailureKind::Panic, error.to_string()),
         Err(panic) => return failed(FailureKind::Panic, message(panic.as_ref())),
     };
-    if let Some(failure) = compare(&solution.distances, expected) {
-        return Verdict::Failed(failure);
+    let distances = &solution.distances;
+    if let Some(failure) = compare(distances, expected, 0.0) {
+        let doubt = precision::doubt(mesh, distances);
+        let is_told = doubt.is_some_and(|d| compare(distances, expected, d.bound).is_none());
+        return if is_told {
+            Verdict::InDoubt
+        } else {
+            Verdict::Failed(failure)
+        };
     }
     if selection.algorithm().name != "ch"
         && let (Some(of_mmp), Some((_, counters))) = (work, counted)
@@ -131,8 +138,8 @@ fn message(panic: &(dyn Any + Send)) -> String {
     text.unwrap_or("a panic without a message").to_owned()
 }
 
-/// The worst difference that is too large, if there is any.
-fn compare(found: &[f64], expected: &Expected) -> Option<Failure> {
+/// The worst difference that is too large by more than `doubt`, if there is any.
+fn compare(found: &[f64], expected: &Expected, doubt: f64) -> Option<Failure> {
     if found.len() != expected.len() {
         return Some(Failure {
             kind: FailureKind::Panic,
@@ -145,7 +152,7 @@ fn compare(found: &[f64], expected: &Expected) -> Option<Failure> {
         let expected = expected.unwrap_or(f64::INFINITY);
         let difference = (found - expected).abs();
         // Written so that NaN is a failure; two infinities are equal.
-        if found == expected || difference <= TOLERANCE * expected + FLOOR * furthest {
+        if found == expected || difference <= TOLERANCE * expected + FLOOR * furthest + doubt {
             continue;
         }
         let kind = if found < expected {

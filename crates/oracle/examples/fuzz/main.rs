@@ -231,7 +231,7 @@ impl Fuzzer<'_> {
         let answers = self.algorithms.iter().zip(verdicts);
         let failed = answers.filter_map(|(algorithm, verdict)| match verdict {
             Verdict::Failed(failure) => Some((algorithm.clone(), failure.clone())),
-            Verdict::Right | Verdict::LeftOut => None,
+            Verdict::Right | Verdict::InDoubt | Verdict::LeftOut => None,
         });
         failed.collect()
     }

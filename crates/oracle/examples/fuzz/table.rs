@@ -16,6 +16,7 @@ pub(crate) struct Table {
 struct Row {
     judged: usize,
     skipped: BTreeMap<Skip, usize>,
+    in_doubt: usize,
     failed: BTreeMap<FailureKind, usize>,
 }
 
@@ -44,6 +45,7 @@ impl Table {
                 match verdict {
                     Verdict::LeftOut => continue,
                     Verdict::Right => {}
+                    Verdict::InDoubt => row.in_doubt += 1,
                     Verdict::Failed(failure) => *row.failed.entry(failure.kind).or_default() += 1,
                 }
                 row.judged += 1;
@@ -66,7 +68,11 @@ impl Row {
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let header = |f: &mut fmt::Formatter<'_>, what: &str, skipped: &str| {
-            write!(f, "{what:<40} {:>8} {skipped:>9} {:>8}", "judged", "failed")?;
+            write!(
+                f,
+                "{what:<40} {:>8} {skipped:>9} {:>8} {:>8}",
+                "judged", "in doubt", "failed"
+            )?;
             for kind in FailureKind::ALL {
                 write!(f, " {kind:>9}")?;
             }
@@ -76,8 +82,9 @@ impl fmt::Display for Table {
             let skipped: usize = row.skipped.values().sum();
             write!(
                 f,
-                "{name:<40} {:>8} {skipped:>9} {:>8}",
+                "{name:<40} {:>8} {skipped:>9} {:>8} {:>8}",
                 row.judged,
+                row.in_doubt,
                 row.failures()
             )?;
             for kind in FailureKind::ALL {

@@ -18,10 +18,10 @@ const MODELS: [&str; 3] = [
 const SAMPLES: usize = 10;
 
 /// A solver that is set up, and what its times are called.
-pub type Named<'m> = (String, Box<dyn Solver + 'm>);
+pub type Named = (String, Box<dyn Solver>);
 
 /// Calls `solver` by a name.
-pub fn named<'m>(name: impl Into<String>, solver: impl Solver + 'm) -> Named<'m> {
+pub fn named(name: impl Into<String>, solver: impl Solver + 'static) -> Named {
     (name.into(), Box::new(solver))
 }
 
@@ -31,7 +31,7 @@ pub fn named<'m>(name: impl Into<String>, solver: impl Solver + 'm) -> Named<'m>
 /// # Panics
 ///
 /// If there is no such model any more.
-pub fn whole_solves(criterion: &mut Criterion, set_up: impl Fn(&Mesh) -> Vec<Named<'_>>) {
+pub fn whole_solves(criterion: &mut Criterion, set_up: impl Fn(&Mesh) -> Vec<Named>) {
     for spec in MODELS {
         let mesh = mesh(spec);
         let mut group = criterion.benchmark_group(spec);

@@ -62,20 +62,20 @@ pub use vertex_order::VertexOrder;
 /// [windows one by one](fwp_mmp_by_window), up to windows that come to a list before its turn,
 /// which make a fourth more of them on the horse, and to those that are filtered: with the filter
 /// it makes seven tenths more; within a round the paper leaves the order open.
-pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> ByList<'_, Buckets> {
+pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> ByList<Buckets> {
     ByList::new(mesh, Buckets::new(mesh, options).of_lists())
 }
 
 /// FWP-MMP with windows taken one by one, first in first out, as
 /// [`mmp_by_window`](geobench_mmp::mmp_by_window) takes them from another queue; O(faces).
-pub fn fwp_mmp_by_window(mesh: &Mesh, options: BucketOptions) -> Continuous<'_, Trimming, Buckets> {
+pub fn fwp_mmp_by_window(mesh: &Mesh, options: BucketOptions) -> Continuous<Trimming, Buckets> {
     Continuous::new(mesh, trimming(mesh), Buckets::new(mesh, options))
 }
 
 /// FWP-CH for `mesh`: windows filtered and not kept, taken from buckets in rounds; O(faces).
 ///
 /// Time O(n²), space O(n) beside the windows that wait (proposition 2 of Xu et al. 2015).
-pub fn fwp_ch(mesh: &Mesh, options: BucketOptions) -> Continuous<'_, Splitting, Buckets> {
+pub fn fwp_ch(mesh: &Mesh, options: BucketOptions) -> Continuous<Splitting, Buckets> {
     Continuous::new(mesh, splitting(mesh), Buckets::new(mesh, options))
 }
 
@@ -83,7 +83,7 @@ pub fn fwp_ch(mesh: &Mesh, options: BucketOptions) -> Continuous<'_, Splitting, 
 /// together in a label correcting queue; O(faces).
 ///
 /// Without a bound on time that means anything; space O(n²).
-pub fn lc_mmp(mesh: &Mesh, options: LabelCorrectingOptions) -> ByList<'_, LabelCorrecting> {
+pub fn lc_mmp(mesh: &Mesh, options: LabelCorrectingOptions) -> ByList<LabelCorrecting> {
     ByList::new(mesh, LabelCorrecting::new(options))
 }
 
@@ -91,7 +91,7 @@ pub fn lc_mmp(mesh: &Mesh, options: LabelCorrectingOptions) -> ByList<'_, LabelC
 pub fn lc_mmp_by_window(
     mesh: &Mesh,
     options: LabelCorrectingOptions,
-) -> Continuous<'_, Trimming, LabelCorrecting> {
+) -> Continuous<Trimming, LabelCorrecting> {
     Continuous::new(mesh, trimming(mesh), LabelCorrecting::new(options))
 }
 
@@ -101,7 +101,7 @@ pub fn lc_mmp_by_window(
 pub fn lc_ch(
     mesh: &Mesh,
     options: LabelCorrectingOptions,
-) -> Continuous<'_, Splitting, LabelCorrecting> {
+) -> Continuous<Splitting, LabelCorrecting> {
     Continuous::new(mesh, splitting(mesh), LabelCorrecting::new(options))
 }
 
@@ -109,14 +109,14 @@ pub fn lc_ch(
 /// around the nearest vertex; O(faces).
 ///
 /// It needs about the time of [`fwp_mmp`] or less, and space O(n²).
-pub fn vtp_mmp(mesh: &Mesh) -> ByList<'_, VertexOrder<'_>> {
+pub fn vtp_mmp(mesh: &Mesh) -> ByList<VertexOrder> {
     ByList::new(mesh, VertexOrder::new(mesh))
 }
 
 /// VTP-CH for `mesh`: windows filtered and not kept, released around the nearest vertex; O(faces).
 ///
 /// It needs about the time of [`fwp_ch`], and space O(n) beside the windows that wait.
-pub fn vtp_ch(mesh: &Mesh) -> Continuous<'_, Splitting, VertexOrder<'_>> {
+pub fn vtp_ch(mesh: &Mesh) -> Continuous<Splitting, VertexOrder> {
     Continuous::new(mesh, splitting(mesh), VertexOrder::new(mesh))
 }
 

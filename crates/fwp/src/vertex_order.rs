@@ -20,8 +20,8 @@ use geobench_window::{Counter, Probe};
 /// O(1) for each window, O(log n) for each time that a vertex improves. A window takes 24 bytes, a
 /// half-edge 12, a face 4.
 #[derive(Clone, Debug)]
-pub struct VertexOrder<'m> {
-    mesh: &'m Mesh,
+pub struct VertexOrder {
+    mesh: Mesh,
     /// From the mesh's faces to those of events.
     numbering: Numbering,
     /// All vertices whose distances have improved, those with outdated labels included: such a one
@@ -37,13 +37,13 @@ pub struct VertexOrder<'m> {
     step: u32,
 }
 
-impl<'m> VertexOrder<'m> {
+impl VertexOrder {
     /// An empty queue for the windows of `mesh`; O(faces).
-    pub fn new(mesh: &'m Mesh) -> Self {
+    pub fn new(mesh: &Mesh) -> Self {
         let mut numbering = Surface::order(mesh);
         numbering.keep_new_faces();
         Self {
-            mesh,
+            mesh: mesh.clone(),
             numbering,
             vertices: MinHeap::default(),
             arena: Arena::default(),
@@ -71,7 +71,7 @@ impl<'m> VertexOrder<'m> {
     }
 }
 
-impl Discipline for VertexOrder<'_> {
+impl Discipline for VertexOrder {
     const COUNTERS: &'static [Counter] = &[
         Counter::QueuePushes,
         Counter::QueuePeak,

@@ -25,10 +25,7 @@ use proptest::prelude::*;
 const ROUNDING: f64 = 1e-12;
 
 /// A way to build a solver, with a name for it.
-type Recipe = (
-    String,
-    Box<dyn for<'m> Fn(&'m Mesh) -> Box<dyn Solver + 'm>>,
-);
+type Recipe = (String, Box<dyn Fn(&Mesh) -> Box<dyn Solver>>);
 
 fn with_buckets(options: BucketOptions, filter: VertexFilter) -> Vec<Recipe> {
     vec![

@@ -12,7 +12,7 @@ mod meshes;
 
 use meshes::Solvers;
 
-fn solvers(mesh: &Mesh) -> Solvers<'_> {
+fn solvers(mesh: &Mesh) -> Solvers {
     let buckets = BucketOptions::default();
     let labels = LabelCorrectingOptions::default();
     vec![

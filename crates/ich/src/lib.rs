@@ -21,17 +21,17 @@ use geobench_window::queue::{Fifo, Priority};
 pub use splitting::Splitting;
 
 /// CH on one mesh: no filter, breadth first.
-pub type Ch<'m> = Continuous<'m, Splitting, Fifo>;
+pub type Ch = Continuous<Splitting, Fifo>;
 
 /// An algorithm of the CH family that takes windows by least distance.
-pub type Ich<'m> = Continuous<'m, Splitting, Priority>;
+pub type Ich = Continuous<Splitting, Priority>;
 
 /// Sets up the algorithm of Chen and Han for `mesh`; O(faces).
 ///
 /// The sequence tree grows level by level, and to as many levels as the mesh has faces, since
 /// nothing but one angle, one split ends a branch. It is for small meshes: some 10,000 faces take
 /// half a minute and 300 million windows.
-pub fn ch(mesh: &Mesh) -> Ch<'_> {
+pub fn ch(mesh: &Mesh) -> Ch {
     Continuous::new(
         mesh,
         Splitting::new(mesh, VertexFilter::Off),
@@ -43,7 +43,7 @@ pub fn ch(mesh: &Mesh) -> Ch<'_> {
 /// O(faces).
 ///
 /// It needs no priority queue, and takes one to three times the windows of [`ich`].
-pub fn ich1(mesh: &Mesh) -> Ch<'_> {
+pub fn ich1(mesh: &Mesh) -> Ch {
     Continuous::new(
         mesh,
         Splitting::new(mesh, VertexFilter::On),
@@ -53,7 +53,7 @@ pub fn ich1(mesh: &Mesh) -> Ch<'_> {
 
 /// Sets up ICH, which is ICH2 of Xin and Wang, for `mesh`: the filter, and windows by least
 /// distance; O(faces).
-pub fn ich(mesh: &Mesh) -> Ich<'_> {
+pub fn ich(mesh: &Mesh) -> Ich {
     Continuous::new(
         mesh,
         Splitting::new(mesh, VertexFilter::On),

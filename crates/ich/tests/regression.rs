@@ -8,7 +8,7 @@ mod meshes;
 
 use meshes::Solvers;
 
-fn solvers(mesh: &Mesh) -> Solvers<'_> {
+fn solvers(mesh: &Mesh) -> Solvers {
     vec![("ich", Box::new(ich(mesh))), ("ich1", Box::new(ich1(mesh)))]
 }
 

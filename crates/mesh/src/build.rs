@@ -1,9 +1,10 @@
 //! From oriented triangles with edge lengths to a [`Mesh`].
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use crate::ids::{HalfEdgeId, VertexId};
-use crate::mesh::{Mesh, VertexFlags};
+use crate::mesh::{Mesh, MeshData, VertexFlags};
 use crate::precision::SLIVER_HEIGHT;
 
 /// Excess angle in radians that a vertex may have before it counts as a saddle. Ignoring an
@@ -21,7 +22,7 @@ pub(crate) fn build(
     lengths: Vec<[f64; 3]>,
     twins: Vec<u32>,
 ) -> Mesh {
-    let mut mesh = Mesh {
+    let data = MeshData {
         positions,
         tails: triangles
             .into_flattened()
@@ -35,9 +36,16 @@ pub(crate) fn build(
         total_angles: Vec::new(),
         flags: vec![VertexFlags::default(); vertex_count],
     };
+    let data = Arc::new(data);
+    let mut mesh = Mesh { data };
     link_fans(&mut mesh);
     mark_slivers(&mut mesh);
     mesh
+}
+
+/// The data of a mesh that nothing shares yet, so that nothing is copied.
+fn data_of(mesh: &mut Mesh) -> &mut MeshData {
+    Arc::make_mut(&mut mesh.data)
 }
 
 /// Flags the corners of faces of next to no area.
@@ -48,7 +56,7 @@ fn mark_slivers(mesh: &mut Mesh) {
         let twice_area = lengths[0] * mesh.apexes(face)[0][1];
         if twice_area < SLIVER_HEIGHT * longest * longest {
             for v in mesh.face_vertices(face) {
-                mesh.flags[v.index()].beside_sliver = true;
+                data_of(mesh).flags[v.index()].beside_sliver = true;
             }
         }
     }
@@ -56,22 +64,24 @@ fn mark_slivers(mesh: &mut Mesh) {
 
 /// Orders the half-edges around every vertex, and derives its angle and flags.
 fn link_fans(mesh: &mut Mesh) {
-    let vertex_count = mesh.flags.len();
+    let mut all_flags = std::mem::take(&mut data_of(mesh).flags);
+    let tails = &mesh.data.tails;
+    let vertex_count = all_flags.len();
     let mut starts = vec![0u32; vertex_count + 1];
-    for v in &mesh.tails {
+    for v in tails {
         starts[v.index() + 1] += 1;
     }
     for i in 0..vertex_count {
         starts[i + 1] += starts[i];
     }
     let mut cursor = starts.clone();
-    let mut outgoing = vec![HalfEdgeId::default(); mesh.tails.len()];
+    let mut outgoing = vec![HalfEdgeId::default(); tails.len()];
     let mut angles = vec![0.0; vertex_count];
     let mut fans = vec![0u32; vertex_count];
-    let mut seen = vec![false; mesh.tails.len()];
+    let mut seen = vec![false; tails.len()];
     // Open fans first, each from its clockwise end; what is left then are closed ones.
     for open in [true, false] {
-        for h in (0..mesh.tails.len() as u32).map(HalfEdgeId::new) {
+        for h in (0..tails.len() as u32).map(HalfEdgeId::new) {
             if seen[h.index()] || open && mesh.twin(h).is_some() {
                 continue;
             }
@@ -87,17 +97,19 @@ fn link_fans(mesh: &mut Mesh) {
                 next = mesh.twin(g.prev());
             }
             let limit = if open { PI } else { 2.0 * PI };
-            let flags = &mut mesh.flags[v];
+            let flags = &mut all_flags[v];
             flags.boundary |= open;
             flags.saddle |= fan_angle > limit + SADDLE_SLACK;
             angles[v] += fan_angle;
             fans[v] += 1;
         }
     }
-    for (flags, &count) in mesh.flags.iter_mut().zip(&fans) {
+    for (flags, &count) in all_flags.iter_mut().zip(&fans) {
         flags.pinched = count > 1;
     }
-    mesh.outgoing_starts = starts;
-    mesh.outgoing = outgoing;
-    mesh.total_angles = angles;
+    let data = data_of(mesh);
+    data.outgoing_starts = starts;
+    data.outgoing = outgoing;
+    data.total_angles = angles;
+    data.flags = all_flags;
 }

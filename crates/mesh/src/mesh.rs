@@ -1,5 +1,7 @@
 //! The half-edge mesh that every solver reads.
 
+use std::sync::Arc;
+
 use crate::frames::{apexes_from_lengths, apexes_from_positions};
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 
@@ -12,8 +14,17 @@ use crate::ids::{FaceId, HalfEdgeId, VertexId};
 /// needs is in these lengths and frames; a mesh built from lengths alone has no positions.
 ///
 /// Vertex numbers are the file's.
+///
+/// A clone shares the data and costs next to nothing, so solvers keep one of the mesh they were set
+/// up for.
 #[derive(Clone, Debug)]
 pub struct Mesh {
+    pub(crate) data: Arc<MeshData>,
+}
+
+/// The arrays of a [`Mesh`].
+#[derive(Clone, Debug)]
+pub(crate) struct MeshData {
     pub(crate) positions: Vec<[f64; 3]>,
     pub(crate) tails: Vec<VertexId>,
     pub(crate) twins: Vec<u32>,
@@ -40,17 +51,17 @@ pub(crate) const NO_TWIN: u32 = u32::MAX;
 impl Mesh {
     /// Number of vertices, isolated ones included.
     pub fn vertex_count(&self) -> usize {
-        self.flags.len()
+        self.data.flags.len()
     }
 
     /// Number of triangles.
     pub fn face_count(&self) -> usize {
-        self.tails.len() / 3
+        self.data.tails.len() / 3
     }
 
     /// Number of half-edges: three for each face.
     pub fn half_edge_count(&self) -> usize {
-        self.tails.len()
+        self.data.tails.len()
     }
 
     /// All vertices in the file's order.
@@ -70,38 +81,42 @@ impl Mesh {
 
     /// Coordinates of every vertex; empty for a mesh that was built from edge lengths alone.
     pub fn positions(&self) -> &[[f64; 3]] {
-        &self.positions
+        &self.data.positions
     }
 
     /// The vertex from which `h` starts.
     #[inline]
     pub fn tail(&self, h: HalfEdgeId) -> VertexId {
-        self.tails[h.index()]
+        self.data.tails[h.index()]
     }
 
     /// The vertex at which `h` ends.
     #[inline]
     pub fn head(&self, h: HalfEdgeId) -> VertexId {
-        self.tails[h.next().index()]
+        self.data.tails[h.next().index()]
     }
 
     /// The vertex of the face of `h` that is not on `h`.
     #[inline]
     pub fn apex_vertex(&self, h: HalfEdgeId) -> VertexId {
-        self.tails[h.prev().index()]
+        self.data.tails[h.prev().index()]
     }
 
     /// The three vertices of `face`, in its orientation.
     #[inline]
     pub fn face_vertices(&self, face: FaceId) -> [VertexId; 3] {
         let i = face.half_edge(0).index();
-        [self.tails[i], self.tails[i + 1], self.tails[i + 2]]
+        [
+            self.data.tails[i],
+            self.data.tails[i + 1],
+            self.data.tails[i + 2],
+        ]
     }
 
     /// The half-edge of the neighbouring face along the same edge, or `None` at the boundary.
     #[inline]
     pub fn twin(&self, h: HalfEdgeId) -> Option<HalfEdgeId> {
-        let twin = self.twins[h.index()];
+        let twin = self.data.twins[h.index()];
         (twin != NO_TWIN).then(|| HalfEdgeId::new(twin))
     }
 
@@ -109,7 +124,7 @@ impl Mesh {
     /// [`SHORTEST_EDGE`](crate::SHORTEST_EDGE) to [`LONGEST_EDGE`](crate::LONGEST_EDGE).
     #[inline]
     pub fn length(&self, h: HalfEdgeId) -> f64 {
-        self.lengths[h.index()]
+        self.data.lengths[h.index()]
     }
 
     /// Position of the apex vertex in the frame of `h`; its y is positive, in a face without area
@@ -125,10 +140,12 @@ impl Mesh {
     /// The [`apex`](Self::apex) in the frame of each half-edge of `face`.
     pub fn apexes(&self, face: FaceId) -> [[f64; 2]; 3] {
         let lengths = [0, 1, 2].map(|k| self.length(face.half_edge(k)));
-        if self.positions.is_empty() {
+        if self.data.positions.is_empty() {
             apexes_from_lengths(lengths)
         } else {
-            let corners = self.face_vertices(face).map(|v| self.positions[v.index()]);
+            let corners = self
+                .face_vertices(face)
+                .map(|v| self.data.positions[v.index()]);
             apexes_from_positions(corners, lengths)
         }
     }
@@ -140,7 +157,8 @@ impl Mesh {
     #[inline]
     pub fn outgoing(&self, v: VertexId) -> &[HalfEdgeId] {
         let i = v.index();
-        &self.outgoing[self.outgoing_starts[i] as usize..self.outgoing_starts[i + 1] as usize]
+        &self.data.outgoing
+            [self.data.outgoing_starts[i] as usize..self.data.outgoing_starts[i + 1] as usize]
     }
 
     /// The vertices joined to `v` by an edge, each once, with the lengths of those edges.
@@ -158,26 +176,26 @@ impl Mesh {
     /// Sum of the corner angles at `v` in radians, over all its fans; 0 for an isolated vertex.
     #[inline]
     pub fn total_angle(&self, v: VertexId) -> f64 {
-        self.total_angles[v.index()]
+        self.data.total_angles[v.index()]
     }
 
     /// Whether `v` lies on a boundary edge.
     #[inline]
     pub fn is_boundary(&self, v: VertexId) -> bool {
-        self.flags[v.index()].boundary
+        self.data.flags[v.index()].boundary
     }
 
     /// Whether a shortest path can bend at `v` inside one fan: that fan spans more than 2π, or
     /// more than π if it is open (with a slack of 1e-8, which costs less than 1e-16 of a path).
     #[inline]
     pub fn is_saddle(&self, v: VertexId) -> bool {
-        self.flags[v.index()].saddle
+        self.data.flags[v.index()].saddle
     }
 
     /// Whether several fans meet in `v` and in nothing else.
     #[inline]
     pub fn is_pinched(&self, v: VertexId) -> bool {
-        self.flags[v.index()].pinched
+        self.data.flags[v.index()].pinched
     }
 
     /// Whether `v` is a corner of a face so thin (its height below
@@ -185,7 +203,7 @@ impl Mesh {
     /// decide on which side of `v` a ray passes.
     #[inline]
     pub fn is_beside_sliver(&self, v: VertexId) -> bool {
-        self.flags[v.index()].beside_sliver
+        self.data.flags[v.index()].beside_sliver
     }
 
     /// Whether windows must start anew from `v` when a path reaches it: at a saddle, where a
@@ -193,7 +211,7 @@ impl Mesh {
     /// and beside slivers, where a whole angle of rays can be lost between two triangles.
     #[inline]
     pub fn is_pseudo_source(&self, v: VertexId) -> bool {
-        let flags = self.flags[v.index()];
+        let flags = self.data.flags[v.index()];
         flags.saddle || flags.pinched || flags.beside_sliver
     }
 }

@@ -59,21 +59,22 @@ impl Mesh {
 
     fn check_array_lengths(&self) -> Result<(), BrokenInvariant> {
         let (vertices, half_edges) = (self.vertex_count(), self.half_edge_count());
-        let positions = if self.positions.is_empty() {
+        let data = &*self.data;
+        let positions = if data.positions.is_empty() {
             0
         } else {
             vertices
         };
-        let out_ends = self.outgoing_starts.last().map_or(0, |&end| end as usize);
+        let out_ends = data.outgoing_starts.last().map_or(0, |&end| end as usize);
         for (array, found, expected) in [
-            ("positions", self.positions.len(), positions),
+            ("positions", data.positions.len(), positions),
             ("tails", half_edges, 3 * self.face_count()),
-            ("twins", self.twins.len(), half_edges),
-            ("lengths", self.lengths.len(), half_edges),
-            ("outgoing_starts", self.outgoing_starts.len(), vertices + 1),
-            ("outgoing", self.outgoing.len(), half_edges),
+            ("twins", data.twins.len(), half_edges),
+            ("lengths", data.lengths.len(), half_edges),
+            ("outgoing_starts", data.outgoing_starts.len(), vertices + 1),
+            ("outgoing", data.outgoing.len(), half_edges),
             ("outgoing of all vertices", out_ends, half_edges),
-            ("total_angles", self.total_angles.len(), vertices),
+            ("total_angles", data.total_angles.len(), vertices),
         ] {
             if found != expected {
                 return Err(BrokenInvariant::ArrayLength {

@@ -40,14 +40,14 @@ pub use forgetting::Keep;
 pub use trimming::{Carrier, Trimming};
 
 /// MMP on windows that have their turns one by one, the nearest of all first.
-pub type MmpByWindow<'m> = Continuous<'m, Trimming, Priority>;
+pub type MmpByWindow = Continuous<Trimming, Priority>;
 
 /// Sets MMP up for `mesh`, with windows filtered, kept on half-edges, and those of one half-edge
 /// taken together; O(faces).
 ///
 /// The list with the nearest window has its turn, and what lies up to [a mean
 /// edge](NearLists::SLACK) further goes with it. Space is O(n²) for n faces.
-pub fn mmp(mesh: &Mesh) -> ByList<'_, NearLists> {
+pub fn mmp(mesh: &Mesh) -> ByList<NearLists> {
     mmp_with_slack(mesh, NearLists::SLACK)
 }
 
@@ -58,13 +58,13 @@ pub fn mmp(mesh: &Mesh) -> ByList<'_, NearLists> {
 /// the [filter](ByList::filtering), 0.3 to 1 % more windows in half of the time on scans; at 0 the
 /// order is that of [`mmp_by_window`] but for windows equally near, and takes 1.1 to 1.8 times as
 /// long. A negative slack and NaN count as 0.
-pub fn mmp_with_slack(mesh: &Mesh, slack: f64) -> ByList<'_, NearLists> {
+pub fn mmp_with_slack(mesh: &Mesh, slack: f64) -> ByList<NearLists> {
     ByList::new(mesh, NearLists::new(mesh, slack))
 }
 
 /// Sets MMP up for `mesh` as its papers describe it, with windows taken one by one, the nearest of
 /// all first; O(faces).
-pub fn mmp_by_window(mesh: &Mesh) -> MmpByWindow<'_> {
+pub fn mmp_by_window(mesh: &Mesh) -> MmpByWindow {
     Continuous::new(
         mesh,
         Trimming::new(mesh, Carrier::HalfEdge),
@@ -75,7 +75,7 @@ pub fn mmp_by_window(mesh: &Mesh) -> MmpByWindow<'_> {
 /// Sets the edge-based variant of MMP up for `mesh`, with windows taken one by one; O(faces).
 ///
 /// It stores fewer windows than [`mmp_by_window`], and needs more work for each.
-pub fn mmp_edge(mesh: &Mesh) -> MmpByWindow<'_> {
+pub fn mmp_edge(mesh: &Mesh) -> MmpByWindow {
     Continuous::new(
         mesh,
         Trimming::new(mesh, Carrier::Edge),

@@ -9,13 +9,13 @@ mod meshes;
 
 use meshes::Solvers;
 
-fn solvers(mesh: &Mesh) -> Solvers<'_> {
+fn solvers(mesh: &Mesh) -> Solvers {
     let mut solvers = of_half_edges(mesh);
     solvers.push(("mmp-edge", Box::new(mmp_edge(mesh))));
     solvers
 }
 
-fn of_half_edges(mesh: &Mesh) -> Solvers<'_> {
+fn of_half_edges(mesh: &Mesh) -> Solvers {
     vec![
         ("mmp", Box::new(mmp(mesh))),
         ("mmp, nearest first", Box::new(mmp_with_slack(mesh, 0.0))),

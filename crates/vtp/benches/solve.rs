@@ -51,14 +51,14 @@ fn options() -> Vec<(String, FastOptions)> {
 /// Two solves of `vtp-fast` at the same time, which have nothing to do with each other: twice as
 /// long as one solve on two threads could take at best. On machines whose processors slow each
 /// other down, or that others use as well, this tells what two threads have to gain.
-struct Twice<'m> {
-    first: VtpFast<'m>,
-    second: Mutex<VtpFast<'m>>,
+struct Twice {
+    first: VtpFast,
+    second: Mutex<VtpFast>,
     pool: ThreadPool,
 }
 
-impl<'m> Twice<'m> {
-    fn new(mesh: &'m Mesh) -> Self {
+impl Twice {
+    fn new(mesh: &Mesh) -> Self {
         let pool = ThreadPoolBuilder::new().num_threads(1).build();
         Self {
             first: VtpFast::new(mesh),
@@ -68,7 +68,7 @@ impl<'m> Twice<'m> {
     }
 }
 
-impl Solver for Twice<'_> {
+impl Solver for Twice {
     fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
         let (first, second) = (&mut self.first, &self.second);
         self.pool.in_place_scope(|scope| {

@@ -26,8 +26,8 @@ use crate::schedule::{Schedule, Turn};
 ///
 /// The solver numbers vertices and faces anew, breadth first.
 #[derive(Clone, Debug)]
-pub struct ListPropagation<'m, S, M, P, E> {
-    mesh: &'m Mesh,
+pub struct ListPropagation<S, M, P, E> {
+    vertex_count: usize,
     instructions: Instructions,
     numbering: Numbering,
     surface: Surface,
@@ -45,16 +45,16 @@ pub struct ListPropagation<'m, S, M, P, E> {
     choices: PhantomData<(M, P)>,
 }
 
-impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P, E> {
+impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     /// Sets up for `mesh`; O(faces).
-    pub fn new(mesh: &'m Mesh) -> Self {
+    pub fn new(mesh: &Mesh) -> Self {
         let mut numbering = Numbering::breadth_first(mesh);
         let surface = Surface::new(mesh, &numbering);
         numbering.keep_new_vertices();
         let faces = mesh.face_count();
         let kept = surface.kept.clone();
         Self {
-            mesh,
+            vertex_count: mesh.vertex_count(),
             instructions: Instructions::detect(),
             numbering,
             surface,
@@ -100,10 +100,9 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
         self.levels.clear();
         self.kept.clear();
         self.passed.clear();
-        self.passed.resize(self.mesh.vertex_count(), false);
+        self.passed.resize(self.vertex_count, false);
         self.distances.clear();
-        self.distances
-            .resize(self.mesh.vertex_count(), f64::INFINITY);
+        self.distances.resize(self.vertex_count, f64::INFINITY);
     }
 
     /// A path of length `d` reaches `v`. If faces join by vertices every vertex has a turn, and
@@ -383,7 +382,7 @@ impl<'m, S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<'m, S, M, P,
     }
 }
 
-impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<'_, S, M, P, E> {
+impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S, M, P, E> {
     fn counters() -> Vec<Counter> {
         vec![
             Counter::Propagated,
@@ -404,8 +403,8 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<'_
         ]
     }
 
-    fn mesh(&self) -> &Mesh {
-        self.mesh
+    fn vertex_count(&self) -> usize {
+        self.vertex_count
     }
 
     fn propagate<B: Probe>(&mut self, sources: &[VertexId], probe: &mut B) -> Solution {

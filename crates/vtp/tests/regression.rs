@@ -11,7 +11,7 @@ mod meshes;
 
 use meshes::Solvers;
 
-fn solvers(mesh: &Mesh) -> Solvers<'_> {
+fn solvers(mesh: &Mesh) -> Solvers {
     let fast = |options| VtpFast::with_options(mesh, options);
     let with = |instructions| FastOptions {
         instructions,

@@ -12,14 +12,11 @@ use geobench_vtp::{
 };
 use geobench_window::{Counter, Counters, Phase, Probe, Propagate, Solver};
 
-fn family(mesh: &Mesh) -> [(&'static str, Box<dyn Solver + '_>); 9] {
+fn family(mesh: &Mesh) -> [(&'static str, Box<dyn Solver>); 9] {
     family_with(mesh, Instructions::detect())
 }
 
-fn family_with(
-    mesh: &Mesh,
-    instructions: Instructions,
-) -> [(&'static str, Box<dyn Solver + '_>); 9] {
+fn family_with(mesh: &Mesh, instructions: Instructions) -> [(&'static str, Box<dyn Solver>); 9] {
     macro_rules! solver {
         ($algorithm:ident) => {
             Box::new($algorithm::new(mesh).with_instructions(instructions))
@@ -69,13 +66,13 @@ fn check(name: &str, mesh: &Mesh, count: usize) {
 }
 
 /// Every variant.
-fn all(mesh: &Mesh) -> impl Iterator<Item = (&'static str, Box<dyn Solver + '_>)> {
+fn all(mesh: &Mesh) -> impl Iterator<Item = (&'static str, Box<dyn Solver>)> {
     let family = family(mesh).into_iter().chain(fast(mesh));
     family.chain(parallel(mesh))
 }
 
 /// VTP for speed, with all sets of instructions and with each improvement switched off.
-fn fast(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver + '_>)> {
+fn fast(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver>)> {
     let all = FastOptions::default();
     let with = |instructions| FastOptions {
         instructions,
@@ -117,7 +114,7 @@ fn fast(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver + '_>)> {
             },
         ),
     ];
-    let solver = |o| -> Box<dyn Solver + '_> { Box::new(VtpFast::with_options(mesh, o)) };
+    let solver = |o| -> Box<dyn Solver> { Box::new(VtpFast::with_options(mesh, o)) };
     options
         .into_iter()
         .map(|(name, o)| (name, solver(o)))
@@ -125,8 +122,8 @@ fn fast(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver + '_>)> {
 }
 
 /// The same on several threads.
-fn parallel(mesh: &Mesh) -> [(&'static str, Box<dyn Solver + '_>); 3] {
-    let solver = |threads| -> Box<dyn Solver + '_> { Box::new(Pvtp::new(mesh, threads)) };
+fn parallel(mesh: &Mesh) -> [(&'static str, Box<dyn Solver>); 3] {
+    let solver = |threads| -> Box<dyn Solver> { Box::new(Pvtp::new(mesh, threads)) };
     [
         ("one thread", solver(1)),
         ("two threads", solver(2)),

@@ -1,6 +1,6 @@
 //! The one interface through which a runner reaches an algorithm.
 
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::VertexId;
 
 use crate::counters::{Counter, Counters};
 use crate::probe::{Clock, Count, Phases, Probe};
@@ -47,7 +47,8 @@ pub enum SolveError {
 }
 
 /// An algorithm set up for one mesh. Building it is the set-up and is not timed; it can then be
-/// asked for one set of sources after another.
+/// asked for one set of sources after another. It owns what it needs, so it can be stored beside
+/// its mesh, outlive it, and move to another thread.
 pub trait Solver: Send {
     /// Distances from the nearest of `sources`, unobserved: the call that is timed.
     ///
@@ -78,8 +79,8 @@ pub trait Propagate: Send {
     /// The counters that this algorithm reports.
     fn counters() -> Vec<Counter>;
 
-    /// The mesh that it was set up for.
-    fn mesh(&self) -> &Mesh;
+    /// Number of vertices of the mesh that it was set up for.
+    fn vertex_count(&self) -> usize;
 
     /// Whether set-up got all that a run needs; most algorithms need nothing that can fail.
     ///
@@ -96,13 +97,13 @@ pub trait Propagate: Send {
 
 impl<T: Propagate> Solver for T {
     fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
-        check_sources(self.mesh(), sources)?;
+        check_sources(self.vertex_count(), sources)?;
         self.check()?;
         Ok(self.propagate(sources, &mut ()))
     }
 
     fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
-        check_sources(self.mesh(), sources)?;
+        check_sources(self.vertex_count(), sources)?;
         self.check()?;
         let mut count = Count::default();
         let solution = self.propagate(sources, &mut count);
@@ -110,7 +111,7 @@ impl<T: Propagate> Solver for T {
     }
 
     fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError> {
-        check_sources(self.mesh(), sources)?;
+        check_sources(self.vertex_count(), sources)?;
         self.check()?;
         let mut clock = Clock::default();
         let solution = self.propagate(sources, &mut clock);
@@ -118,8 +119,7 @@ impl<T: Propagate> Solver for T {
     }
 }
 
-fn check_sources(mesh: &Mesh, sources: &[VertexId]) -> Result<(), SolveError> {
-    let vertices = mesh.vertex_count();
+fn check_sources(vertices: usize, sources: &[VertexId]) -> Result<(), SolveError> {
     match sources.iter().find(|v| v.index() >= vertices) {
         Some(&vertex) => Err(SolveError::NoSuchVertex { vertex, vertices }),
         None if sources.is_empty() => Err(SolveError::NoSource),

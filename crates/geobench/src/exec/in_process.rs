@@ -33,7 +33,7 @@ impl Backend for InProcess {
                 message: error.to_string(),
             })?;
         let mut session = InProcessSession {
-            mesh: &loaded.mesh,
+            mesh: loaded.mesh,
             solvers: Vec::new(),
         };
         work(&loaded.record, &mut session);
@@ -42,12 +42,12 @@ impl Backend for InProcess {
 }
 
 /// The solvers of a mesh, by label. They are set up once and used for all later runs and sources.
-struct InProcessSession<'m> {
-    mesh: &'m Mesh,
-    solvers: Vec<(String, Box<dyn Solver + 'm>)>,
+struct InProcessSession {
+    mesh: Mesh,
+    solvers: Vec<(String, Box<dyn Solver>)>,
 }
 
-impl Session for InProcessSession<'_> {
+impl Session for InProcessSession {
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
         // The solver is dropped after a panic: see below.
         let result = catch_unwind(AssertUnwindSafe(|| match step.pass {
@@ -72,7 +72,7 @@ impl Session for InProcessSession<'_> {
     }
 }
 
-impl InProcessSession<'_> {
+impl InProcessSession {
     /// A run with the solver of the algorithm, set up on first use.
     fn solve(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
         let label = step.algorithm.label();
@@ -81,7 +81,7 @@ impl InProcessSession<'_> {
         let place = known.unwrap_or(self.solvers.len());
         if place == self.solvers.len() {
             let start = Instant::now();
-            let solver = step.algorithm.build(self.mesh);
+            let solver = step.algorithm.build(&self.mesh);
             setup = Some(start.elapsed());
             self.solvers.push((label.to_owned(), solver));
         }
@@ -108,7 +108,7 @@ impl InProcessSession<'_> {
         // Memory of the solver of the timed runs does not count.
         self.dismiss(step.algorithm.label());
         let measure = PeakMemory::start();
-        let result = step.algorithm.build(self.mesh).clock(&[step.source]);
+        let result = step.algorithm.build(&self.mesh).clock(&[step.source]);
         let peaks = measure.stop();
         let (solution, phases) = result?;
         Ok(Observation {
@@ -126,7 +126,7 @@ impl InProcessSession<'_> {
     /// A run with a new solver, which is dropped.
     fn count(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
         self.dismiss(step.algorithm.label());
-        let (solution, mut counters) = step.algorithm.build(self.mesh).count(&[step.source])?;
+        let (solution, mut counters) = step.algorithm.build(&self.mesh).count(&[step.source])?;
         let wavefront = std::mem::take(&mut counters.wavefront);
         Ok(Observation {
             distances: solution.distances,
@@ -169,11 +169,11 @@ mod tests {
         build: |_, _| panic!("no such luck"),
     };
 
-    fn on_a_triangle<T>(test: impl FnOnce(&mut InProcessSession<'_>) -> T) -> T {
+    fn on_a_triangle<T>(test: impl FnOnce(&mut InProcessSession) -> T) -> T {
         let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
         let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, vec![[0, 1, 2]])).unwrap();
         test(&mut InProcessSession {
-            mesh: &mesh,
+            mesh,
             solvers: Vec::new(),
         })
     }

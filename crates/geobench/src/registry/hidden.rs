@@ -132,7 +132,7 @@ const FAMILY: &[Algorithm] = &[
 const fn algorithm(
     name: &'static str,
     parameters: &'static [Parameter],
-    build: for<'m> fn(&'m Mesh, &Values) -> Box<dyn Solver + 'm>,
+    build: fn(&Mesh, &Values) -> Box<dyn Solver>,
 ) -> Algorithm {
     Algorithm {
         name,
@@ -170,11 +170,7 @@ fn descend(depth: u64) -> u64 {
     descend(depth + 1) + black_box(frame)[7]
 }
 
-fn misbehave<'m>(
-    mesh: &'m Mesh,
-    values: &Values,
-    deed: impl FnMut() + Send + 'm,
-) -> Box<dyn Solver + 'm> {
+fn misbehave(mesh: &Mesh, values: &Values, deed: impl FnMut() + Send + 'static) -> Box<dyn Solver> {
     Box::new(Misbehaving {
         inner: Box::new(mmp(mesh)),
         well: values.integer(&AFTER),
@@ -183,14 +179,14 @@ fn misbehave<'m>(
 }
 
 /// Does as the solver inside, after a number of runs not without a deed.
-struct Misbehaving<'m, D> {
-    inner: Box<dyn Solver + 'm>,
+struct Misbehaving<D> {
+    inner: Box<dyn Solver>,
     /// Runs that still go well.
     well: u64,
     deed: D,
 }
 
-impl<D: FnMut()> Misbehaving<'_, D> {
+impl<D: FnMut()> Misbehaving<D> {
     fn run(&mut self) {
         match self.well.checked_sub(1) {
             Some(less) => self.well = less,
@@ -199,7 +195,7 @@ impl<D: FnMut()> Misbehaving<'_, D> {
     }
 }
 
-impl<D: FnMut() + Send> Solver for Misbehaving<'_, D> {
+impl<D: FnMut() + Send> Solver for Misbehaving<D> {
     fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
         self.run();
         self.inner.solve(sources)
@@ -217,15 +213,15 @@ impl<D: FnMut() + Send> Solver for Misbehaving<'_, D> {
 }
 
 /// Answers as the solver inside but for one distance, after a number of right answers.
-struct Wrong<'m> {
-    inner: Box<dyn Solver + 'm>,
+struct Wrong {
+    inner: Box<dyn Solver>,
     /// Runs that still go well.
     well: u64,
     factor: f64,
     vertex: usize,
 }
 
-impl Wrong<'_> {
+impl Wrong {
     fn spoil(&mut self, solution: &mut Solution) {
         match self.well.checked_sub(1) {
             Some(less) => self.well = less,
@@ -238,7 +234,7 @@ impl Wrong<'_> {
     }
 }
 
-impl Solver for Wrong<'_> {
+impl Solver for Wrong {
     fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
         let mut solution = self.inner.solve(sources)?;
         self.spoil(&mut solution);

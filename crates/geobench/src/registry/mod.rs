@@ -63,12 +63,12 @@ pub struct Algorithm {
     pub parameters: &'static [Parameter],
     /// Sets it up for a mesh with these values of its parameters; this is not part of the time
     /// reported for it.
-    pub build: for<'m> fn(&'m Mesh, &Values) -> Box<dyn Solver + 'm>,
+    pub build: fn(&Mesh, &Values) -> Box<dyn Solver>,
 }
 
 impl Algorithm {
     /// Sets the algorithm up for `mesh`, every parameter at its default.
-    pub fn build_default<'m>(&self, mesh: &'m Mesh) -> Box<dyn Solver + 'm> {
+    pub fn build_default(&self, mesh: &Mesh) -> Box<dyn Solver> {
         (self.build)(mesh, &Values::default())
     }
 }

@@ -424,7 +424,6 @@ impl Values {
 #[cfg(test)]
 mod tests {
     use geobench_mesh::{TriangleSoup, VertexId};
-    use geobench_window::Solver;
 
     use super::super::{select, select_one};
     use super::*;
@@ -494,7 +493,7 @@ mod tests {
         let spec: geobench_mesh::generate::Spec = spec.parse().unwrap();
         let soup: TriangleSoup = geobench_mesh::generate::generate(&spec).unwrap();
         let (mesh, _) = Mesh::from_soup(soup).unwrap();
-        let mut solver: Box<dyn Solver + '_> = select(list).unwrap()[0].build(&mesh);
+        let mut solver = select(list).unwrap()[0].build(&mesh);
         solver.solve(&[VertexId::new(0)]).unwrap().distances
     }
 

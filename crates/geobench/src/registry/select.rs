@@ -146,7 +146,7 @@ impl Selection {
     /// # Panics
     ///
     /// When it is an outside program, which has no solver here.
-    pub fn build<'m>(&self, mesh: &'m Mesh) -> Box<dyn Solver + 'm> {
+    pub fn build(&self, mesh: &Mesh) -> Box<dyn Solver> {
         (self.algorithm.build)(mesh, &self.values)
     }
 }

@@ -44,11 +44,11 @@ pub(crate) struct Run<'m> {
     /// What runs.
     pub(crate) selection: Selection,
     model: &'m str,
-    solver: Box<dyn Solver + 'm>,
+    solver: Box<dyn Solver>,
 }
 
 /// Every exact algorithm that can finish on `mesh`, a small one, set up for it.
-pub(crate) fn exact_runs<'m>(model: &'m str, mesh: &'m Mesh) -> Vec<Run<'m>> {
+pub(crate) fn exact_runs<'m>(model: &'m str, mesh: &Mesh) -> Vec<Run<'m>> {
     let faces = mesh.face_count();
     let others = select(ON_SMALL).unwrap_or_else(|error| panic!("{error}"));
     let algorithms = exact_algorithms().into_iter().chain(others);
@@ -58,7 +58,7 @@ pub(crate) fn exact_runs<'m>(model: &'m str, mesh: &'m Mesh) -> Vec<Run<'m>> {
 
 impl<'m> Run<'m> {
     /// Sets `selection` up for `mesh`.
-    pub(crate) fn new(selection: Selection, model: &'m str, mesh: &'m Mesh) -> Self {
+    pub(crate) fn new(selection: Selection, model: &'m str, mesh: &Mesh) -> Self {
         Self {
             solver: selection.build(mesh),
             selection,
@@ -67,7 +67,7 @@ impl<'m> Run<'m> {
     }
 
     /// The solver itself.
-    pub(crate) fn solver(&mut self) -> &mut (dyn Solver + 'm) {
+    pub(crate) fn solver(&mut self) -> &mut dyn Solver {
         self.solver.as_mut()
     }
 

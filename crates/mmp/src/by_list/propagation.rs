@@ -42,8 +42,8 @@ const AHEAD: [usize; 2] = [6, 2];
 /// labels. Its turn takes those that are [due](Discipline::is_due), and what waits on is queued
 /// again.
 #[derive(Clone, Debug)]
-pub struct ByList<'m, Q> {
-    front: Front<'m, Q>,
+pub struct ByList<Q> {
+    front: Front<Q>,
     /// The windows whose turn it is, and what they leave on the left and on the right exit.
     taken: Run,
     children: [Run; 2],
@@ -51,8 +51,8 @@ pub struct ByList<'m, Q> {
 
 /// All that windows and distances come to.
 #[derive(Clone, Debug)]
-struct Front<'m, Q> {
-    mesh: &'m Mesh,
+struct Front<Q> {
+    mesh: Mesh,
     surface: Surface,
     queue: Q,
     /// The windows about to enter the face of each half-edge.
@@ -66,13 +66,13 @@ struct Front<'m, Q> {
     waiting: usize,
 }
 
-impl<'m, Q: Discipline> ByList<'m, Q> {
+impl<Q: Discipline> ByList<Q> {
     /// Sets up for `mesh`; O(faces).
-    pub fn new(mesh: &'m Mesh, queue: Q) -> Self {
+    pub fn new(mesh: &Mesh, queue: Q) -> Self {
         let order = Surface::order(mesh);
         Self {
             front: Front {
-                mesh,
+                mesh: mesh.clone(),
                 surface: Surface::new(mesh),
                 queue,
                 store: Store::new(mesh.half_edge_count()),
@@ -192,7 +192,7 @@ impl<'m, Q: Discipline> ByList<'m, Q> {
     }
 }
 
-impl<Q: Discipline> Front<'_, Q> {
+impl<Q: Discipline> Front<Q> {
     /// Asks for the memory that turns to come will need.
     #[inline]
     fn read_ahead(&self) {
@@ -235,16 +235,17 @@ impl<Q: Discipline> Front<'_, Q> {
     fn spawn<P: Probe>(&mut self, v: VertexId, run: &mut Run, probe: &mut P) {
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.surface.distance(v);
-        let mesh = self.mesh;
-        for &h in mesh.outgoing(v) {
-            let h = self.surface.faces().number(h);
+        // By index, since `self` changes meanwhile.
+        let degree = self.mesh.outgoing(v).len();
+        for i in 0..degree {
+            let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
             let edges = self.surface.faces().edges_at_tail(h);
             for (neighbour, length) in edges.into_iter().flatten() {
                 self.offer(neighbour, sigma + length, probe);
             }
         }
-        for &h in mesh.outgoing(v) {
-            let h = self.surface.faces().number(h);
+        for i in 0..degree {
+            let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
             if let Some((target, window)) = spawn_window(self.surface.faces(), h, sigma) {
                 probe.add(Counter::Spawned, 1);
                 let edge = self.surface.edge(target);
@@ -411,13 +412,13 @@ fn tries(taken: &Run, entrance: &Entrance) -> u64 {
     both.sum()
 }
 
-impl<Q: Discipline> Propagate for ByList<'_, Q> {
+impl<Q: Discipline> Propagate for ByList<Q> {
     fn counters() -> Vec<Counter> {
         [COUNTERS, Q::COUNTERS].concat()
     }
 
-    fn mesh(&self) -> &Mesh {
-        self.front.mesh
+    fn vertex_count(&self) -> usize {
+        self.front.mesh.vertex_count()
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {

@@ -34,4 +34,4 @@
 use crate::{AcrossTheFace, ListPropagation, NearestVertex, Neighbours, OrderFree};
 
 /// The edge-based algorithm on one mesh; see [the page](self).
-pub type EdgeBased<'m> = ListPropagation<'m, NearestVertex, OrderFree, Neighbours, AcrossTheFace>;
+pub type EdgeBased = ListPropagation<NearestVertex, OrderFree, Neighbours, AcrossTheFace>;

@@ -15,4 +15,4 @@
 use crate::{ListPropagation, NearestFace, Neighbours, OneAngleTwoSides, OrderFree};
 
 /// FTP on one mesh; see [the page](self).
-pub type Ftp<'m> = ListPropagation<'m, NearestFace, OrderFree, Neighbours, OneAngleTwoSides>;
+pub type Ftp = ListPropagation<NearestFace, OrderFree, Neighbours, OneAngleTwoSides>;

@@ -10,5 +10,4 @@
 use crate::{ListPropagation, NearestFace, Neighbours, OneAngleTwoSides, OrderPreserving};
 
 /// OPFTP on one mesh; see [the page](self).
-pub type Opftp<'m> =
-    ListPropagation<'m, NearestFace, OrderPreserving, Neighbours, OneAngleTwoSides>;
+pub type Opftp = ListPropagation<NearestFace, OrderPreserving, Neighbours, OneAngleTwoSides>;

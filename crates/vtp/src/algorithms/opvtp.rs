@@ -14,5 +14,4 @@
 use crate::{ListPropagation, NearestVertex, Neighbours, OneAngleTwoSides, OrderPreserving};
 
 /// OPVTP on one mesh; see [the page](self).
-pub type Opvtp<'m> =
-    ListPropagation<'m, NearestVertex, OrderPreserving, Neighbours, OneAngleTwoSides>;
+pub type Opvtp = ListPropagation<NearestVertex, OrderPreserving, Neighbours, OneAngleTwoSides>;

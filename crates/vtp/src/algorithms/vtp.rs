@@ -35,4 +35,4 @@
 use crate::{ListPropagation, NearestVertex, Neighbours, OneAngleTwoSides, OrderFree};
 
 /// VTP on one mesh; see [the page](self).
-pub type Vtp<'m> = ListPropagation<'m, NearestVertex, OrderFree, Neighbours, OneAngleTwoSides>;
+pub type Vtp = ListPropagation<NearestVertex, OrderFree, Neighbours, OneAngleTwoSides>;

@@ -23,4 +23,4 @@
 use crate::{AllPairs, EveryPath, ListPropagation, NearestVertex, OrderFree};
 
 /// VTP-Exhaustive on one mesh; see [the page](self).
-pub type VtpExhaustive<'m> = ListPropagation<'m, NearestVertex, OrderFree, AllPairs, EveryPath>;
+pub type VtpExhaustive = ListPropagation<NearestVertex, OrderFree, AllPairs, EveryPath>;

@@ -12,4 +12,4 @@
 use crate::{AnyExit, ListPropagation, NearestVertex, Neighbours, OrderFree};
 
 /// VTP without rule 1 on one mesh; see [the page](self).
-pub type VtpNoRule1<'m> = ListPropagation<'m, NearestVertex, OrderFree, Neighbours, AnyExit>;
+pub type VtpNoRule1 = ListPropagation<NearestVertex, OrderFree, Neighbours, AnyExit>;

@@ -13,5 +13,4 @@
 use crate::{ListPropagation, NearestVertex, NoPairs, OneAngleTwoSides, OrderFree};
 
 /// VTP without rules 2 and 3 on one mesh; see [the page](self).
-pub type VtpNoRules23<'m> =
-    ListPropagation<'m, NearestVertex, OrderFree, NoPairs, OneAngleTwoSides>;
+pub type VtpNoRules23 = ListPropagation<NearestVertex, OrderFree, NoPairs, OneAngleTwoSides>;

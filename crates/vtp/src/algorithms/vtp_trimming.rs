@@ -17,5 +17,4 @@
 use crate::{ListPropagation, NearestVertex, OneAngleTwoSides, OrderFree, TiePoints};
 
 /// VTP-Trimming on one mesh; see [the page](self).
-pub type VtpTrimming<'m> =
-    ListPropagation<'m, NearestVertex, OrderFree, TiePoints, OneAngleTwoSides>;
+pub type VtpTrimming = ListPropagation<NearestVertex, OrderFree, TiePoints, OneAngleTwoSides>;

@@ -11,8 +11,8 @@ use crate::wave::{Field, Wave};
 
 /// VTP for speed, on one mesh; see [the page](crate::algorithms::vtp_fast).
 #[derive(Clone, Debug)]
-pub struct VtpFast<'m> {
-    mesh: &'m Mesh,
+pub struct VtpFast {
+    vertex_count: usize,
     options: Options,
     /// Whether windows parted by flat vertices become one again.
     reunites: bool,
@@ -21,14 +21,14 @@ pub struct VtpFast<'m> {
     wave: Wave,
 }
 
-impl<'m> VtpFast<'m> {
+impl VtpFast {
     /// Sets up for `mesh`, with every improvement; O(faces).
-    pub fn new(mesh: &'m Mesh) -> Self {
+    pub fn new(mesh: &Mesh) -> Self {
         Self::with_options(mesh, Options::default())
     }
 
     /// Sets up for `mesh`; O(faces).
-    pub fn with_options(mesh: &'m Mesh, options: Options) -> Self {
+    pub fn with_options(mesh: &Mesh, options: Options) -> Self {
         let instructions = options.instructions.or_less();
         let mut numbering = if options.renumber {
             Numbering::breadth_first(mesh)
@@ -38,7 +38,7 @@ impl<'m> VtpFast<'m> {
         let field = Alone::new(mesh, &numbering);
         numbering.keep_new_vertices();
         Self {
-            mesh,
+            vertex_count: mesh.vertex_count(),
             options: Options {
                 instructions,
                 ..options
@@ -81,7 +81,7 @@ impl<P: Probe, const REUNITE: bool> Program for Turns<'_, P, REUNITE> {
     }
 }
 
-impl Propagate for VtpFast<'_> {
+impl Propagate for VtpFast {
     fn counters() -> Vec<Counter> {
         vec![
             Counter::Propagated,
@@ -99,8 +99,8 @@ impl Propagate for VtpFast<'_> {
         ]
     }
 
-    fn mesh(&self) -> &Mesh {
-        self.mesh
+    fn vertex_count(&self) -> usize {
+        self.vertex_count
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {

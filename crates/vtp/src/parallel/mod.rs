@@ -37,8 +37,8 @@ const MOST_THREADS: usize = 1024;
 
 /// VTP on several threads, on one mesh; see [the page](crate::algorithms::pvtp).
 #[derive(Debug)]
-pub struct Pvtp<'m> {
-    mesh: &'m Mesh,
+pub struct Pvtp {
+    vertex_count: usize,
     options: Options,
     numbering: Numbering,
     shared: Shared,
@@ -47,19 +47,19 @@ pub struct Pvtp<'m> {
     pool: Option<ThreadPool>,
 }
 
-impl<'m> Pvtp<'m> {
+impl Pvtp {
     /// Sets up for `mesh` and a number of threads, from 1 to 1024, with every improvement;
     /// O(threads · faces).
     ///
     /// To solve from within a task of `rayon` is sound, but the thread may take up another of its
     /// tasks while it waits for the others to end; so a task must not hold a lock meanwhile that
     /// others take. Where the system does not start so many threads, solving is an error.
-    pub fn new(mesh: &'m Mesh, threads: usize) -> Self {
+    pub fn new(mesh: &Mesh, threads: usize) -> Self {
         Self::with_options(mesh, threads, Options::default())
     }
 
     /// The same with other options.
-    pub fn with_options(mesh: &'m Mesh, threads: usize, options: Options) -> Self {
+    pub fn with_options(mesh: &Mesh, threads: usize, options: Options) -> Self {
         let threads = threads.clamp(1, MOST_THREADS);
         let instructions = options.instructions.or_less();
         let mut numbering = if options.renumber {
@@ -71,7 +71,7 @@ impl<'m> Pvtp<'m> {
         let regions = Regions::new(mesh, &numbering, threads);
         numbering.keep_new_vertices();
         Self {
-            mesh,
+            vertex_count: mesh.vertex_count(),
             options: Options {
                 instructions,
                 ..options
@@ -181,7 +181,7 @@ impl<P: Probe, const REUNITE: bool> Program for Task<'_, P, REUNITE> {
     }
 }
 
-impl Propagate for Pvtp<'_> {
+impl Propagate for Pvtp {
     fn counters() -> Vec<Counter> {
         vec![
             Counter::Propagated,
@@ -198,8 +198,8 @@ impl Propagate for Pvtp<'_> {
         ]
     }
 
-    fn mesh(&self) -> &Mesh {
-        self.mesh
+    fn vertex_count(&self) -> usize {
+        self.vertex_count
     }
 
     fn check(&self) -> Result<(), SolveError> {
@@ -232,7 +232,7 @@ impl Propagate for Pvtp<'_> {
     }
 }
 
-impl Pvtp<'_> {
+impl Pvtp {
     /// As [`propagate`](Propagate::propagate), with probes for the first thread and for the others.
     fn propagate_with<P: Probe, Q: Probe + Send>(
         &mut self,
@@ -252,7 +252,7 @@ impl Pvtp<'_> {
             .iter()
             .map(|&s| self.numbering.new_vertex(s).raw())
             .collect();
-        let vertices = self.mesh.vertex_count();
+        let vertices = self.vertex_count;
         let mut distances = vec![0.0; vertices];
         let run = Run {
             shared: &self.shared,

@@ -37,8 +37,8 @@ const AHEAD: usize = 5;
 
 /// An algorithm that takes one window at a time: `policy` under `queue`, on one mesh.
 #[derive(Clone, Debug)]
-pub struct Continuous<'m, W, Q> {
-    mesh: &'m Mesh,
+pub struct Continuous<W, Q> {
+    mesh: Mesh,
     surface: Surface,
     policy: W,
     queue: Q,
@@ -47,11 +47,11 @@ pub struct Continuous<'m, W, Q> {
     threshold: f64,
 }
 
-impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
+impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     /// Sets up for `mesh`; O(faces).
-    pub fn new(mesh: &'m Mesh, policy: W, queue: Q) -> Self {
+    pub fn new(mesh: &Mesh, policy: W, queue: Q) -> Self {
         Self {
-            mesh,
+            mesh: mesh.clone(),
             surface: Surface::new(mesh),
             policy,
             queue,
@@ -103,17 +103,18 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
     fn spawn<P: Probe>(&mut self, v: VertexId, probe: &mut P) {
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.surface.distance(v);
-        let mesh = self.mesh;
-        for &h in mesh.outgoing(v) {
-            let h = self.surface.faces().number(h);
+        // By index, since `self` changes meanwhile.
+        let degree = self.mesh.outgoing(v).len();
+        for i in 0..degree {
+            let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
             let edges = self.surface.faces().edges_at_tail(h);
             for (neighbour, length) in edges.into_iter().flatten() {
                 self.offer(neighbour, sigma + length, probe);
             }
         }
         let lineage = self.policy.root(v, &self.surface);
-        for &h in mesh.outgoing(v) {
-            let h = self.surface.faces().number(h);
+        for i in 0..degree {
+            let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
             if let Some((target, window)) = spawn_window(self.surface.faces(), h, sigma) {
                 probe.add(Counter::Spawned, 1);
                 let edge = self.surface.edge(target);
@@ -287,13 +288,13 @@ impl<'m, W: Policy, Q: Discipline> Continuous<'m, W, Q> {
     }
 }
 
-impl<W: Policy, Q: Discipline> Propagate for Continuous<'_, W, Q> {
+impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
     fn counters() -> Vec<Counter> {
         [COUNTERS, W::COUNTERS, Q::COUNTERS].concat()
     }
 
-    fn mesh(&self) -> &Mesh {
-        self.mesh
+    fn vertex_count(&self) -> usize {
+        self.mesh.vertex_count()
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {

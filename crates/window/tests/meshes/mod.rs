@@ -15,7 +15,7 @@ mod data;
 pub(crate) use data::*;
 
 /// The solvers of a crate, set up for a mesh, with their names.
-pub(crate) type Solvers<'m> = Vec<(&'static str, Box<dyn Solver + 'm>)>;
+pub(crate) type Solvers = Vec<(&'static str, Box<dyn Solver>)>;
 
 /// A mesh, sources, and the distance of every vertex from the nearest of them.
 #[derive(Clone, Copy, Debug)]
@@ -34,16 +34,16 @@ pub(crate) struct Case {
 
 impl Case {
     /// Checks all `solvers` on this mesh, to rounding of the greatest distance.
-    pub(crate) fn check(&self, solvers: impl Fn(&Mesh) -> Solvers<'_>) {
+    pub(crate) fn check(&self, solvers: impl Fn(&Mesh) -> Solvers) {
         self.check_beyond(FLOOR, solvers);
     }
 
     /// The same with each distance to 1e-9 of itself, however small it is.
-    pub(crate) fn check_relative(&self, solvers: impl Fn(&Mesh) -> Solvers<'_>) {
+    pub(crate) fn check_relative(&self, solvers: impl Fn(&Mesh) -> Solvers) {
         self.check_beyond(0.0, solvers);
     }
 
-    fn check_beyond(&self, floor: f64, solvers: impl Fn(&Mesh) -> Solvers<'_>) {
+    fn check_beyond(&self, floor: f64, solvers: impl Fn(&Mesh) -> Solvers) {
         let mesh = mesh(self.positions.to_vec(), self.faces.to_vec());
         let sources: Vec<VertexId> = self.sources.iter().map(|&v| VertexId::new(v)).collect();
         let failures = solvers(&mesh).into_iter().filter_map(|(name, mut solver)| {
@@ -85,7 +85,7 @@ const NEEDLE_WINDOWS: u64 = 2000;
 
 /// Checks distances and work of all `solvers` on open cones of ten faces around a tip, of base
 /// radius 1 and heights up to 1e10, from a vertex of the base.
-pub(crate) fn check_needles(solvers: impl Fn(&Mesh) -> Solvers<'_>) {
+pub(crate) fn check_needles(solvers: impl Fn(&Mesh) -> Solvers) {
     for height in [1e2, 1e4, 1e6, 1e8, 1e10] {
         let (mesh, expected) = needle(height);
         for (name, mut solver) in solvers(&mesh) {

@@ -12,7 +12,7 @@ use crate::crossings::Offspring;
 use crate::probe::{Phase, Probe};
 use crate::queue::{Discipline, Event};
 
-impl<W: Policy, Q: Discipline> Continuous<'_, W, Q> {
+impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     /// Goes on with a window that crossed the face of `h` before its turn: what
     /// [`cross`](Self::cross) does, with results that are there already.
     #[inline(always)]

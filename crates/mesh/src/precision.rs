@@ -15,9 +15,10 @@ pub const MARGIN: f64 = 1e-12;
 /// the number is as small as rounding allows.
 pub const GRAIN: f64 = 1e-13;
 
-/// How far rounding may have moved a place on an edge, as a fraction of the edge: some 5 units in
-/// the last place.
-pub const PLACE: f64 = 1e-15;
+/// How far rounding may have moved a place on an edge, as a fraction of the edge: some 20 units in
+/// the last place, since a path around a needle gathers a few in each of its faces before it comes
+/// to the edge again.
+pub const PLACE: f64 = 4e-15;
 
 /// The angle, in radians, below which two directions cannot be told apart by the lengths of paths:
 /// √[`MARGIN`], since a bend by the angle δ lengthens a path by at most δ²/2 of itself.

@@ -148,7 +148,7 @@ impl<'a> Passage<'a> {
 /// Height of the apex above the source, relative to the half-edge and the abscissa of the source,
 /// below which rounding moves the place where the ray to the apex meets the half-edge by more than
 /// a billionth of that: the place errs as the ordinate of the source does over this height.
-const BLURRED: f64 = 10.0 * PLACE * 1e9;
+const BLURRED: f64 = 2.5 * PLACE * 1e9;
 
 /// The fraction at which the ray to the apex meets a half-edge of length `l`, of a source with
 /// abscissa `px`: `offset` over `height`, or NaN.

@@ -60,7 +60,7 @@
 //!
 //! Trimming ([`trimming`](crate::trimming)) gives each point of an edge to one window. Of equal
 //! windows one must go, so what counts as equal may be lost, and must be as little as rounding
-//! allows: [`GRAIN`] of the distance and [`PLACE`] of the edge, 500 and 5 ulps. The first one
+//! allows: [`GRAIN`] of the distance and [`PLACE`] of the edge, 500 and 20 ulps. The first one
 //! stays. Its path to the point is as short; and beyond, the other one would have to leave the
 //! point at an angle that is too small to see, but in one case:
 //!

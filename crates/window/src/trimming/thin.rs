@@ -1,6 +1,6 @@
 //! Where faces are so thin that windows wind around needles.
 
-use geobench_mesh::{HalfEdgeId, Mesh};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 /// Height of a face, relative to its longest edge, below which it is thin.
 ///
@@ -10,6 +10,15 @@ use geobench_mesh::{HalfEdgeId, Mesh};
 /// 2,000 where they are 100,000 times thinner. Lengths do not tell both paths apart at all, to the
 /// [margin](crate::precision::MARGIN) m, up to N = √(2m)·L/c.
 const THIN: f64 = 6.5e-3;
+
+/// The same on a mesh with a tip.
+///
+/// No face of a needle is this thin if it is 20 times as long as wide, and windows still turn around
+/// it ten times. Scans have no tips, and are spared the asking for each window.
+const THIN_AROUND_TIPS: f64 = 0.1;
+
+/// Total angle of a vertex, in radians, below which it is the tip of a needle.
+const TIP: f64 = 0.35;
 
 /// The half-edges of thin faces.
 #[derive(Clone, Debug, Default)]
@@ -23,10 +32,13 @@ impl ThinFaces {
     /// than `numbers`; O(faces).
     pub fn of(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
         let mut thin = Self::default();
-        for face in mesh
-            .faces()
-            .filter(|&face| is_thin(mesh, face.half_edge(0)))
-        {
+        let limit = if mesh.vertices().any(|v| is_tip(mesh, v)) {
+            THIN_AROUND_TIPS
+        } else {
+            THIN
+        };
+        let is_thin = |face: &FaceId| relative_height(mesh, face.half_edge(0)) < limit;
+        for face in mesh.faces().filter(is_thin) {
             thin.beside.resize(numbers, false);
             for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
                 for h in [Some(h), mesh.twin(h)].into_iter().flatten() {
@@ -50,9 +62,15 @@ impl ThinFaces {
     }
 }
 
-/// Whether the face of `h` is thin.
-fn is_thin(mesh: &Mesh, h: HalfEdgeId) -> bool {
+/// Height of the face of `h`, relative to its longest edge.
+fn relative_height(mesh: &Mesh, h: HalfEdgeId) -> f64 {
     let lengths = [h, h.next(), h.prev()].map(|h| mesh.length(h));
     let longest = lengths.into_iter().fold(0.0, f64::max);
-    lengths[0] * mesh.apex(h)[1] < THIN * longest * longest
+    lengths[0] * mesh.apex(h)[1] / (longest * longest)
+}
+
+/// Whether windows may turn around `v` more than once.
+fn is_tip(mesh: &Mesh, v: VertexId) -> bool {
+    let angle = mesh.total_angle(v);
+    0.0 < angle && angle < TIP && !mesh.is_boundary(v)
 }

@@ -36,10 +36,15 @@ impl Splitting {
 
     /// Whether a window cannot matter any more, since its root was reached by a shorter path or a
     /// better window took the angle above it.
+    ///
+    /// Where windows are kept, one of a root that was reached by a shorter path has taken the place
+    /// of others that were equal to it, and goes on in their stead.
     #[inline]
     #[allow(clippy::needless_bitwise_bool)] // Neither is likely: one branch for both.
     fn is_stale(&self, sigma: f64, lineage: &Lineage, surface: &Surface) -> bool {
-        (surface.distance(lineage.root) < sigma) | self.angles.cuts_off(&lineage.guard)
+        let is_cut_off = self.angles.cuts_off(&lineage.guard);
+        ((surface.distance(lineage.root) < sigma) | is_cut_off)
+            && (is_cut_off || self.kept.is_empty())
     }
 }
 
@@ -114,8 +119,7 @@ impl Policy for Splitting {
         }
         let mut window = child.window;
         if self.kept.holds(child.h.index()) {
-            let root = child.lineage.root.raw();
-            let Some(part) = self.kept.admit(child.h.index(), &window, root) else {
+            let Some(part) = self.kept.admit(child.h.index(), &window) else {
                 probe.add(Counter::Filtered, 1);
                 return None;
             };

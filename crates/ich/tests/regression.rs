@@ -46,3 +46,16 @@ fn windows_wound_around_a_sharp_fan_without_end() {
 fn windows_wound_around_a_needle_pi_over_its_angle_times() {
     meshes::check_needles(solvers);
 }
+
+/// Where both σ are equal up to rounding, so are both roots, and neither counted as a tie.
+#[test]
+fn a_tie_was_lost_where_sources_were_equal_up_to_rounding() {
+    meshes::EQUAL_SIGMAS.check(solvers);
+}
+
+/// Windows were given up since their root had come nearer, after they had taken the place of equal
+/// ones.
+#[test]
+fn windows_that_had_replaced_others_were_given_up() {
+    meshes::ROOT_COME_NEARER.check(solvers);
+}

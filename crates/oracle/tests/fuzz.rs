@@ -84,6 +84,21 @@ fn random_nasty_meshes_are_solved_right() {
     assert!(check((0..75).map(case).collect()) > 50);
 }
 
+/// Seeds on which algorithms were wrong, or took far too many windows.
+const SEEDS_THAT_FAILED: [u64; 12] = [
+    1512, 20_362, 22_262, 27_012, 30_187, 37_162, 40_412, 62_504, 81_137, 83_209, 89_894, 98_387,
+];
+
+#[test]
+fn seeds_that_failed_once_are_solved_right() {
+    let case = |seed| {
+        let mesh = nasty::mesh(seed);
+        (mesh.model.name.clone(), mesh.into(), None)
+    };
+    let judged = check(SEEDS_THAT_FAILED.into_iter().map(case).collect());
+    assert_eq!(judged, SEEDS_THAT_FAILED.len());
+}
+
 #[test]
 fn slivers_are_solved_right() {
     let Ok(slivers) = slivers::read() else {

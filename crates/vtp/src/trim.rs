@@ -1,6 +1,7 @@
 //! Overlapping windows cut at their tie points.
 
-use geobench_window::{Window, tie_points};
+use geobench_window::Window;
+use geobench_window::trimming::ties_between;
 
 use crate::precision::WINS;
 
@@ -63,7 +64,7 @@ pub(crate) fn trim_pair(a: &Window, b: &Window, l: f64) -> Option<(Pieces, Piece
     }
     let mut stretches = [lo; 4];
     let mut cuts = 1;
-    for &tie in tie_points(a, b).as_slice() {
+    for &tie in ties_between(a, b, lo, hi, l).as_slice() {
         if lo < tie && tie < hi {
             stretches[cuts] = tie;
             cuts += 1;

@@ -103,3 +103,9 @@ fn windows_wound_around_a_sharp_fan_without_end() {
 fn windows_wound_around_a_needle_pi_over_its_angle_times() {
     meshes::check_needles(solvers);
 }
+
+/// Where both σ are equal up to rounding, so are both roots, and neither counted as a tie.
+#[test]
+fn a_tie_was_lost_where_sources_were_equal_up_to_rounding() {
+    meshes::EQUAL_SIGMAS.check(solvers);
+}

@@ -16,6 +16,13 @@ impl TiePoints {
         &self.points[..self.len]
     }
 
+    /// This one only.
+    pub(crate) fn one(x: f64) -> Self {
+        let mut ties = Self::default();
+        ties.push(x);
+        ties
+    }
+
     #[inline]
     fn push(&mut self, x: f64) {
         if x.is_finite() {

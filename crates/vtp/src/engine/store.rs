@@ -120,7 +120,7 @@ pub(crate) fn admit(
         py,
         sigma,
     };
-    let part = kept.admit(h as usize, &window, KeptWindows::ANY_ROOT)?;
+    let part = kept.admit(h as usize, &window)?;
     Some([part.b0, part.b1, px, py, sigma])
 }
 

@@ -1,8 +1,7 @@
 //! How a range is divided between a new window and those that it meets, in the general case.
 
-use super::duel::{is_new_shorter, is_sliver, matters};
+use super::duel::{is_new_shorter, is_sliver, matters, ties_between};
 use super::foot::{does_new_win, may_be_foot};
-use crate::tie::tie_points;
 use crate::window::Window;
 
 /// Who is shorter on a range.
@@ -62,7 +61,7 @@ impl Division {
             {
                 self.grant(lo, hi, if wins { Owner::New } else { old });
             } else if matters(lo, hi) {
-                for &tie in tie_points(w, new).as_slice() {
+                for &tie in ties_between(w, new, lo, hi, l).as_slice() {
                     if matters(start, tie) && matters(tie, hi) {
                         self.grant(start, tie, winner(start, tie));
                         start = tie;

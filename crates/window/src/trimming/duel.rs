@@ -8,7 +8,7 @@ use std::cmp::Ordering;
 
 use super::foot::{does_new_win, may_be_foot};
 use crate::precision::{GRAIN, PLACE};
-use crate::tie::tie_points;
+use crate::tie::{TiePoints, tie_points};
 use crate::window::{Window, greater, less};
 
 /// By how much a distance of `d` at a point of an edge of length `l` must differ from another one
@@ -113,7 +113,7 @@ impl Duel {
         let loses = less(gains[0], gains[1]) < -doubt;
         if wins & loses {
             let tie = tie_between(old, new, lo, hi);
-            // Not if there is none, or two.
+            // The bisector may be beside it by rounding.
             if !(lo < tie && tie < hi) {
                 return Self::Open;
             }
@@ -173,8 +173,7 @@ fn is_straight(old: &Window, new: &Window, width: f64) -> bool {
     width <= STRAIGHT * old.py.abs().min(new.py.abs())
 }
 
-/// The tie point of two windows of which one is shorter at `lo` and the other at `hi`; NaN if there
-/// are two.
+/// The tie point of two windows of which one is shorter at `lo` and the other at `hi`.
 ///
 /// The formulas are those of [`tie_points`], which does the same for both roots: here one of them
 /// is between `lo` and `hi`, and hardly ever both.
@@ -203,18 +202,42 @@ fn tie_between(old: &Window, new: &Window, lo: f64, hi: f64) -> f64 {
     if (first != second) & is_tie {
         new.px + u
     } else {
-        tie_of_one_branch(old, new, lo, hi)
+        bisected_tie(old, new, lo, hi)
     }
 }
 
-/// The same where both roots are there, or neither is a tie.
+/// The same where both roots are there, or neither is a tie: where both σ are the same up to
+/// rounding, so are both roots, and their signs are chance.
+#[cold]
 #[inline(never)]
-fn tie_of_one_branch(old: &Window, new: &Window, lo: f64, hi: f64) -> f64 {
-    let ties = tie_points(old, new);
-    let mut between = within(ties.as_slice(), lo, hi);
-    match (between.next(), between.next()) {
-        (Some(tie), None) => tie,
-        _ => f64::NAN,
+fn bisected_tie(old: &Window, new: &Window, mut lo: f64, mut hi: f64) -> f64 {
+    let gain = |x: f64| old.distance(x) - new.distance(x);
+    let wins_first = gain(lo) > 0.0;
+    loop {
+        let middle = 0.5 * (lo + hi);
+        if middle <= lo || middle >= hi {
+            return middle;
+        }
+        if (gain(middle) > 0.0) == wins_first {
+            lo = middle;
+        } else {
+            hi = middle;
+        }
+    }
+}
+
+/// The points of an edge of length `l` at which the shorter one of two windows may change between
+/// `lo` and `hi`.
+///
+/// As [`tie_points`], but never none where one is shorter at `lo` and the other at `hi`.
+pub fn ties_between(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> TiePoints {
+    let gains = [lo, hi].map(|x| old.distance(x) - new.distance(x));
+    let doubt = doubt(old.distance(lo) + (hi - lo), l);
+    if greater(gains[0], gains[1]) > doubt && less(gains[0], gains[1]) < -doubt {
+        // Of two ties both are between them or neither is.
+        TiePoints::one(tie_between(old, new, lo, hi))
+    } else {
+        tie_points(old, new)
     }
 }
 

@@ -21,30 +21,19 @@ pub struct KeptWindows {
     kept: Vec<List>,
     division: Division,
     met: Vec<Window>,
-    replaced: Vec<Kept>,
+    replaced: Vec<Window>,
 }
 
 /// The windows of one half-edge, which do not overlap, in ascending order.
 #[derive(Clone, Debug)]
 struct List {
     length: f64,
-    windows: Vec<Kept>,
-}
-
-/// A kept window and the number of the vertex it comes from, where the algorithm knows it.
-#[derive(Clone, Copy, Debug)]
-struct Kept {
-    window: Window,
-    root: u32,
+    windows: Vec<Window>,
 }
 
 const NO_LIST: u32 = u32::MAX;
 
 impl KeptWindows {
-    /// The root of windows of an algorithm that never gives a window up because its root has come
-    /// nearer.
-    pub const ANY_ROOT: u32 = u32::MAX;
-
     /// For `mesh`, whose half-edges have the numbers that `number` gives, all less than `numbers`;
     /// O(faces).
     pub fn new(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
@@ -80,15 +69,13 @@ impl KeptWindows {
         }
     }
 
-    /// Keeps `new`, which comes to half-edge number `h` from vertex number `root`, and returns the
-    /// part of it that is to be propagated; `None` if nothing is. A window to a half-edge of no
-    /// thin face is returned whole.
+    /// Keeps `new`, which comes to half-edge number `h`, and returns the part of it that is to be propagated; `None` if nothing is. A window to a half-edge of no
+    /// thin face is returned whole. O(k) for k windows kept there.
     ///
-    /// Of two windows of one root the one with less σ stays: its root has been reached by a shorter
-    /// path since the other one started, which the algorithm may give up for that. O(k) for k
-    /// windows kept there.
+    /// What is returned must be propagated, even when its root has been reached by a shorter path
+    /// since: it may have taken the place of a window that was equal to it.
     #[cold]
-    pub fn admit(&mut self, h: usize, new: &Window, root: u32) -> Option<Window> {
+    pub fn admit(&mut self, h: usize, new: &Window) -> Option<Window> {
         let list = self.lists.get(h).copied().unwrap_or(NO_LIST);
         let Some(List {
             length,
@@ -98,41 +85,32 @@ impl KeptWindows {
             return Some(*new);
         };
         let l = *length;
-        if root != Self::ANY_ROOT {
-            list.retain(|kept| kept.root != root || kept.window.sigma <= new.sigma);
-        }
         let mut parts: Option<[f64; 2]> = None;
         for piece in if foot(new, l).is_some() {
             pieces(new, l).collect()
         } else {
             vec![*new]
         } {
-            let first = list.partition_point(|kept| kept.window.b1 <= piece.b0);
-            let met = list[first..]
-                .iter()
-                .take_while(|kept| kept.window.b0 < piece.b1);
+            let first = list.partition_point(|w| w.b1 <= piece.b0);
             self.met.clear();
-            self.met.extend(met.map(|kept| kept.window));
+            let behind = list[first..].iter().copied();
+            self.met.extend(behind.take_while(|w| w.b0 < piece.b1));
             self.division.share_out(&self.met, &piece, l);
             self.replaced.clear();
             for segment in self.division.segments() {
-                let kept = match segment.owner {
+                let window = match segment.owner {
                     Owner::New => {
                         let [start, end] = parts.unwrap_or([segment.start, segment.end]);
                         parts = Some([start.min(segment.start), end.max(segment.end)]);
-                        Kept {
-                            window: piece,
-                            root,
-                        }
+                        piece
                     }
                     Owner::Old(k) => list[first + k],
                 };
-                let window = Window {
+                self.replaced.push(Window {
                     b0: segment.start,
                     b1: segment.end,
-                    ..kept.window
-                };
-                self.replaced.push(Kept { window, ..kept });
+                    ..window
+                });
             }
             list.splice(first..first + self.met.len(), self.replaced.iter().copied());
         }
@@ -179,48 +157,32 @@ mod tests {
     #[test]
     fn a_window_that_comes_again_goes_on_once() {
         let mut kept = kept(&mesh(1e-5));
-        assert_eq!(kept.admit(0, &WINDOW, KeptWindows::ANY_ROOT), Some(WINDOW));
+        assert_eq!(kept.admit(0, &WINDOW), Some(WINDOW));
         let again = Window {
             sigma: 1.0 + 1e-14,
             ..WINDOW
         };
-        assert_eq!(kept.admit(0, &again, KeptWindows::ANY_ROOT), None);
+        assert_eq!(kept.admit(0, &again), None);
         let again = Window {
             sigma: 1.0 - 1e-14,
             ..WINDOW
         };
-        assert_eq!(kept.admit(0, &again, KeptWindows::ANY_ROOT), None);
+        assert_eq!(kept.admit(0, &again), None);
         let shorter = Window {
             sigma: 0.5,
             ..WINDOW
         };
-        assert_eq!(
-            kept.admit(0, &shorter, KeptWindows::ANY_ROOT),
-            Some(shorter)
-        );
+        assert_eq!(kept.admit(0, &shorter), Some(shorter));
         kept.clear();
-        assert_eq!(kept.admit(0, &again, KeptWindows::ANY_ROOT), Some(again));
-    }
-
-    #[test]
-    fn a_window_of_a_root_that_has_come_nearer_goes_on() {
-        let mut kept = kept(&mesh(1e-5));
-        let nearer = Window {
-            sigma: 1.0 - 1e-14,
-            ..WINDOW
-        };
-        assert_eq!(kept.admit(0, &WINDOW, 7), Some(WINDOW));
-        assert_eq!(kept.admit(0, &nearer, 8), None);
-        assert_eq!(kept.admit(0, &nearer, 7), Some(nearer));
-        assert_eq!(kept.admit(0, &WINDOW, 7), None);
+        assert_eq!(kept.admit(0, &again), Some(again));
     }
 
     #[test]
     fn only_the_part_that_is_shorter_goes_on() {
         let mut kept = kept(&mesh(1e-5));
         let left = Window { b1: 0.5, ..WINDOW };
-        assert_eq!(kept.admit(0, &left, KeptWindows::ANY_ROOT), Some(left));
+        assert_eq!(kept.admit(0, &left), Some(left));
         let right = Window { b0: 0.5, ..WINDOW };
-        assert_eq!(kept.admit(0, &WINDOW, KeptWindows::ANY_ROOT), Some(right));
+        assert_eq!(kept.admit(0, &WINDOW), Some(right));
     }
 }

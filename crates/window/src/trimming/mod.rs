@@ -11,7 +11,7 @@ mod kept;
 mod thin;
 
 pub use division::{Division, Owner, Segment};
-pub use duel::{Duel, is_sliver, matters};
+pub use duel::{Duel, is_sliver, matters, ties_between};
 pub use foot::{foot, pieces};
 pub use kept::KeptWindows;
 pub use thin::ThinFaces;

@@ -30,7 +30,7 @@ const CLOSE: f64 = PLACE;
 const STEEP: f64 = 20.0;
 
 /// The foot of `w` on an edge of length `l`, if its source stands on the edge, or closer to it than
-/// [`CLOSE`] of that, and all directions of the source are its own: an interval that ends beside the
+/// 4e-15 of that, and all directions of the source are its own: an interval that ends beside the
 /// foot has only some of them, and rounding does not tell which.
 #[inline]
 pub fn foot(w: &Window, l: f64) -> Option<[f64; 2]> {

@@ -54,5 +54,4 @@ pub use measure::MeshMeasures;
 pub use mesh::Mesh;
 pub use numbering::Numbering;
 pub use report::{InvalidMesh, Report, Summary};
-pub use sanity::BrokenInvariant;
 pub use soup::TriangleSoup;

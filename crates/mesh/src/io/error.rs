@@ -4,10 +4,10 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-/// Why a mesh file could not be read. The message names the file, the place in it and a remedy.
+/// Why a mesh file could not be read or written. The message names the file, the place in it and a remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ReadError {
+pub enum FileError {
     /// There is no such file.
     #[error("{path}: no such file; check the path")]
     NotFound {
@@ -22,7 +22,7 @@ pub enum ReadError {
     },
     /// The operating system would not deliver the bytes.
     #[error("{path}: cannot be read: {source}")]
-    Io {
+    NotRead {
         /// The path asked for.
         path: PathBuf,
         /// What the system said.
@@ -72,6 +72,22 @@ pub enum ReadError {
         /// What is wrong there, and what to do about it.
         problem: String,
     },
+    /// The operating system would not take the bytes.
+    #[error("{path}: cannot be written: {source}")]
+    NotWritten {
+        /// The path asked for.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The ending of the name belongs to no format that is written here.
+    #[error(
+        "{path}: the ending does not tell a format that can be written; use .obj or .ply, each also with .gz"
+    )]
+    UnknownOutput {
+        /// The path asked for.
+        path: PathBuf,
+    },
 }
 
 /// A place in a file, as precise as the format allows. Displayed with a colon and a space behind
@@ -104,29 +120,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a mesh could not be written.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum WriteError {
-    /// The operating system would not take the bytes.
-    #[error("{path}: cannot be written: {source}")]
-    Io {
-        /// The path asked for.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// The ending of the name belongs to no format that is written here.
-    #[error(
-        "{path}: the ending does not tell a format that can be written; use .obj or .ply, each also with .gz"
-    )]
-    UnknownFormat {
-        /// The path asked for.
-        path: PathBuf,
-    },
-}
-
-/// A [`ReadError::Malformed`] whose path is yet to be added.
+/// A [`FileError::Malformed`] whose path is yet to be added.
 #[derive(Debug)]
 pub(super) struct Flaw {
     pub(super) place: Place,

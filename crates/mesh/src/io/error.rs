@@ -1,4 +1,4 @@
-//! What goes wrong with mesh files, said so that a user can mend it.
+//! Errors of mesh files, with a remedy each.
 
 use std::fmt;
 use std::io;
@@ -20,12 +20,12 @@ pub enum FileError {
         /// The path asked for.
         path: PathBuf,
     },
-    /// The operating system would not deliver the bytes.
+    /// The operating system failed to read it.
     #[error("{path}: cannot be read: {source}")]
     NotRead {
         /// The path asked for.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: io::Error,
     },
     /// The ending of the name belongs to no format that is read here.
@@ -36,7 +36,7 @@ pub enum FileError {
         /// The path asked for.
         path: PathBuf,
     },
-    /// There is not one byte in the file, or in what it decompresses to.
+    /// The file is empty, or decompresses to nothing.
     #[error("{path}: the file is empty; write it anew")]
     Empty {
         /// The path asked for.
@@ -47,7 +47,7 @@ pub enum FileError {
     Gzip {
         /// The path asked for.
         path: PathBuf,
-        /// What the decompressor said.
+        /// The error of the decompressor.
         source: io::Error,
     },
     /// The gzip data is larger than a mesh can be expected to be.
@@ -72,12 +72,12 @@ pub enum FileError {
         /// What is wrong there, and what to do about it.
         problem: String,
     },
-    /// The operating system would not take the bytes.
+    /// The operating system failed to write it.
     #[error("{path}: cannot be written: {source}")]
     NotWritten {
         /// The path asked for.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: io::Error,
     },
     /// The ending of the name belongs to no format that is written here.

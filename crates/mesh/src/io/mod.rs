@@ -6,9 +6,9 @@
 //! knows which face of the file each triangle is from. Faces with fewer than three corners are
 //! left out, and the soup knows which.
 //!
-//! A reader checks what the format says, not what the mesh is: a face may name a vertex that does
-//! not exist, and a coordinate may be `nan`. [`Mesh::from_soup`](crate::Mesh::from_soup) finds all
-//! such defects at once. What cannot be stored at all, such as a negative vertex number, is a
+//! A reader checks the format, not the mesh: a face may name a vertex that does not exist, and a
+//! coordinate may be `nan`. [`Mesh::from_soup`](crate::Mesh::from_soup) finds all
+//! such defects at once. Anything that cannot be stored, such as a negative vertex number, is a
 //! [`FileError`] that names the line or the element. Memory follows the size of the file, never
 //! the counts in its header. A compressed file may not decompress to more than a limit: the usual
 //! one ([`usual_decompression_limit`]), or that of [`ReadOptions`].
@@ -78,7 +78,7 @@ impl Format {
         }
     }
 
-    /// What people call it.
+    /// Its usual name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Obj => "OBJ",

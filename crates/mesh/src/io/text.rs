@@ -1,7 +1,7 @@
 //! Lines, words and numbers of the text formats.
 //!
-//! All work on bytes: comments and names may be in any encoding, and only what is used has to be
-//! text. Numbers are parsed by the standard library, which rounds correctly to `f64`.
+//! All work on bytes: comments and names may be in any encoding. The standard library parses
+//! numbers and rounds them correctly to `f64`.
 
 use super::error::Flaw;
 

@@ -1,4 +1,4 @@
-//! What can be wrong with, or worth knowing about, a model.
+//! Defects of a model: fatal, repaired, or worth knowing.
 
 use std::fmt;
 
@@ -15,13 +15,13 @@ pub const SHORTEST_EDGE: f64 = 1e-60;
 pub enum Severity {
     /// No mesh can be built.
     Fatal,
-    /// The mesh differs from the model: the defect has been put right.
+    /// The defect was repaired, so the mesh differs from the model.
     Repaired,
-    /// The model is used as it is, and every distance is right; but it may not be what was meant.
+    /// The model is used as it is and distances are exact, but it may not be what was meant.
     Noted,
 }
 
-/// Something about a model that a user should know, with the elements it is about.
+/// A defect of a model, with the elements concerned.
 ///
 /// Vertices and faces carry the file's own numbers, counted from 0; where the file's polygons
 /// were cut into triangles, a face is the polygon. A triangle that names a vertex which does

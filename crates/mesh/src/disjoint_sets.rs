@@ -1,6 +1,6 @@
-//! Which elements hang together.
+//! Connected sets (union-find).
 
-/// A partition of `0..n` that only ever grows coarser (union-find).
+/// A partition of `0..n` whose sets can only be joined (union-find).
 pub(crate) struct DisjointSets {
     parents: Vec<u32>,
 }
@@ -13,14 +13,14 @@ impl DisjointSets {
         }
     }
 
-    /// The smallest element of the set of `x`: the same for all that belong together.
+    /// The smallest element of the set that holds `x`.
     pub(crate) fn find(&mut self, mut x: u32) -> u32 {
         loop {
             let parent = self.parents[x as usize];
             if parent == x {
                 return x;
             }
-            // Halve the way for the next one who asks.
+            // Path halving: later searches take half as many steps.
             let grandparent = self.parents[parent as usize];
             self.parents[x as usize] = grandparent;
             x = grandparent;

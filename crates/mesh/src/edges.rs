@@ -11,7 +11,7 @@ pub(crate) struct EdgeGroups {
     starts: Vec<u32>,
 }
 
-/// An undirected edge and everything that lies along it.
+/// An undirected edge and its half-edges.
 pub(crate) struct Edge<'a> {
     /// The end with the smaller number.
     pub(crate) low: u32,

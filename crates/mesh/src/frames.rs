@@ -1,14 +1,13 @@
 //! The shape of one triangle, laid out in the frames of its half-edges.
 //!
-//! Where coordinates are known the frames are taken from them and not from the edge lengths: a
-//! length carries a rounding error of its own, which in a triangle with an angle near π moves
-//! the apex by the square root of that error (1e-8 of an edge instead of 1e-16).
+//! Frames are computed from coordinates where there are any, not from edge lengths. A length has a
+//! rounding error of its own, and in a triangle with an angle near π it moves the apex by the
+//! square root of that error: 1e-8 of an edge instead of 1e-16.
 
 use crate::vector::{cross, dot, norm, sub};
 
-/// Least height of a face over its longest edge, as a fraction of its shortest edge: far below
-/// rounding, so no distance changes, but enough for rays to have a side on which to pass its
-/// vertices.
+/// Least height of a face over its longest edge, as a fraction of its shortest edge. It is far
+/// below rounding, so no distance changes, but a ray passes each vertex on a definite side.
 const LEAST_HEIGHT: f64 = 1.0 / (1u128 << 100) as f64;
 
 /// A face whose height is at most this fraction of its longest edge has no area that can be told

@@ -9,8 +9,8 @@ use crate::frames::{apexes_from_lengths, apexes_from_positions, distance, is_fla
 use crate::mesh::NO_TWIN;
 use crate::orient::orient;
 
-/// By how much of itself a side may be longer than the two others together, as the numbers that
-/// a program computed for a triangle without area may be.
+/// Relative excess that a side may have over the sum of the two others. Lengths that a program
+/// computed for a triangle without area can break the triangle inequality by rounding.
 const INEQUALITY_SLACK: f64 = 1e-12;
 
 /// Where the lengths of edges come from.
@@ -27,7 +27,7 @@ pub(crate) struct Usable<'a> {
     places: Option<Vec<u32>>,
 }
 
-/// Sorts out the triangles that name no proper vertices.
+/// Drops triangles that name missing or repeated vertices.
 fn usable_triangles<'a>(
     vertex_count: usize,
     triangles: &'a [[u32; 3]],
@@ -86,7 +86,7 @@ pub(crate) struct Inspection<'a> {
 }
 
 impl<'a> Inspection<'a> {
-    /// Sorts out the triangles that cannot be used; nothing else is checked yet.
+    /// Drops the triangles that cannot be used; no other check has run yet.
     pub(crate) fn new(
         vertex_count: usize,
         triangles: &'a [[u32; 3]],
@@ -201,7 +201,7 @@ impl<'a> Inspection<'a> {
                 if length.is_finite() && length > 0.0 {
                     length
                 } else {
-                    // Too large or small to be squared; but the report shall name its size.
+                    // Its square overflows or vanishes, but the report names the length.
                     let [dx, dy, dz] = [0, 1, 2].map(|i| ends[1][i] - ends[0][i]);
                     libm::hypot(libm::hypot(dx, dy), dz)
                 }
@@ -245,7 +245,7 @@ impl<'a> Inspection<'a> {
         {
             return;
         }
-        // They are found again at their other edges, and the report joins what it is told twice.
+        // The other edges find them again; the report drops repeats.
         let mut sides: Vec<(u32, u32)> = edge.half_edges().map(|h| (apex(h), h / 3)).collect();
         sides.sort_unstable();
         for same in sides.chunk_by(|x, y| x.0 == y.0) {
@@ -257,7 +257,7 @@ impl<'a> Inspection<'a> {
         }
     }
 
-    /// Finds vertices where the corners do not all hang together across edges.
+    /// Finds vertices whose corners are not all connected across edges.
     pub(crate) fn check_fans(&mut self, edges: &EdgeGroups) {
         let tails = self.usable.triangles.as_flattened();
         let mut fans = DisjointSets::new(tails.len());
@@ -292,7 +292,7 @@ impl<'a> Inspection<'a> {
         }
     }
 
-    /// Finds triangles without area, and those that their lengths do not allow.
+    /// Finds triangles without area, and lengths that break the triangle inequality.
     pub(crate) fn check_shapes(&mut self) {
         for t in 0..self.usable.triangles.len() {
             let lengths = self.lengths[t];
@@ -326,7 +326,7 @@ impl<'a> Inspection<'a> {
         }
     }
 
-    /// Finds out how many parts have no vertex in common.
+    /// Finds components that share no vertex.
     pub(crate) fn check_components(&mut self) {
         let mut parts = DisjointSets::new(self.vertex_count);
         for &[a, b, c] in &*self.usable.triangles {

@@ -17,16 +17,14 @@
 //! # Ok::<(), geobench_mesh::InvalidMesh>(())
 //! ```
 //!
-//! A shortest path sees a surface from within: all that counts are the lengths of edges and how
-//! faces hang together. So a mesh holds for every half-edge its length and, in a frame of its own,
-//! the position of the third vertex of its face, and can be built from lengths alone
+//! Shortest paths are intrinsic: they depend on the lengths of edges and on which faces share
+//! them. So a mesh holds the length of every half-edge, and can be built from lengths alone
 //! ([`Mesh::from_lengths`]), for surfaces that do not fit into space. Half-edges are numbered
-//! `3 * face + corner`, which leaves the twin as the only link to store. A mesh never changes.
+//! `3 * face + corner`, so the twin is the only link to store. A mesh never changes.
 //!
-//! Surfaces need not be closed, connected or manifold at every vertex: boundaries are ordinary,
-//! components that no path reaches are infinitely far, and a vertex in which several fans of faces
-//! meet (*pinched*) lets paths through. Edges with more than two faces, and surfaces that cannot be
-//! oriented, are refused.
+//! Surfaces need not be closed, connected or manifold at every vertex. Components that no path
+//! reaches are infinitely far. Paths pass through a *pinched* vertex, in which several fans of faces
+//! meet. Edges with more than two faces, and surfaces that cannot be oriented, are refused.
 
 mod build;
 mod defect;
@@ -54,5 +52,4 @@ pub use measure::MeshMeasures;
 pub use mesh::Mesh;
 pub use numbering::Numbering;
 pub use report::{InvalidMesh, Report, Summary};
-pub use sanity::BrokenInvariant;
 pub use soup::TriangleSoup;

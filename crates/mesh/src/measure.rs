@@ -1,4 +1,4 @@
-//! What `info` and result files say about a mesh.
+//! Counts and sizes of a mesh, for `info` and result files.
 
 use crate::disjoint_sets::DisjointSets;
 use crate::frames::is_flat;
@@ -16,10 +16,9 @@ pub struct MeshMeasures {
     pub edges: usize,
     /// Edges with a face on one side only.
     pub boundary_edges: usize,
-    /// Closed lines that the boundary edges make; the outline of a disk is one. Lines that
-    /// meet in a pinched vertex count apart.
+    /// Boundary loops; a disk has one. Loops that meet in a pinched vertex count separately.
     pub boundary_loops: usize,
-    /// Parts of the surface that have no vertex in common; isolated vertices do not count.
+    /// Connected components, by vertices; isolated vertices do not count.
     pub components: usize,
     /// Vertices in no face.
     pub isolated_vertices: usize,
@@ -158,7 +157,7 @@ impl Shapes {
     }
 }
 
-/// Number of closed lines of boundary edges.
+/// Number of boundary loops.
 fn boundary_loops(mesh: &Mesh) -> usize {
     let mut seen = vec![false; mesh.half_edge_count()];
     let mut loops = 0;
@@ -185,8 +184,7 @@ fn next_along_boundary(mesh: &Mesh, h: HalfEdgeId) -> HalfEdgeId {
     g
 }
 
-/// Number of fans over all vertices: as many as vertices, were it not for isolated and pinched
-/// ones.
+/// Number of fans over all vertices. A vertex has one, an isolated one none, a pinched one more.
 fn fan_count(mesh: &Mesh) -> usize {
     let fans = |v| {
         let outgoing = mesh.outgoing(v);
@@ -199,7 +197,7 @@ fn fan_count(mesh: &Mesh) -> usize {
     mesh.vertices().map(fans).sum()
 }
 
-/// Number of parts that hang together by edges.
+/// Number of parts connected across edges.
 fn patch_count(mesh: &Mesh) -> usize {
     let mut patches = DisjointSets::new(mesh.face_count());
     for h in mesh.half_edges() {
@@ -210,7 +208,7 @@ fn patch_count(mesh: &Mesh) -> usize {
     patches.count()
 }
 
-/// Number of parts that hang together by vertices, isolated vertices included.
+/// Number of parts connected by vertices, isolated vertices included.
 fn component_count(mesh: &Mesh) -> usize {
     let mut parts = DisjointSets::new(mesh.vertex_count());
     for h in mesh.half_edges() {

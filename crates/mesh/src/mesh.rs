@@ -9,14 +9,34 @@ use crate::ids::{FaceId, HalfEdgeId, VertexId};
 ///
 /// Half-edge `3 * face + corner` starts at that corner; [`HalfEdgeId::next`] and
 /// [`HalfEdgeId::prev`] are arithmetic and only the twin is stored. In the *frame* of a half-edge
-/// its tail is the origin, its head lies on the positive x-axis, and its face lies above
-/// (y > 0): [`apex`](Mesh::apex) is the position of the third vertex there. Everything a geodesic
-/// needs is in these lengths and frames; a mesh built from lengths alone has no positions.
+/// the tail is the origin, the head lies on the positive x-axis, and the face lies above (y > 0).
+/// [`apex`](Mesh::apex) is the position of the third vertex there. Geodesics depend only on lengths
+/// and frames; a mesh built from lengths alone has no positions.
 ///
 /// Vertex numbers are the file's.
 ///
 /// A clone shares the data and costs next to nothing, so solvers keep one of the mesh they were set
 /// up for.
+///
+/// ```
+/// use geobench_mesh::{FaceId, Mesh, TriangleSoup, VertexId};
+///
+/// let positions = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 3.0, 0.0], [4.0, 3.0, 0.0]];
+/// let soup = TriangleSoup::new(positions, vec![[0, 1, 2], [1, 3, 2]]);
+/// let (mesh, _report) = Mesh::from_soup(soup)?;
+///
+/// let h = FaceId::new(0).half_edge(1); // From vertex 1 to vertex 2.
+/// assert_eq!((mesh.tail(h), mesh.head(h)), (VertexId::new(1), VertexId::new(2)));
+/// assert_eq!(mesh.length(h), 5.0);
+/// assert_eq!(mesh.twin(h), Some(FaceId::new(1).half_edge(2)));
+/// assert_eq!(mesh.twin(h.next()), None); // The edge from 2 to 0 is on the boundary.
+///
+/// // Vertex 0 in the frame of that half-edge: 3.2 along it, 2.4 above it.
+/// let [x, y] = mesh.apex(h);
+/// assert!((x - 3.2).abs() < 1e-12 && (y - 2.4).abs() < 1e-12);
+/// assert_eq!(mesh.neighbours(VertexId::new(0)).count(), 2);
+/// # Ok::<(), geobench_mesh::InvalidMesh>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Mesh {
     pub(crate) data: Arc<MeshData>,
@@ -127,12 +147,11 @@ impl Mesh {
         self.data.lengths[h.index()]
     }
 
-    /// Position of the apex vertex in the frame of `h`; its y is positive, in a face without area
-    /// some 1e-30 of its shorter edges.
+    /// Position of the apex vertex in the frame of `h`. Its y is positive; in a face without area
+    /// it is about 1e-30 of the shorter edges.
     ///
-    /// It is found anew each time: solvers keep what they need of it in a layout of their own, and
-    /// kept here as well it would be a third of the mesh. Who wants all of a face takes
-    /// [`apexes`](Self::apexes).
+    /// Computed on each call. Solvers keep apexes in their own layout; stored here as well they
+    /// would be a third of the mesh. [`apexes`](Self::apexes) computes those of a whole face.
     pub fn apex(&self, h: HalfEdgeId) -> [f64; 2] {
         self.apexes(h.face())[h.corner() as usize]
     }
@@ -192,23 +211,23 @@ impl Mesh {
         self.data.flags[v.index()].saddle
     }
 
-    /// Whether several fans meet in `v` and in nothing else.
+    /// Whether several fans of faces meet in `v` and share no edge there.
     #[inline]
     pub fn is_pinched(&self, v: VertexId) -> bool {
         self.data.flags[v.index()].pinched
     }
 
-    /// Whether `v` is a corner of a face so thin (its height below
-    /// [`SLIVER_HEIGHT`](crate::precision::SLIVER_HEIGHT) of its longest edge) that rounding may
+    /// Whether `v` is a corner of a sliver: a face whose height is below
+    /// [`SLIVER_HEIGHT`](crate::precision::SLIVER_HEIGHT) of its longest edge. There rounding may
     /// decide on which side of `v` a ray passes.
     #[inline]
     pub fn is_beside_sliver(&self, v: VertexId) -> bool {
         self.data.flags[v.index()].beside_sliver
     }
 
-    /// Whether windows must start anew from `v` when a path reaches it: at a saddle, where a
-    /// shortest path may turn; at a pinched vertex, where it may pass from one fan into another;
-    /// and beside slivers, where a whole angle of rays can be lost between two triangles.
+    /// Whether `v` becomes a pseudo-source when a path reaches it: at a saddle, where a shortest
+    /// path may bend; at a pinched vertex, where it may pass from one fan into another; and beside
+    /// slivers, where rounding can lose a whole angle of rays between two triangles.
     #[inline]
     pub fn is_pseudo_source(&self, v: VertexId) -> bool {
         let flags = self.data.flags[v.index()];

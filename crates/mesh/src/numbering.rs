@@ -2,13 +2,12 @@
 
 use crate::{FaceId, HalfEdgeId, Mesh, VertexId};
 
-/// From a mesh's numbers of vertices and faces to others, the *new* ones, and back.
+/// Maps a mesh's numbers of vertices and faces to *new* numbers, and back.
 ///
-/// A solver that lays the mesh out for itself does so in an order in which a wavefront meets its
-/// parts, whatever the order of the file: the numbers that are its own stay inside it. The corners
-/// of a face keep their order.
+/// A solver with a layout of its own orders it as a wavefront meets the elements, whatever the
+/// order of the file. New numbers stay inside the solver. The corners of a face keep their order.
 ///
-/// What has no other number keeps its own, and so does what is asked for after it has been dropped.
+/// Elements without a new number keep the mesh's, also after a map has been dropped.
 #[derive(Clone, Debug)]
 pub struct Numbering {
     /// All empty if the numbers are the same.
@@ -112,13 +111,13 @@ impl Numbering {
         self.new_face(h.face()).half_edge(h.corner())
     }
 
-    /// Keeps the new numbers of vertices and drops all else, which only setting up needs.
+    /// Keeps the map of vertices and drops the rest, which only set-up needs.
     pub fn keep_new_vertices(&mut self) {
         (self.old_faces, self.new_faces) = (Vec::new(), Vec::new());
         self.old_vertices = Vec::new();
     }
 
-    /// Keeps the new numbers of faces and drops all else.
+    /// Keeps the map of faces and drops the rest.
     pub fn keep_new_faces(&mut self) {
         (self.old_vertices, self.new_vertices) = (Vec::new(), Vec::new());
         self.old_faces = Vec::new();

@@ -1,18 +1,18 @@
-//! Turns the faces of a surface all the same way.
+//! Orients the faces of a surface consistently.
 
 use crate::mesh::NO_TWIN;
 
-/// Which faces must be turned over so that all agree with their neighbours.
+/// The faces to turn over so that all agree with their neighbours.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Orientation {
-    /// The faces to turn over, rising: in every patch the smaller part, so that most stay.
+    /// Their numbers in rising order: in every patch the smaller part, so that most faces stay.
     pub(crate) flipped: Vec<u32>,
     /// For every patch that cannot be oriented, a half-edge across which its faces disagree
     /// however they are turned.
     pub(crate) contradictions: Vec<u32>,
 }
 
-/// Finds the faces to turn over, patch by patch; a patch is what hangs together by `mates`.
+/// Finds the faces to turn over, patch by patch. A patch is a set of faces connected by `mates`.
 ///
 /// `mates[h]` is the other half-edge along the edge of `h`, or [`NO_TWIN`] where a patch ends.
 /// Where two parts of a patch are of the same size, the one with its first face stays.

@@ -1,6 +1,6 @@
-//! The bounds on rounding from which all tolerances of the solvers follow.
+//! Bounds on rounding, from which all tolerances of the solvers follow.
 //!
-//! Why they are what they are stands in the documentation of `geobench_window::precision`.
+//! The documentation of `geobench_window::precision` derives them.
 
 /// How much shorter one path must be than another, relatively, to be shorter beyond doubt.
 ///
@@ -11,8 +11,8 @@ pub const MARGIN: f64 = 1e-12;
 /// How far rounding may have moved the length of a path, as a fraction of itself: 500 units in the
 /// last place, for paths across a hundred faces and more.
 ///
-/// What two paths differ by less than this is called equal. One of equal windows may be lost, so
-/// the number is as small as rounding allows.
+/// Paths that differ by less count as equal. One of two equal windows may be dropped, so the number
+/// is as small as rounding allows.
 pub const GRAIN: f64 = 1e-13;
 
 /// How far rounding may have moved a place on an edge, as a fraction of the edge: some 20 units in
@@ -27,9 +27,9 @@ pub const RESOLUTION: f64 = 1e-6;
 /// Height of a face, relative to its longest edge, below which its corners send windows of their
 /// own.
 ///
-/// Two paths that meet behind such a face do so at an angle of at most twice its height over its
-/// sides, which [`RESOLUTION`] does not tell from 0: a comparison takes them for one, and the path
-/// that it drops may be the only one to what lies behind a corner of the face.
+/// Two paths that meet behind such a face meet at an angle of at most twice its height over its
+/// sides, which [`RESOLUTION`] cannot tell from 0. A comparison takes them for one path and may drop
+/// the only one that leads behind a corner of the face.
 pub const SLIVER_HEIGHT: f64 = 2.0 * RESOLUTION;
 
 #[cfg(test)]

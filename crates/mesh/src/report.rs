@@ -1,10 +1,10 @@
-//! What validation found, for people and for programs.
+//! The report of validation, for people and for programs.
 
 use std::fmt;
 
 use crate::defect::{Defect, DefectKind, LONGEST_EDGE, SHORTEST_EDGE, Severity};
 
-/// What was found in a model: every defect, each with its elements.
+/// Every defect found in a model, each with its elements.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// Every defect found, in the order of their kinds and then of their elements.
@@ -19,25 +19,25 @@ pub struct Summary {
     /// How many there are; of [`SeveralComponents`](DefectKind::SeveralComponents), how many
     /// components.
     pub count: usize,
-    /// What is the matter, with the number of elements and the first of them by name.
+    /// The defect, with the number of elements and the first few of them.
     pub text: String,
-    /// What to do about it; empty where nothing has to be done.
+    /// A remedy; empty if none is needed.
     pub advice: String,
 }
 
 /// A model that no exact algorithm can work on.
 ///
-/// Its one-line message says how many defects of each fatal kind there are, names the first
-/// elements, and says what to do; `report` names all.
+/// The message has one line: for each fatal kind the number of defects, the first elements and a
+/// remedy. `report` has all of them.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct InvalidMesh {
-    /// What was found, the fatal defects among them.
+    /// All defects, fatal and others.
     pub report: Report,
 }
 
 impl Report {
-    /// Sorts `defects`, and joins those that name the same elements, as the edges of a repeated
-    /// face and the triangles of one polygon do.
+    /// Sorts `defects` and drops repeats: the edges of a repeated face and the triangles of one
+    /// polygon name the same elements.
     pub(crate) fn new(mut defects: Vec<Defect>) -> Self {
         defects.sort_by_key(Defect::sort_key);
         defects.dedup();

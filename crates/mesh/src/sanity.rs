@@ -5,48 +5,13 @@ use std::f64::consts::PI;
 use crate::ids::{HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 
-/// A promise that a mesh does not keep: a bug of this crate, never of a model.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum BrokenInvariant {
-    /// An array does not have one entry for each element.
-    #[error("array `{array}` has {found} entries, not {expected}")]
-    ArrayLength {
-        /// Name of the array.
-        array: &'static str,
-        /// Its number of entries.
-        found: usize,
-        /// The number of elements.
-        expected: usize,
-    },
-    /// A half-edge starts at a vertex that does not exist, or ends where it starts.
-    #[error("{0:?} does not join two vertices")]
-    Ends(HalfEdgeId),
-    /// A half-edge is not the twin of its twin, or does not run the opposite way.
-    #[error("{0:?} and its twin do not run along the same edge in opposite directions")]
-    Twin(HalfEdgeId),
-    /// A length is not positive and finite, or not that of the twin.
-    #[error("the length {1:e} of {0:?} is not positive, or not that of its twin")]
-    Length(HalfEdgeId, f64),
-    /// An apex is not above its half-edge, or not as far from its tail as the length says.
-    #[error("the apex {1:?} over {0:?} does not fit its lengths")]
-    Apex(HalfEdgeId, [f64; 2]),
-    /// The half-edges around a vertex are not all that start there, fan after fan and
-    /// counter-clockwise.
-    #[error("the half-edges around {0:?} are not its fans")]
-    Fans(VertexId),
-    /// A flag or angle of a vertex is not what its faces say.
-    #[error("the angle or flags of {0:?} do not fit its faces")]
-    VertexData(VertexId),
-}
-
 impl Mesh {
     /// Checks everything a mesh promises about itself, in linear time.
     ///
     /// # Errors
     ///
-    /// The first promise that is not kept, which is a bug of this crate.
-    pub fn sanity_check(&self) -> Result<(), BrokenInvariant> {
+    /// The first promise that is not kept: a bug of this crate, never of a model.
+    pub fn sanity_check(&self) -> Result<(), String> {
         self.check_array_lengths()?;
         for h in self.half_edges() {
             self.check_half_edge(h)?;
@@ -57,7 +22,7 @@ impl Mesh {
         Ok(())
     }
 
-    fn check_array_lengths(&self) -> Result<(), BrokenInvariant> {
+    fn check_array_lengths(&self) -> Result<(), String> {
         let (vertices, half_edges) = (self.vertex_count(), self.half_edge_count());
         let data = &*self.data;
         let positions = if data.positions.is_empty() {
@@ -77,34 +42,36 @@ impl Mesh {
             ("total_angles", data.total_angles.len(), vertices),
         ] {
             if found != expected {
-                return Err(BrokenInvariant::ArrayLength {
-                    array,
-                    found,
-                    expected,
-                });
+                return Err(format!(
+                    "array `{array}` has {found} entries, not {expected}"
+                ));
             }
         }
         Ok(())
     }
 
-    fn check_half_edge(&self, h: HalfEdgeId) -> Result<(), BrokenInvariant> {
+    fn check_half_edge(&self, h: HalfEdgeId) -> Result<(), String> {
         let (tail, head) = (self.tail(h), self.head(h));
         if tail == head || tail.index() >= self.vertex_count() {
-            return Err(BrokenInvariant::Ends(h));
+            return Err(format!("{h:?} does not join two vertices"));
         }
         let length = self.length(h);
+        let not_its_length =
+            || format!("the length {length:e} of {h:?} is not positive, or not that of its twin");
         if !(length > 0.0 && length.is_finite()) {
-            return Err(BrokenInvariant::Length(h, length));
+            return Err(not_its_length());
         }
         if let Some(twin) = self.twin(h) {
             if twin.index() >= self.half_edge_count()
                 || self.twin(twin) != Some(h)
                 || (self.tail(twin), self.head(twin)) != (head, tail)
             {
-                return Err(BrokenInvariant::Twin(h));
+                return Err(format!(
+                    "{h:?} and its twin do not run along the same edge in opposite directions"
+                ));
             }
             if self.length(twin).to_bits() != length.to_bits() {
-                return Err(BrokenInvariant::Length(h, length));
+                return Err(not_its_length());
             }
         }
         let [x, y] = self.apex(h);
@@ -113,18 +80,22 @@ impl Mesh {
         let tolerance = 1e-11 * from_tail * (from_tail / length).max(1.0);
         let fits = (libm::hypot(x, y) - from_tail).abs() <= tolerance;
         if !(y > 0.0 && y.is_finite() && fits) {
-            return Err(BrokenInvariant::Apex(h, [x, y]));
+            return Err(format!(
+                "the apex {:?} over {h:?} does not fit its lengths",
+                [x, y]
+            ));
         }
         Ok(())
     }
 
-    fn check_vertex(&self, v: VertexId) -> Result<(), BrokenInvariant> {
+    fn check_vertex(&self, v: VertexId) -> Result<(), String> {
+        let not_its_fans = || format!("the half-edges around {v:?} are not its fans");
         let outgoing = self.outgoing(v);
         let mut sorted = outgoing.to_vec();
         sorted.sort_unstable();
         sorted.dedup();
         if sorted.len() != outgoing.len() || outgoing.iter().any(|&h| self.tail(h) != v) {
-            return Err(BrokenInvariant::Fans(v));
+            return Err(not_its_fans());
         }
         let (mut boundary, mut saddle, mut fans, mut total) = (false, false, 0, 0.0);
         let mut rest = outgoing;
@@ -136,7 +107,7 @@ impl Mesh {
             // A fan is whole if it comes back to its start, or begins and ends at the boundary.
             let (start, end) = (self.twin(first), self.twin(fan[size - 1].prev()));
             if end.map_or(start.is_some(), |next| next != first) {
-                return Err(BrokenInvariant::Fans(v));
+                return Err(not_its_fans());
             }
             let corner = |h: &HalfEdgeId| {
                 let [x, y] = self.apex(*h);
@@ -152,7 +123,7 @@ impl Mesh {
         let flags = (self.is_boundary(v), self.is_saddle(v), self.is_pinched(v));
         let angle_fits = (self.total_angle(v) - total).abs() <= 1e-9 * total;
         if flags != (boundary, saddle, fans > 1) || !angle_fits {
-            return Err(BrokenInvariant::VertexData(v));
+            return Err(format!("the angle or flags of {v:?} do not fit its faces"));
         }
         Ok(())
     }

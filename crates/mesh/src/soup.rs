@@ -1,18 +1,26 @@
-//! What a file or a generator delivers, before anything about it is known to be right.
+//! Triangles as a file or a generator delivers them, unchecked.
 
 /// Vertex positions and triangles, unchecked.
 ///
-/// The position of vertex `i` stands at place `i`, in the numbering of the file it came from.
-/// Triangles may name vertices that do not exist, repeat themselves, or meet in any way:
-/// [`Mesh::from_soup`](crate::Mesh::from_soup) finds out and says so.
+/// `positions[i]` belongs to vertex `i` of the file. Triangles may name vertices that do not exist,
+/// repeat themselves, or meet in any way: [`Mesh::from_soup`](crate::Mesh::from_soup) reports it.
+///
+/// ```
+/// use geobench_mesh::{Mesh, TriangleSoup};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let soup = TriangleSoup::new(corners, vec![[0, 1, 7]]);
+/// let error = Mesh::from_soup(soup).unwrap_err();
+/// assert!(error.to_string().contains("names a vertex that does not exist"));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleSoup {
     /// Coordinates of each vertex, in the model's own units.
     pub positions: Vec<[f64; 3]>,
     /// The three vertices of each triangle, as places in `positions`.
     pub triangles: Vec<[u32; 3]>,
-    /// For each triangle the number of the file's face it was cut from, where some face had more
-    /// than three corners; empty when triangles and the file's faces are the same.
+    /// For each triangle the number of the file's face from which it was cut. Empty if every face
+    /// of the file is a triangle.
     pub file_faces: Vec<u32>,
     /// The file's faces with fewer than three corners, which have no triangle.
     pub short_faces: Vec<u32>,

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use geobench_mesh::io::{self, Format, ReadError};
+use geobench_mesh::io::{self, FileError, Format, ReadOptions};
 
 /// Gzip data of many members that each hold a mebibyte of spaces, `mebibytes` in total.
 fn bomb(mebibytes: usize) -> Vec<u8> {
@@ -22,7 +22,7 @@ fn a_small_gzip_file_took_gigabytes() {
     let limit = io::usual_decompression_limit(bytes.len() as u64);
     for format in [Format::Obj, Format::Ply, Format::Off, Format::Stl] {
         let error = io::read_bytes(&bytes, format, Path::new("bomb.gz")).unwrap_err();
-        let ReadError::TooLarge { limit: at, .. } = error else {
+        let FileError::TooLarge { limit: at, .. } = error else {
             panic!("{error}");
         };
         assert_eq!(at, limit);
@@ -45,12 +45,18 @@ fn a_gzip_file_within_the_limit_is_read() {
         .unwrap();
     bytes.extend(mesh.finish().unwrap());
     let size = (1 << 20) + 33;
-    let read = |limit| io::read_bytes_with_limit(&bytes, Format::Obj, Path::new("m.gz"), limit);
+    let read = |max_decompressed| {
+        let options = ReadOptions {
+            max_decompressed,
+            ..ReadOptions::default()
+        };
+        options.read_bytes(&bytes, Format::Obj, Path::new("m.gz"))
+    };
     assert_eq!(read(None).unwrap().triangles, [[0, 1, 2]]);
     assert_eq!(read(Some(size)).unwrap().triangles, [[0, 1, 2]]);
     assert!(matches!(
         read(Some(size - 1)),
-        Err(ReadError::TooLarge { .. })
+        Err(FileError::TooLarge { .. })
     ));
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::builder::RangedI64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
-use super::isolation::{DecompressionOptions, IsolationOptions};
+use super::isolation::{DecompressionOptions, IsolationOptions, ReadingOptions};
 use crate::history::compare::{RuleError, Rules};
 use crate::measure::instructions;
 use crate::plan::source::SourceSpec;
@@ -282,7 +282,7 @@ pub(super) struct DistanceOptions {
     pub(super) threads: u32,
 
     #[command(flatten)]
-    pub(super) decompression: DecompressionOptions,
+    pub(super) reading: ReadingOptions,
 
     /// File to write, by its ending: .csv, .json, .npy, .ply or .vtk
     #[arg(short, long, value_name = "FILE")]
@@ -366,7 +366,7 @@ pub(super) struct InfoOptions {
     pub(super) models: Vec<String>,
 
     #[command(flatten)]
-    pub(super) decompression: DecompressionOptions,
+    pub(super) reading: ReadingOptions,
 }
 
 #[derive(Args, Debug)]

@@ -34,7 +34,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
             models.len()
         );
     };
-    let loaded = model.load_within(options.decompression.limit())?;
+    let loaded = model.load_within(options.reading)?;
     let sources = options
         .source
         .resolve(loaded.mesh.vertex_count())

@@ -17,7 +17,7 @@ pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
         if i > 0 {
             terminal::print("\n")?;
         }
-        match model.load_within(options.decompression.limit()) {
+        match model.load_within(options.reading) {
             Ok(loaded) => terminal::print(&describe(&loaded))?,
             Err(error) => {
                 verdict = Verdict::BadInput;

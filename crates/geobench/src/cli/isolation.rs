@@ -5,6 +5,7 @@ use std::thread;
 
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
+use geobench_mesh::io::{ObjReader, ReadOptions};
 
 use crate::exec::Backend;
 use crate::exec::affinity::{self, CpuList};
@@ -59,6 +60,40 @@ impl DecompressionOptions {
     /// The limit, or the default.
     pub(super) fn limit(self) -> DecompressionLimit {
         self.max_decompressed.unwrap_or_default()
+    }
+}
+
+/// How a model is read.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct ReadingOptions {
+    #[command(flatten)]
+    decompression: DecompressionOptions,
+
+    /// What reads OBJ files: direct (this program), or tobj (a library, to compare with)
+    #[arg(
+        long,
+        value_name = "READER",
+        default_value = "direct",
+        hide_possible_values = true
+    )]
+    reader: Reader,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Reader {
+    Direct,
+    Tobj,
+}
+
+impl From<ReadingOptions> for ReadOptions {
+    fn from(options: ReadingOptions) -> Self {
+        Self {
+            obj_reader: match options.reader {
+                Reader::Direct => ObjReader::Direct,
+                Reader::Tobj => ObjReader::Tobj,
+            },
+            ..options.decompression.limit().into()
+        }
     }
 }
 

@@ -4,6 +4,8 @@ use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
+use geobench_mesh::io::ReadOptions;
+
 /// Limits of the process of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Limits {
@@ -37,6 +39,15 @@ pub struct MemoryLimit(pub Option<u64>);
 /// ([`usual_decompression_limit`](geobench_mesh::io::usual_decompression_limit)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DecompressionLimit(pub Option<u64>);
+
+impl From<DecompressionLimit> for ReadOptions {
+    fn from(limit: DecompressionLimit) -> Self {
+        Self {
+            max_decompressed: limit.0,
+            ..Self::default()
+        }
+    }
+}
 
 impl Timeout {
     /// The usual limit of a run.

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use geobench_mesh::generate::{self, Spec};
+use geobench_mesh::io::ReadOptions;
 use geobench_mesh::{InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, io as mesh_io};
 use sha2::{Digest, Sha256};
 
@@ -273,17 +274,18 @@ impl ModelRef {
         }
     }
 
-    /// Reads or generates the triangles, unchecked. A compressed file may decompress to `limit`.
+    /// Reads or generates the triangles, unchecked.
     ///
     /// # Errors
     ///
     /// When there is no such file or generator, or it cannot be understood.
-    pub fn read(&self, limit: DecompressionLimit) -> Result<TriangleSoup, ModelError> {
+    pub fn read(&self, options: impl Into<ReadOptions>) -> Result<TriangleSoup, ModelError> {
+        let options = options.into();
         match &self.origin {
-            Origin::File(path) => read_file(path, limit),
+            Origin::File(path) => read_file(path, options),
             Origin::Generated(spec) => {
                 let made = match spec.path() {
-                    Some(path) => spec.modifiers().apply(read_file(Path::new(path), limit)?),
+                    Some(path) => spec.modifiers().apply(read_file(Path::new(path), options)?),
                     None => generate::generate(spec),
                 };
                 made.map_err(|error| ModelError::Unreadable {
@@ -303,14 +305,15 @@ impl ModelRef {
         self.load_within(DecompressionLimit::default())
     }
 
-    /// As [`load`](Self::load), but a compressed file may decompress to `limit`.
+    /// As [`load`](Self::load), but files are read with `options`, such as a limit of what
+    /// compressed ones decompress to.
     ///
     /// # Errors
     ///
     /// As [`load`](Self::load).
-    pub fn load_within(&self, limit: DecompressionLimit) -> Result<LoadedModel, ModelError> {
+    pub fn load_within(&self, options: impl Into<ReadOptions>) -> Result<LoadedModel, ModelError> {
         let start = Instant::now();
-        let soup = self.read(limit)?;
+        let soup = self.read(options)?;
         let load_seconds = start.elapsed().as_secs_f64();
         let sha256 = match &self.origin {
             Origin::File(path) => hash_file(path).ok(),
@@ -347,10 +350,10 @@ impl ModelRef {
     }
 }
 
-fn read_file(path: &Path, limit: DecompressionLimit) -> Result<TriangleSoup, ModelError> {
-    mesh_io::read_with_limit(path, limit.0).map_err(|error| ModelError::Unreadable {
+fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, ModelError> {
+    options.read(path).map_err(|error| ModelError::Unreadable {
         message: match error {
-            mesh_io::ReadError::TooLarge {
+            mesh_io::FileError::TooLarge {
                 path,
                 compressed,
                 limit,

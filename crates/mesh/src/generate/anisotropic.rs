@@ -64,8 +64,8 @@ struct Stretched {
 impl Stretched {
     /// Finds the torus of the wanted anisotropy.
     ///
-    /// Fewer rings of more vertices stretch the triangles, in steps; what is missing to the
-    /// wanted mean is made up by crowding the vertices of each ring towards the outer equator.
+    /// Fewer rings of more vertices stretch the triangles, in steps. Crowding the vertices of each
+    /// ring towards the outer equator makes up the rest.
     fn new(params: &Params<'_>) -> Result<Self, GenerateError> {
         let (wanted, cells) = (params.real("g"), params.whole("faces") / 2);
         let even = |rings| Self {

@@ -1,8 +1,8 @@
-//! What can be wrong with a spec.
+//! Errors in specs.
 
 use super::MAX_FACES;
 
-/// Why a spec does not name a model. Each message says what to write instead.
+/// Why a spec names no model. Each message says what to write instead.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GenerateError {
@@ -103,7 +103,7 @@ pub(super) fn nearest(
     given: &str,
     known: impl Iterator<Item = &'static str>,
 ) -> Option<&'static str> {
-    // Names are short; what is much longer is not a misspelling of one.
+    // Names are short: a much longer word is no misspelling of one.
     if given.len() > 40 {
         return None;
     }

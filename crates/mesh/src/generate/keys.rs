@@ -1,4 +1,4 @@
-//! Keys of a spec: what they take, and their values.
+//! Keys of a spec and their values.
 
 use std::fmt;
 

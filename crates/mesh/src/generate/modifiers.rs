@@ -1,4 +1,4 @@
-//! What can be done to any model, generated or loaded.
+//! Modifiers of any model, generated or loaded.
 
 use super::keys::{Key, Value};
 use super::noise::add_noise;
@@ -66,8 +66,8 @@ impl Default for Modifiers {
 impl Modifiers {
     /// The soup with all modifiers applied; unchanged, bit for bit, by the default ones.
     ///
-    /// Vertices keep their numbers, and what is wrong with a soup stays there for validation to
-    /// find: `file_faces` leads from split triangles back to the faces of the file.
+    /// Vertices keep their numbers, and defects stay for validation to find: `file_faces` leads from
+    /// split triangles back to the faces of the file.
     ///
     /// # Errors
     ///
@@ -76,7 +76,7 @@ impl Modifiers {
         self.apply_with(soup, midpoint_subdivide)
     }
 
-    /// The same for a generated soup, of which nobody asks which face of a file it came from.
+    /// The same for a generated soup, whose triangles come from no face of a file.
     pub(super) fn apply_to_generated(
         &self,
         soup: TriangleSoup,

@@ -7,10 +7,9 @@ use crate::soup::TriangleSoup;
 ///
 /// Old vertices keep their numbers and positions; one new vertex follows for each edge, in the
 /// order of the edge's smaller and then larger vertex. Triangle `t` becomes triangles `4t` to `4t +
-/// 3`, those at its three corners and the middle one, oriented as it was; `file_faces` says from
-/// which face of the file each comes. Works on anything: boundaries, pinched vertices, several
-/// components, edges of many triangles. A triangle that names a vertex twice, or one that does not
-/// exist, has no inside to split and is kept as it is, for validation to find.
+/// 3`, those at its three corners and the middle one, oriented as it was; `file_faces` names the
+/// face of the file. Boundaries, pinched vertices, several components and edges of many triangles
+/// are allowed. A triangle that names a missing or repeated vertex is kept, for validation to find.
 ///
 /// Takes O(n) time for n triangles.
 ///

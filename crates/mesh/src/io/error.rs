@@ -1,13 +1,13 @@
-//! What goes wrong with mesh files, said so that a user can mend it.
+//! Errors of mesh files, with a remedy each.
 
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-/// Why a mesh file could not be read. The message names the file, the place in it and a remedy.
+/// Why a mesh file could not be read or written. The message names the file, the place in it and a remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ReadError {
+pub enum FileError {
     /// There is no such file.
     #[error("{path}: no such file; check the path")]
     NotFound {
@@ -20,12 +20,12 @@ pub enum ReadError {
         /// The path asked for.
         path: PathBuf,
     },
-    /// The operating system would not deliver the bytes.
+    /// The operating system failed to read it.
     #[error("{path}: cannot be read: {source}")]
-    Io {
+    NotRead {
         /// The path asked for.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: io::Error,
     },
     /// The ending of the name belongs to no format that is read here.
@@ -36,7 +36,7 @@ pub enum ReadError {
         /// The path asked for.
         path: PathBuf,
     },
-    /// There is not one byte in the file, or in what it decompresses to.
+    /// The file is empty, or decompresses to nothing.
     #[error("{path}: the file is empty; write it anew")]
     Empty {
         /// The path asked for.
@@ -47,7 +47,7 @@ pub enum ReadError {
     Gzip {
         /// The path asked for.
         path: PathBuf,
-        /// What the decompressor said.
+        /// The error of the decompressor.
         source: io::Error,
     },
     /// The gzip data is larger than a mesh can be expected to be.
@@ -71,6 +71,22 @@ pub enum ReadError {
         place: Place,
         /// What is wrong there, and what to do about it.
         problem: String,
+    },
+    /// The operating system failed to write it.
+    #[error("{path}: cannot be written: {source}")]
+    NotWritten {
+        /// The path asked for.
+        path: PathBuf,
+        /// The error of the system.
+        source: io::Error,
+    },
+    /// The ending of the name belongs to no format that is written here.
+    #[error(
+        "{path}: the ending does not tell a format that can be written; use .obj or .ply, each also with .gz"
+    )]
+    UnknownOutput {
+        /// The path asked for.
+        path: PathBuf,
     },
 }
 
@@ -104,29 +120,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a mesh could not be written.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum WriteError {
-    /// The operating system would not take the bytes.
-    #[error("{path}: cannot be written: {source}")]
-    Io {
-        /// The path asked for.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// The ending of the name belongs to no format that is written here.
-    #[error(
-        "{path}: the ending does not tell a format that can be written; use .obj or .ply, each also with .gz"
-    )]
-    UnknownFormat {
-        /// The path asked for.
-        path: PathBuf,
-    },
-}
-
-/// A [`ReadError::Malformed`] whose path is yet to be added.
+/// A [`FileError::Malformed`] whose path is yet to be added.
 #[derive(Debug)]
 pub(super) struct Flaw {
     pub(super) place: Place,

@@ -7,73 +7,58 @@ use crate::soup::TriangleSoup;
 /// Faces with any number of corners, as the file lists them.
 #[derive(Debug, Default)]
 pub(super) struct FaceList {
-    /// The corners of all faces, one after the other.
+    /// All faces, as long as all are triangles.
+    triangles: Vec<[u32; 3]>,
+    /// The corners of all faces, one after the other, once there are others.
     corners: Vec<u32>,
-    /// Number of corners of each face; empty as long as all are triangles.
+    /// Number of corners of each face in `corners`.
     arities: Vec<u32>,
-    count: usize,
 }
 
 impl FaceList {
     /// A list with room for `faces` triangles; the caller has checked that against the file's size.
     pub(super) fn with_capacity(faces: usize) -> Self {
         Self {
-            corners: Vec::with_capacity(3 * faces),
+            triangles: Vec::with_capacity(faces),
             ..Self::default()
         }
     }
 
     /// Appends a face.
     pub(super) fn push(&mut self, corners: &[u32]) {
-        if corners.len() != 3 && self.arities.is_empty() {
-            self.arities = vec![3; self.count];
+        if self.arities.is_empty() {
+            if let Ok(triangle) = corners.try_into() {
+                self.triangles.push(triangle);
+                return;
+            }
+            self.arities = vec![3; self.triangles.len()];
+            self.corners = std::mem::take(&mut self.triangles).into_flattened();
         }
-        if corners.len() != 3 || !self.arities.is_empty() {
-            self.arities.push(corners.len() as u32);
-        }
+        self.arities.push(corners.len() as u32);
         self.corners.extend_from_slice(corners);
-        self.count += 1;
-    }
-
-    /// Appends triangles, given by their corners one after the other.
-    pub(super) fn push_triangles(&mut self, corners: Vec<u32>) {
-        if self.count == 0 {
-            self.count = corners.len() / 3;
-            self.corners = corners;
-        } else {
-            corners.as_chunks::<3>().0.iter().for_each(|c| self.push(c));
-        }
     }
 
     /// Cuts every face into triangles. Faces with fewer than three corners bound no area and are
     /// left out; `file_faces` still counts them, and `short_faces` has their numbers.
     pub(super) fn into_soup(self, positions: Vec<[f64; 3]>) -> Result<TriangleSoup, Flaw> {
-        let mut soup = TriangleSoup::new(positions, Vec::new());
-        if self.arities.is_empty() {
-            soup.triangles = self.corners.as_chunks().0.to_vec();
-        } else {
-            let mut budget = Budget::for_corners(self.corners.len());
-            let mut rest = &self.corners[..];
-            for (face, &arity) in self.arities.iter().enumerate() {
-                let (corners, next) = rest.split_at(arity as usize);
-                rest = next;
-                if arity < 3 {
-                    soup.short_faces.push(face as u32);
-                }
-                triangulate(
-                    &soup.positions,
-                    corners,
-                    &mut soup.triangles,
-                    &mut budget,
-                )
-                .map_err(|TooComplex| {
+        let mut soup = TriangleSoup::new(positions, self.triangles);
+        let mut budget = Budget::for_corners(self.corners.len());
+        let mut rest = &self.corners[..];
+        for (face, &arity) in self.arities.iter().enumerate() {
+            let (corners, next) = rest.split_at(arity as usize);
+            rest = next;
+            if arity < 3 {
+                soup.short_faces.push(face as u32);
+            }
+            triangulate(&soup.positions, corners, &mut soup.triangles, &mut budget).map_err(
+                |TooComplex| {
                     Flaw::file(format!(
                         "face {face}, counted from 0, has {arity} corners and folds over itself, so that \
                          cutting it into triangles takes too long; cut it into smaller faces"
                     ))
-                })?;
-                soup.file_faces.resize(soup.triangles.len(), face as u32);
-            }
+                },
+            )?;
+            soup.file_faces.resize(soup.triangles.len(), face as u32);
         }
         match (soup.positions.len(), soup.triangles.len()) {
             (0, 0) => Err(Flaw::file(

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
-use super::error::ReadError;
+use super::error::FileError;
 
 /// Largest ratio of decompressed to compressed size that is usual.
 const RATIO: u64 = 100;
@@ -31,19 +31,19 @@ pub(super) fn is_gzip(bytes: &[u8]) -> bool {
 }
 
 /// Decompresses `bytes`, all members of a file, to at most `limit` bytes.
-pub(super) fn inflate(bytes: &[u8], limit: Option<u64>, path: &Path) -> Result<Vec<u8>, ReadError> {
+pub(super) fn inflate(bytes: &[u8], limit: Option<u64>, path: &Path) -> Result<Vec<u8>, FileError> {
     let compressed = bytes.len() as u64;
     let limit = limit.unwrap_or_else(|| usual_decompression_limit(compressed));
     let mut inflated = Vec::new();
     MultiGzDecoder::new(bytes)
         .take(limit.saturating_add(1))
         .read_to_end(&mut inflated)
-        .map_err(|source| ReadError::Gzip {
+        .map_err(|source| FileError::Gzip {
             path: path.to_owned(),
             source,
         })?;
     if inflated.len() as u64 > limit {
-        return Err(ReadError::TooLarge {
+        return Err(FileError::TooLarge {
             path: path.to_owned(),
             compressed,
             limit,

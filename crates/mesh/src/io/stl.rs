@@ -4,14 +4,12 @@
 //! coordinates are the same bits become one vertex, -0 being the same as 0, and vertices are
 //! numbered in the order of their first appearance. Nothing is merged by distance.
 //!
-//! Binary triangles are read by `stl_io`. It would keep -0 and 0 apart, so the welding is ours; and
-//! it rounds text to `f32`, so text is read here, at `f64`. Normals and attributes are ignored.
+//! Text is read at `f64`. Normals and attributes are ignored.
 
-use std::collections::HashMap;
-use std::io::Cursor;
+use std::hash::{BuildHasher, RandomState};
 
 use super::error::{Flaw, Place};
-use super::text::{Lines, coordinates, shown, words};
+use super::text::{Lines, Words, coordinates, shown, words};
 use crate::soup::TriangleSoup;
 
 /// Bytes before the first triangle of a binary file: 80 of free text and the count.
@@ -77,43 +75,41 @@ fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
              them; correct the count in bytes 80 to 83, or cut off what follows"
         )));
     }
-    // `stl_io` takes anything that starts with "solid " for text.
-    let mut blank = bytes.to_vec();
-    blank[..HEADER - 4].fill(0);
-    let mut cursor = Cursor::new(blank);
-    let unreadable = |error: std::io::Error| Flaw::file(error.to_string());
     let mut weld = Weld::with_capacity(there);
-    for triangle in stl_io::create_stl_reader(&mut cursor).map_err(unreadable)? {
-        let corners = triangle.map_err(unreadable)?.vertices;
-        weld.push(corners.map(|corner| <[f32; 3]>::from(corner).map(f64::from)));
+    for triangle in bytes[HEADER..].as_chunks::<TRIANGLE>().0 {
+        // A normal of 12 bytes comes first, two bytes of attributes come last.
+        let (numbers, _) = triangle[12..48].as_chunks();
+        let (corners, _) = numbers.as_chunks::<3>();
+        let corner = |i: usize| corners[i].map(|bytes| f64::from(f32::from_le_bytes(bytes)));
+        weld.push([0, 1, 2].map(corner));
     }
     Ok(weld.soup)
 }
 
 fn read_text(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
-    let mut statements = Statements {
-        lines: Lines::new(bytes),
-        open: false,
-    };
+    let mut lines = Lines::new(bytes);
     // A triangle takes some 100 bytes of text.
     let mut weld = Weld::with_capacity(bytes.len() / 100);
-    while let Some(statement) = statements.next_or_end()? {
-        match &statement.keyword[..] {
-            b"solid" => statements.open = true,
-            b"endsolid" => statements.open = false,
-            b"facet" if statements.open => {
-                statements.expect(b"outer")?;
-                let mut corners = [[0.0; 3]; 3];
-                for corner in &mut corners {
-                    let vertex = statements.expect(b"vertex")?;
-                    *corner = coordinates(vertex.line, &mut words(vertex.rest))?;
-                }
-                statements.expect(b"endloop")?;
-                statements.expect(b"endfacet")?;
-                weld.push(corners);
+    let mut open = false;
+    while open || !lines.rest().trim_ascii_start().is_empty() {
+        let wanted = if open { "facet or endsolid" } else { "solid" };
+        let statement = Statement::next(&mut lines, wanted)?;
+        if statement.is("solid") {
+            open = true;
+        } else if statement.is("endsolid") {
+            open = false;
+        } else if open && statement.is("facet") {
+            Statement::expect(&mut lines, "outer")?;
+            let mut corners = [[0.0; 3]; 3];
+            for corner in &mut corners {
+                let mut vertex = Statement::expect(&mut lines, "vertex")?;
+                *corner = coordinates(vertex.line, &mut vertex.rest)?;
             }
-            _ if statements.open => return Err(statement.instead_of("facet or endsolid")),
-            _ => return Err(statement.instead_of("solid")),
+            Statement::expect(&mut lines, "endloop")?;
+            Statement::expect(&mut lines, "endfacet")?;
+            weld.push(corners);
+        } else {
+            return Err(statement.instead_of(wanted));
         }
     }
     Ok(weld.soup)
@@ -123,96 +119,111 @@ fn read_text(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
 struct Statement<'a> {
     /// Its number, counted from 1.
     line: u64,
-    /// Its first word, in lower case.
-    keyword: Vec<u8>,
+    /// Its first word.
+    keyword: &'a [u8],
     /// What follows that.
-    rest: &'a [u8],
+    rest: Words<'a>,
 }
 
-impl Statement<'_> {
-    /// Another statement should stand here.
-    fn instead_of(&self, wanted: &str) -> Flaw {
-        let found = shown(&self.keyword);
-        Flaw::line(self.line, format!("expected {wanted}, found {found}"))
-    }
-}
-
-/// The statements of a text file.
-struct Statements<'a> {
-    lines: Lines<'a>,
-    /// Whether a solid has begun and not ended.
-    open: bool,
-}
-
-impl<'a> Statements<'a> {
-    fn next(&mut self) -> Option<Statement<'a>> {
-        self.lines.find_map(|(number, line)| {
-            let content = line.trim_ascii();
-            let keyword = words(content).next()?;
-            Some(Statement {
-                line: number,
-                keyword: keyword.to_ascii_lowercase(),
-                rest: &content[keyword.len()..],
+impl<'a> Statement<'a> {
+    /// The next statement, which should be `wanted`.
+    fn next(lines: &mut Lines<'a>, wanted: &str) -> Result<Self, Flaw> {
+        let statement = lines.find_map(|(line, content)| {
+            let mut rest = words(content);
+            let keyword = rest.next()?;
+            Some(Self {
+                line,
+                keyword,
+                rest,
             })
+        });
+        statement.ok_or_else(|| {
+            let problem = format!("the file ends where {wanted} should follow; fetch it again");
+            Flaw::line(lines.number(), problem)
         })
     }
 
-    /// The next statement; the file may end only outside a solid.
-    fn next_or_end(&mut self) -> Result<Option<Statement<'a>>, Flaw> {
-        match self.next() {
-            None if self.open => Err(self.cut_off("facet or endsolid")),
-            statement => Ok(statement),
+    /// The next statement, which must be `keyword`.
+    fn expect(lines: &mut Lines<'a>, keyword: &str) -> Result<Self, Flaw> {
+        let statement = Self::next(lines, keyword)?;
+        if statement.is(keyword) {
+            Ok(statement)
+        } else {
+            Err(statement.instead_of(keyword))
         }
     }
 
-    /// The next statement, which must start with `keyword`.
-    fn expect(&mut self, keyword: &[u8]) -> Result<Statement<'a>, Flaw> {
-        let wanted = String::from_utf8_lossy(keyword);
-        match self.next() {
-            Some(statement) if statement.keyword == keyword => Ok(statement),
-            Some(statement) => Err(statement.instead_of(&wanted)),
-            None => Err(self.cut_off(&wanted)),
-        }
+    fn is(&self, keyword: &str) -> bool {
+        self.keyword.eq_ignore_ascii_case(keyword.as_bytes())
     }
 
-    fn cut_off(&self, wanted: &str) -> Flaw {
-        Flaw::line(
-            self.lines.number(),
-            format!("the file ends where {wanted} should follow; fetch it again"),
-        )
+    /// Something else should stand here.
+    fn instead_of(&self, wanted: &str) -> Flaw {
+        let found = shown(self.keyword);
+        Flaw::line(self.line, format!("expected {wanted}, found {found}"))
     }
 }
 
 /// Gives equal corners the same vertex.
 struct Weld {
     soup: TriangleSoup,
-    vertices: HashMap<[u64; 3], u32>,
+    /// A hash table with open addressing: numbers of vertices, and [`EMPTY`], in at least twice as
+    /// many slots as there are vertices, a power of two.
+    slots: Vec<u32>,
+    /// Chance, so that no file can be made whose vertices all want the same slot.
+    key: u64,
 }
+
+/// A slot without a vertex.
+const EMPTY: u32 = u32::MAX;
 
 impl Weld {
     fn with_capacity(triangles: usize) -> Self {
+        let vertices = triangles / 2;
         Self {
-            soup: TriangleSoup::new(
-                Vec::with_capacity(triangles / 2),
-                Vec::with_capacity(triangles),
-            ),
-            vertices: HashMap::with_capacity(triangles / 2),
+            soup: TriangleSoup::new(Vec::with_capacity(vertices), Vec::with_capacity(triangles)),
+            slots: vec![EMPTY; (2 * vertices).next_power_of_two()],
+            key: RandomState::new().hash_one(0),
         }
     }
 
     fn push(&mut self, corners: [[f64; 3]; 3]) {
-        let positions = &mut self.soup.positions;
-        let triangle = corners.map(|corner| {
-            // Adding 0 turns -0 into 0 and changes nothing else.
-            let corner = corner.map(|x| x + 0.0);
-            *self
-                .vertices
-                .entry(corner.map(f64::to_bits))
-                .or_insert_with(|| {
-                    positions.push(corner);
-                    positions.len() as u32 - 1
-                })
-        });
+        // Adding 0 turns -0 into 0 and changes nothing else.
+        let triangle = corners.map(|corner| self.vertex(corner.map(|x| x + 0.0)));
         self.soup.triangles.push(triangle);
+    }
+
+    fn vertex(&mut self, corner: [f64; 3]) -> u32 {
+        let slot = self.slot(corner);
+        if self.slots[slot] != EMPTY {
+            return self.slots[slot];
+        }
+        let vertex = self.soup.positions.len() as u32;
+        self.slots[slot] = vertex;
+        self.soup.positions.push(corner);
+        if 2 * self.soup.positions.len() > self.slots.len() {
+            self.slots = vec![EMPTY; 2 * self.slots.len()];
+            for vertex in 0..self.soup.positions.len() {
+                let slot = self.slot(self.soup.positions[vertex]);
+                self.slots[slot] = vertex as u32;
+            }
+        }
+        vertex
+    }
+
+    /// The slot of the vertex at `corner`, or where it belongs.
+    fn slot(&self, corner: [f64; 3]) -> usize {
+        let bits = corner.map(f64::to_bits);
+        let is_other = |&slot: &usize| {
+            let vertex = self.slots[slot];
+            vertex != EMPTY && self.soup.positions[vertex as usize].map(f64::to_bits) != bits
+        };
+        let hash = bits.iter().fold(self.key, |hash, bits| {
+            let product = u128::from(hash ^ bits) * 0x9e37_79b9_7f4a_7c15;
+            (product >> 64) as u64 ^ product as u64
+        });
+        let mask = self.slots.len() - 1;
+        let mut slots = (0..).map(|step| (hash as usize + step) & mask);
+        slots.find(|slot| !is_other(slot)).unwrap_or(0)
     }
 }

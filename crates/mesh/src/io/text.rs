@@ -1,7 +1,7 @@
 //! Lines, words and numbers of the text formats.
 //!
-//! All work on bytes: comments and names may be in any encoding, and only what is used has to be
-//! text. Numbers are parsed by the standard library, which rounds correctly to `f64`.
+//! All work on bytes: comments and names may be in any encoding. The standard library parses
+//! numbers and rounds them correctly to `f64`.
 
 use super::error::Flaw;
 
@@ -61,9 +61,24 @@ pub(super) fn without_comment(line: &[u8]) -> &[u8] {
 }
 
 /// The words of a line, which blanks and tabs part.
-pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
-    line.split(u8::is_ascii_whitespace)
-        .filter(|word| !word.is_empty())
+pub(super) fn words(line: &[u8]) -> Words<'_> {
+    Words(line)
+}
+
+/// See [`words`].
+#[derive(Clone, Debug)]
+pub(super) struct Words<'a>(&'a [u8]);
+
+impl<'a> Iterator for Words<'a> {
+    type Item = &'a [u8];
+
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let line = self.0.trim_ascii_start();
+        let end = line.iter().position(u8::is_ascii_whitespace);
+        let (word, rest) = line.split_at(end.unwrap_or(line.len()));
+        self.0 = rest;
+        (!word.is_empty()).then_some(word)
+    }
 }
 
 /// A word or line as it can be shown in a message: quoted, cut short, nothing unprintable.
@@ -115,6 +130,11 @@ pub(super) fn coordinates<'a>(
 
 /// The whole number that `word` spells, if it does and is not huge beyond every use.
 pub(super) fn integer(word: &[u8]) -> Option<i128> {
+    // Most numbers have few digits and no sign: this takes a third of the time of what follows.
+    if (1..=18).contains(&word.len()) && word.iter().all(u8::is_ascii_digit) {
+        let digits = word.iter().map(|&digit| u64::from(digit - b'0'));
+        return Some(digits.fold(0, |number, digit| 10 * number + digit).into());
+    }
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 

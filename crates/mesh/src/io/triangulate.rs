@@ -1,8 +1,7 @@
 //! Cuts polygons into triangles.
 //!
-//! Distances on a flat polygon do not depend on how it is cut, but those on a warped one do, for
-//! the cuts are where it folds. So the rule is simple enough to be foretold, and agrees with what
-//! most programs do to convex faces:
+//! Distances on a flat polygon do not depend on how it is cut. On a warped one they do, since it
+//! folds along the cuts. So the rule is simple, and agrees with most programs on convex faces:
 //!
 //! * a polygon is cut into the **fan from its first corner** (0 1 2, 0 2 3, 0 3 4, ...) wherever
 //!   none of these triangles is folded over or flat, seen along the polygon's normal;
@@ -162,7 +161,7 @@ fn clip_ears(polygon: &Polygon, budget: &mut Budget) -> Result<Vec<[usize; 3]>, 
     for i in 0..n {
         ring.turns[i] = polygon.turn(ring.ear(i));
     }
-    // A corner never turns from convex to reflex, so those that are now are all that can block.
+    // A corner never turns from convex to reflex, so only those that are reflex now can block.
     ring.blockers = (0..n).filter(|&i| ring.turns[i] <= FLAT).collect();
     let is_ear: Result<Vec<bool>, _> = (0..n).map(|i| ring.is_ear(polygon, i, budget)).collect();
     let mut is_ear = is_ear?;
@@ -201,7 +200,7 @@ fn clip_ears(polygon: &Polygon, budget: &mut Budget) -> Result<Vec<[usize; 3]>, 
     Ok(triangles)
 }
 
-/// The corners that are left, in a circle.
+/// The remaining corners, in a circle.
 struct Ring {
     next: Vec<usize>,
     prev: Vec<usize>,

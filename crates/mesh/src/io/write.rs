@@ -7,7 +7,7 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-use super::error::WriteError;
+use super::error::FileError;
 use super::{Format, is_gz};
 use crate::soup::TriangleSoup;
 
@@ -19,12 +19,12 @@ use crate::soup::TriangleSoup;
 /// # Errors
 ///
 /// When the ending tells no such format, or the file cannot be written.
-pub fn write(path: &Path, soup: &TriangleSoup) -> Result<(), WriteError> {
+pub fn write(path: &Path, soup: &TriangleSoup) -> Result<(), FileError> {
     let (positions, triangles) = (&soup.positions, &soup.triangles);
     match Format::from_path(path) {
         Some(Format::Obj) => to_file(path, |out| write_obj(out, positions, triangles)),
         Some(Format::Ply) => PlyWriter::new(positions, triangles).write_file(path),
-        _ => Err(WriteError::UnknownFormat {
+        _ => Err(FileError::UnknownOutput {
             path: path.to_owned(),
         }),
     }
@@ -151,7 +151,7 @@ impl<'a> PlyWriter<'a> {
     /// # Errors
     ///
     /// When the file cannot be written, or as [`write`](Self::write).
-    pub fn write_file(&self, path: &Path) -> Result<(), WriteError> {
+    pub fn write_file(&self, path: &Path) -> Result<(), FileError> {
         to_file(path, |out| self.write(out))
     }
 
@@ -287,7 +287,7 @@ impl Row {
 fn to_file(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), WriteError> {
+) -> Result<(), FileError> {
     let write = || {
         let mut file = BufWriter::new(File::create(path)?);
         if is_gz(path) {
@@ -299,7 +299,7 @@ fn to_file(
         }
         file.flush()
     };
-    write().map_err(|source| WriteError::Io {
+    write().map_err(|source| FileError::NotWritten {
         path: path.to_owned(),
         source,
     })

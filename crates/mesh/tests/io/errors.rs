@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use geobench_mesh::io::{Format, ReadError, read, write};
+use geobench_mesh::io::{FileError, Format, read, write};
 
 use crate::samples;
 use crate::{gzip, parse};
@@ -49,7 +49,7 @@ fn damaged_compression() {
         let packed = gzip(&bytes);
         for cut in [2, 12, packed.len() / 2, packed.len() - 1] {
             let error = parse(format, &packed[..cut]).unwrap_err();
-            assert!(matches!(error, ReadError::Gzip { .. }), "{name} {error}");
+            assert!(matches!(error, FileError::Gzip { .. }), "{name} {error}");
         }
     }
 }

@@ -4,10 +4,23 @@ use geobench_mesh::TriangleSoup;
 use geobench_mesh::io::{Format, is_mesh_file, read};
 
 use crate::samples::{self, POSITIONS, TRIANGLES};
-use crate::{gzip, parse};
+use crate::{gzip, parse, tobj};
 
+/// Reads an OBJ file. The second reader makes the same of it, unless a vertex is missing.
 fn obj(text: &str) -> TriangleSoup {
-    parse(Format::Obj, text).unwrap()
+    let soup = parse(Format::Obj, text).unwrap();
+    let vertices = 0..soup.positions.len() as u32;
+    match tobj(text) {
+        // As text, since NaN is not equal to itself.
+        Ok(other) => assert_eq!(format!("{other:?}"), format!("{soup:?}")),
+        Err(error) => {
+            let message = "test: tobj cannot read it: face vertex index out of bounds";
+            assert_eq!(error.to_string(), message);
+            let corners = soup.triangles.as_flattened();
+            assert!(corners.iter().any(|corner| !vertices.contains(corner)));
+        }
+    }
+    soup
 }
 
 #[test]
@@ -213,4 +226,26 @@ fn stl_corners_are_welded_exactly() {
             .iter()
             .all(|x| x.is_sign_positive())
     );
+}
+
+#[test]
+fn stl_corners_are_welded_however_many_there_are() {
+    // Every corner at a place of its own at first, then all of them again.
+    let count = 5000u32;
+    let mut file = vec![0; 80];
+    file.extend_from_slice(&(2 * count).to_le_bytes());
+    for triangle in (0..count).chain(0..count) {
+        file.extend_from_slice(&[0; 12]);
+        for corner in 3 * triangle..3 * triangle + 3 {
+            for x in [corner as f32, 0.0, -0.0] {
+                file.extend_from_slice(&x.to_le_bytes());
+            }
+        }
+        file.extend_from_slice(&[0; 2]);
+    }
+    let soup = parse(Format::Stl, file).unwrap();
+    assert_eq!(soup.positions.len(), 3 * count as usize);
+    let (first, again) = soup.triangles.split_at(count as usize);
+    assert_eq!(first, again);
+    assert!(first.as_flattened().iter().copied().eq(0..3 * count));
 }

@@ -15,7 +15,7 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use geobench_mesh::TriangleSoup;
-use geobench_mesh::io::{Format, ReadError, read_bytes};
+use geobench_mesh::io::{FileError, Format, ObjReader, ReadOptions, read_bytes};
 use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAlloc};
 
 /// Counts the memory that readers take.
@@ -23,8 +23,17 @@ use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAlloc};
 static ALLOCATOR: &PeakMemAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 /// Reads a file that exists only in memory, under the name `test`.
-fn parse(format: Format, bytes: impl AsRef<[u8]>) -> Result<TriangleSoup, ReadError> {
+fn parse(format: Format, bytes: impl AsRef<[u8]>) -> Result<TriangleSoup, FileError> {
     read_bytes(bytes.as_ref(), format, Path::new("test"))
+}
+
+/// Reads an OBJ file, which may be compressed, with the second reader.
+fn tobj(bytes: impl AsRef<[u8]>) -> Result<TriangleSoup, FileError> {
+    let options = ReadOptions {
+        max_decompressed: Some(1 << 20),
+        obj_reader: ObjReader::Tobj,
+    };
+    options.read_bytes(bytes.as_ref(), Format::Obj, Path::new("test"))
 }
 
 /// Compresses `bytes`.

@@ -3,7 +3,9 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use geobench_mesh::io::read;
+use geobench_mesh::io::{Format, read};
+
+use crate::tobj;
 
 /// Name, vertices, faces, and the first vertex and the last face as the files spell them.
 type Expected = (&'static str, usize, usize, [f64; 3], [u32; 3]);
@@ -100,5 +102,9 @@ fn shared_models_load() {
         assert_eq!(soup.positions[0], first, "{name}");
         assert_eq!(soup.triangles.last(), Some(&last), "{name}");
         assert!(soup.file_faces.is_empty(), "{name}");
+        if Format::from_path(&path) == Some(Format::Obj) {
+            let other = tobj(std::fs::read(&path).unwrap()).unwrap();
+            assert!(other == soup, "{name}");
+        }
     }
 }

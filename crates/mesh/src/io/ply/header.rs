@@ -2,99 +2,227 @@
 
 use std::collections::HashSet;
 
-use ply_rs_bw::parser::{Parser, Reader};
-use ply_rs_bw::ply::{ElementDef, Encoding, PropertyType, ScalarType};
-
-use super::row::Skipped;
 use crate::io::error::Flaw;
-use crate::io::text::{Lines, shown, words};
+use crate::io::text::{Lines, integer, shown, words};
 
 /// What the header declares, checked to hold vertices and faces.
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     /// In the order of the payload.
-    pub(super) elements: Vec<ElementDef>,
+    pub(super) elements: Vec<Element>,
 }
 
-/// Reads the header, and returns it with the lines, or bytes, that follow it.
-pub(super) fn read(bytes: &[u8]) -> Result<(Header, Lines<'_>), Flaw> {
-    let mut lines = Lines::new(bytes);
-    let (text, line_numbers) = tidy(&mut lines)?;
-    let parser = Parser::<Skipped>::new();
-    let header = parser
-        .read_header(&mut Reader::new(&text[..]))
-        .map_err(|error| match error.line().and_then(|l| l.checked_sub(1)) {
-            Some(at) if at < line_numbers.len() => Flaw::line(
-                line_numbers[at],
-                format!(
-                    "{} is no valid line of a PLY header",
-                    shown(Lines::new(&text).nth(at).unwrap_or_default().1)
-                ),
-            ),
-            _ => Flaw::file("the header needs a line like \"format ascii 1.0\""),
-        })?;
-    let header = Header {
-        encoding: header.encoding,
-        elements: header.elements.into_values().collect(),
-    };
-    check(&header.elements)?;
-    Ok((header, lines))
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Text,
+    LittleEndian,
+    BigEndian,
 }
 
-/// The header without remarks, which may be in any encoding, and without blanks around its lines;
-/// and the number of each line in the file.
-///
-/// Takes `lines` to the end of the header. Refuses names declared twice, because the second
-/// declaration would replace the first.
-fn tidy(lines: &mut Lines<'_>) -> Result<(Vec<u8>, Vec<u64>), Flaw> {
-    let (mut text, mut line_numbers) = (Vec::new(), Vec::new());
-    let (mut elements, mut properties) = (HashSet::new(), HashSet::new());
-    loop {
-        let Some((number, line)) = lines.next() else {
-            return Err(Flaw::line(
-                lines.number().max(1),
-                "the file ends before end_header; fetch it again",
-            ));
-        };
-        let line = line.trim_ascii();
-        if number == 1 && line != b"ply" {
-            return Err(Flaw::line(1, "a PLY file starts with a line \"ply\""));
-        }
-        let mut words = words(line);
-        let new = match words.next() {
-            None | Some(b"comment" | b"obj_info") => continue,
-            Some(b"element") => {
-                properties.clear();
-                elements.insert(words.next())
-            }
-            Some(b"property") => properties.insert(words.last()),
-            _ => true,
-        };
-        if !new {
-            return Err(Flaw::line(
-                number,
-                format!("{} declares a name a second time; remove one", shown(line)),
-            ));
-        }
-        text.extend_from_slice(line);
-        text.push(b'\n');
-        line_numbers.push(number);
-        if line == b"end_header" {
-            return Ok((text, line_numbers));
+/// A kind of element and the number of them.
+pub(super) struct Element {
+    pub(super) name: String,
+    pub(super) kind: Kind,
+    pub(super) count: u64,
+    pub(super) properties: Vec<Property>,
+}
+
+/// What becomes of an element.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Vertex,
+    Face,
+    Skipped,
+}
+
+/// A number, or a list of numbers, of every element.
+pub(super) struct Property {
+    pub(super) name: String,
+    pub(super) role: Role,
+    /// Type of the length of a list.
+    pub(super) length: Option<Scalar>,
+    /// Type of the number, or of each number in the list.
+    pub(super) value: Scalar,
+}
+
+/// What becomes of a property.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// A coordinate of a vertex: 0 for x, 1 for y, 2 for z.
+    Axis(usize),
+    /// The list of the corners of a face.
+    Corners,
+    Skipped,
+}
+
+/// Type of a number.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    fn from_name(name: &[u8]) -> Option<Self> {
+        Some(match name {
+            b"char" | b"int8" => Self::I8,
+            b"uchar" | b"uint8" => Self::U8,
+            b"short" | b"int16" => Self::I16,
+            b"ushort" | b"uint16" => Self::U16,
+            b"int" | b"int32" => Self::I32,
+            b"uint" | b"uint32" => Self::U32,
+            b"float" | b"float32" => Self::F32,
+            b"double" | b"float64" => Self::F64,
+            _ => return None,
+        })
+    }
+
+    /// Bytes that it takes.
+    pub(super) fn size(self) -> u64 {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
         }
     }
 }
 
-/// Whether this is the list of the corners of a face.
-pub(super) fn is_corner_list(name: &str) -> bool {
-    matches!(name, "vertex_indices" | "vertex_index")
+impl Element {
+    fn new(name: &[u8], count: u64) -> Self {
+        Self {
+            name: plain(name),
+            kind: match name {
+                b"vertex" => Kind::Vertex,
+                b"face" => Kind::Face,
+                _ => Kind::Skipped,
+            },
+            count,
+            properties: Vec::new(),
+        }
+    }
+
+    fn property(&self, name: &[u8], length: Option<Scalar>, value: Scalar) -> Property {
+        Property {
+            name: plain(name),
+            role: match (self.kind, name, length) {
+                (Kind::Vertex, b"x", None) => Role::Axis(0),
+                (Kind::Vertex, b"y", None) => Role::Axis(1),
+                (Kind::Vertex, b"z", None) => Role::Axis(2),
+                (Kind::Face, b"vertex_indices" | b"vertex_index", Some(_)) => Role::Corners,
+                _ => Role::Skipped,
+            },
+            length,
+            value,
+        }
+    }
+
+    /// Bytes that one takes in a binary payload if all its lists are empty.
+    pub(super) fn smallest_size(&self) -> u64 {
+        let first = |p: &Property| p.length.unwrap_or(p.value).size();
+        self.properties.iter().map(first).sum()
+    }
+}
+
+/// A name as it can be shown in a message, without quotation marks.
+fn plain(name: &[u8]) -> String {
+    String::from_utf8_lossy(name).escape_debug().to_string()
+}
+
+/// Takes `lines` to the end of the header.
+pub(super) fn read(lines: &mut Lines<'_>) -> Result<Header, Flaw> {
+    if lines
+        .next()
+        .is_none_or(|(_, line)| line.trim_ascii() != b"ply")
+    {
+        return Err(Flaw::line(1, "a PLY file starts with a line \"ply\""));
+    }
+    let mut declared = Declarations::default();
+    for (number, line) in lines.by_ref() {
+        let words: Vec<&[u8]> = words(line).collect();
+        match words[..] {
+            [] | [b"comment" | b"obj_info", ..] => {}
+            [b"end_header"] => {
+                let encoding = declared.encoding.ok_or_else(|| {
+                    Flaw::file("the header needs a line like \"format ascii 1.0\"")
+                })?;
+                let elements = declared.elements;
+                check(&elements)?;
+                return Ok(Header { encoding, elements });
+            }
+            _ => declared.add(&words).map_err(|problem| {
+                Flaw::line(number, format!("{} {problem}", shown(line.trim_ascii())))
+            })?,
+        }
+    }
+    Err(Flaw::line(
+        lines.number(),
+        "the file ends before end_header; fetch it again",
+    ))
+}
+
+/// What the lines of a header have declared so far.
+#[derive(Default)]
+struct Declarations<'a> {
+    encoding: Option<Encoding>,
+    elements: Vec<Element>,
+    /// Names of elements, with 0, and of properties, with the number of elements up to theirs.
+    names: HashSet<(usize, &'a [u8])>,
+}
+
+impl<'a> Declarations<'a> {
+    /// Adds the declaration that `words` make, or says what is wrong with it.
+    fn add(&mut self, words: &[&'a [u8]]) -> Result<(), &'static str> {
+        let invalid = "is no valid line of a PLY header";
+        let scalar = |name| Scalar::from_name(name).ok_or(invalid);
+        let name = match *words {
+            [b"format", name, _version] if self.encoding.is_none() => {
+                self.encoding = Some(match name {
+                    b"ascii" => Encoding::Text,
+                    b"binary_little_endian" => Encoding::LittleEndian,
+                    b"binary_big_endian" => Encoding::BigEndian,
+                    _ => return Err(invalid),
+                });
+                return Ok(());
+            }
+            [b"element", name, count] => {
+                let count = integer(count).and_then(|count| count.try_into().ok());
+                self.elements
+                    .push(Element::new(name, count.ok_or(invalid)?));
+                (0, name)
+            }
+            [b"property", ref types @ .., name] => {
+                let (length, value) = match *types {
+                    [value] => (None, value),
+                    [b"list", length, value] => (Some(scalar(length)?), value),
+                    _ => return Err(invalid),
+                };
+                let element = self.elements.last_mut().ok_or(invalid)?;
+                let property = element.property(name, length, scalar(value)?);
+                element.properties.push(property);
+                (self.elements.len(), name)
+            }
+            _ => return Err(invalid),
+        };
+        if self.names.insert(name) {
+            Ok(())
+        } else {
+            Err("declares a name a second time; remove one")
+        }
+    }
 }
 
 /// Checks that there are vertices with coordinates and faces with corners, and that the lengths
 /// of lists are integers.
-fn check(elements: &[ElementDef]) -> Result<(), Flaw> {
-    for property in elements.iter().flat_map(|e| e.properties.values()) {
-        if let PropertyType::List(ScalarType::Float | ScalarType::Double, _) = property.data_type {
+fn check(elements: &[Element]) -> Result<(), Flaw> {
+    for property in elements.iter().flat_map(|e| &e.properties) {
+        if let Some(Scalar::F32 | Scalar::F64) = property.length {
             return Err(Flaw::file(format!(
                 "the header counts the list {} with a type that is not an integer",
                 property.name
@@ -104,11 +232,14 @@ fn check(elements: &[ElementDef]) -> Result<(), Flaw> {
     let find = |name| elements.iter().find(|e| e.name == name);
     let vertices = find("vertex")
         .ok_or_else(|| Flaw::file("the header declares no element vertex, so there is no mesh"))?;
-    for axis in ["x", "y", "z"] {
-        let property = vertices.properties.get(axis).map(|p| &p.data_type);
-        if !matches!(property, Some(PropertyType::Scalar(_))) {
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        if vertices
+            .properties
+            .iter()
+            .all(|p| p.role != Role::Axis(axis))
+        {
             return Err(Flaw::file(format!(
-                "the header declares no coordinate {axis} for the element vertex"
+                "the header declares no coordinate {name} for the element vertex"
             )));
         }
     }
@@ -119,11 +250,7 @@ fn check(elements: &[ElementDef]) -> Result<(), Flaw> {
             "the header declares no element face; a surface is needed, not a point cloud"
         })
     })?;
-    let lists = faces
-        .properties
-        .values()
-        .filter(|p| is_corner_list(&p.name))
-        .filter(|p| matches!(p.data_type, PropertyType::List(..)));
+    let lists = faces.properties.iter().filter(|p| p.role == Role::Corners);
     match lists.count() {
         1 => Ok(()),
         0 => Err(Flaw::file(

@@ -1,57 +1,74 @@
 //! PLY, text and binary of both byte orders.
 //!
-//! The header and the elements of a binary payload are read by `ply-rs-bw`, with a [`row`] type
-//! of our own in place of its hash maps. Before it sees the header, remarks are taken out, since
-//! it refuses those that are not UTF-8, and repeated names are refused, since it would let a
-//! second property replace the first, which shifts the payload. Text payloads are read here: its
-//! reader refuses numbers such as `nan`, `.5` and `1.` and rounds to the declared type.
-//!
 //! Text coordinates are read as `f64` even where the header declares `float`: programs declare
 //! that out of habit and then write all the digits they have. Binary coordinates are what they
 //! are. Elements other than `vertex` and `face`, and properties other than `x y z` and the list
 //! `vertex_indices` (or `vertex_index`), are skipped; the elements may come in any order.
 
-mod binary;
 mod header;
-mod row;
-mod text;
-
-use ply_rs_bw::ply::Encoding;
+mod payload;
 
 use super::error::Flaw;
 use super::faces::FaceList;
+use super::text::Lines;
 use crate::soup::TriangleSoup;
-use header::Header;
+use header::{Element, Encoding, Kind, Role};
+use payload::{Binary, Payload, Text};
 
 /// Reads a whole PLY file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
-    let (header, payload) = header::read(bytes)?;
-    let contents = match header.encoding {
-        Encoding::Ascii => text::read(&header, payload)?,
-        Encoding::BinaryLittleEndian | Encoding::BinaryBigEndian => {
-            binary::read(&header, payload.rest(), bytes.len())?
-        }
+    let mut lines = Lines::new(bytes);
+    let header = header::read(&mut lines)?;
+    let (elements, rest) = (&header.elements, lines.rest());
+    match header.encoding {
+        Encoding::Text => read_elements(elements, Text::new(lines)),
+        Encoding::LittleEndian => read_elements(elements, Binary::<false>::new(rest, bytes.len())),
+        Encoding::BigEndian => read_elements(elements, Binary::<true>::new(rest, bytes.len())),
+    }
+}
+
+fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<TriangleSoup, Flaw> {
+    // Counts are believed as far as the payload can hold so many elements.
+    let room = |kind| {
+        let element = elements.iter().find(|e| e.kind == kind);
+        element.map_or(0, |e| payload.most(e).min(e.count) as usize)
     };
-    contents.faces.into_soup(contents.positions)
-}
-
-/// What a payload holds that is of use.
-struct Contents {
-    positions: Vec<[f64; 3]>,
-    faces: FaceList,
-}
-
-impl Contents {
-    /// Has room for the declared elements, as far as `size` bytes can hold them when each takes
-    /// the given number of bytes or more.
-    fn with_capacity(header: &Header, size: usize, vertex_bytes: usize, face_bytes: usize) -> Self {
-        let room = |name, bytes| {
-            let declared = header.elements.iter().find(|e| e.name == name);
-            declared.map_or(0, |e| e.count.min(size / bytes + 1))
-        };
-        Self {
-            positions: Vec::with_capacity(room("vertex", vertex_bytes)),
-            faces: FaceList::with_capacity(room("face", face_bytes)),
+    let mut positions = Vec::with_capacity(room(Kind::Vertex));
+    let mut faces = FaceList::with_capacity(room(Kind::Face));
+    let (mut position, mut corners) = ([0.0; 3], Vec::new());
+    // An element without properties takes no bytes and no line, however many there are.
+    for element in elements.iter().filter(|e| !e.properties.is_empty()) {
+        payload.begin(element)?;
+        for number in 0..element.count {
+            payload.next(element, number)?;
+            if element.kind == Kind::Skipped && P::IN_LINES {
+                continue;
+            }
+            for property in &element.properties {
+                let length = match property.length {
+                    Some(_) => payload.length(property)?,
+                    None => 1,
+                };
+                match property.role {
+                    Role::Axis(axis) => position[axis] = payload.coordinate(property)?,
+                    Role::Corners => {
+                        corners.clear();
+                        // Ends with the line or the file, however large the length is.
+                        for _ in 0..length {
+                            corners.push(payload.corner(property)?);
+                        }
+                    }
+                    Role::Skipped => payload.skip(property, length)?,
+                }
+            }
+            payload.end(element)?;
+            match element.kind {
+                Kind::Vertex => positions.push(position),
+                Kind::Face => faces.push(&corners),
+                Kind::Skipped => {}
+            }
         }
     }
+    payload.finish()?;
+    faces.into_soup(positions)
 }

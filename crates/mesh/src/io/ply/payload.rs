@@ -1,0 +1,274 @@
+//! What follows the header of a PLY file.
+
+use super::header::{Element, Kind, Property, Scalar};
+use crate::io::error::{Flaw, Place};
+use crate::io::text::{self, Lines, Words, integer, shown, words};
+
+/// The numbers of a payload, in order.
+pub(super) trait Payload {
+    /// Whether every element has a line of its own, so that what is left of one can be dropped.
+    const IN_LINES: bool;
+
+    /// The most elements of this kind that there can be.
+    fn most(&self, element: &Element) -> u64;
+    /// All elements of one kind follow.
+    fn begin(&self, _element: &Element) -> Result<(), Flaw> {
+        Ok(())
+    }
+    /// An element follows, the `number`th of its kind.
+    fn next(&mut self, element: &Element, number: u64) -> Result<(), Flaw>;
+    /// The length of a list.
+    fn length(&mut self, property: &Property) -> Result<u64, Flaw>;
+    /// A coordinate.
+    fn coordinate(&mut self, property: &Property) -> Result<f64, Flaw>;
+    /// A vertex number.
+    fn corner(&mut self, property: &Property) -> Result<u32, Flaw>;
+    /// Skips `count` numbers.
+    fn skip(&mut self, property: &Property, count: u64) -> Result<(), Flaw>;
+    /// The element must end here.
+    fn end(&mut self, _element: &Element) -> Result<(), Flaw> {
+        Ok(())
+    }
+    /// The file must end here: elements that the header does not count would be lost without a
+    /// word.
+    fn finish(&mut self) -> Result<(), Flaw>;
+}
+
+/// A text payload, one line for each element; blank lines are passed over.
+pub(super) struct Text<'a> {
+    lines: Lines<'a>,
+    /// Number of the current line.
+    line: u64,
+    words: Words<'a>,
+}
+
+impl<'a> Text<'a> {
+    pub(super) fn new(lines: Lines<'a>) -> Self {
+        Self {
+            lines,
+            line: 0,
+            words: words(&[]),
+        }
+    }
+
+    fn next_line(&mut self) -> Option<(u64, &'a [u8])> {
+        self.lines.find(|(_, line)| !line.trim_ascii().is_empty())
+    }
+
+    fn word(&mut self, property: &Property) -> Result<&'a [u8], Flaw> {
+        self.words.next().ok_or_else(|| {
+            let problem = format!("the line ends before the property {}", property.name);
+            Flaw::line(self.line, problem)
+        })
+    }
+}
+
+impl Payload for Text<'_> {
+    const IN_LINES: bool = true;
+
+    fn most(&self, element: &Element) -> u64 {
+        // The shortest lines are "0 0 0" and "3 0 1 2".
+        let line = if element.kind == Kind::Vertex { 6 } else { 8 };
+        self.lines.rest().len() as u64 / line + 1
+    }
+
+    fn next(&mut self, element: &Element, number: u64) -> Result<(), Flaw> {
+        let (line, content) = self.next_line().ok_or_else(|| {
+            let problem = format!(
+                "the file ends after {number} of the {} elements {} its header declares",
+                element.count, element.name
+            );
+            Flaw::line(self.line, problem)
+        })?;
+        self.line = line;
+        self.words = words(content);
+        Ok(())
+    }
+
+    fn length(&mut self, property: &Property) -> Result<u64, Flaw> {
+        let word = self.word(property)?;
+        let length = integer(word).and_then(|length| length.try_into().ok());
+        length
+            .ok_or_else(|| Flaw::line(self.line, format!("{} is no length of a list", shown(word))))
+    }
+
+    fn coordinate(&mut self, property: &Property) -> Result<f64, Flaw> {
+        let word = self.word(property)?;
+        text::number(self.line, word)
+    }
+
+    fn corner(&mut self, property: &Property) -> Result<u32, Flaw> {
+        let word = self.word(property)?;
+        text::index(self.line, word)
+    }
+
+    fn skip(&mut self, property: &Property, count: u64) -> Result<(), Flaw> {
+        (0..count).try_for_each(|_| self.word(property).map(drop))
+    }
+
+    fn end(&mut self, element: &Element) -> Result<(), Flaw> {
+        self.words.next().map_or(Ok(()), |extra| {
+            let problem = format!(
+                "{} follows the properties that the header declares for {}",
+                shown(extra),
+                element.name
+            );
+            Err(Flaw::line(self.line, problem))
+        })
+    }
+
+    fn finish(&mut self) -> Result<(), Flaw> {
+        self.next_line().map_or(Ok(()), |(line, content)| {
+            let problem = format!(
+                "{} comes after all the elements that the header declares; correct its counts",
+                shown(content)
+            );
+            Err(Flaw::line(line, problem))
+        })
+    }
+}
+
+/// A binary payload.
+pub(super) struct Binary<'a, const BIG_ENDIAN: bool> {
+    /// What has not been read yet.
+    rest: &'a [u8],
+    file_size: usize,
+    /// The current element.
+    place: Place,
+}
+
+impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
+    /// The payload `rest`, which ends a file of `file_size` bytes.
+    pub(super) fn new(rest: &'a [u8], file_size: usize) -> Self {
+        Self {
+            rest,
+            file_size,
+            place: Place::File,
+        }
+    }
+
+    fn flaw(&self, problem: impl Into<String>) -> Flaw {
+        Flaw {
+            place: self.place,
+            problem: problem.into(),
+        }
+    }
+
+    #[cold]
+    fn cut_off(&self) -> Flaw {
+        self.flaw("the file ends within it; the file is cut off or its header wrong")
+    }
+
+    /// The next number, unless the file ends within it. An `f64` holds the values of all types.
+    fn number(&mut self, scalar: Scalar) -> Result<f64, Flaw> {
+        macro_rules! read {
+            ($type:ty) => {{
+                let Some((&bytes, rest)) = self.rest.split_first_chunk() else {
+                    return Err(self.cut_off());
+                };
+                self.rest = rest;
+                f64::from(if BIG_ENDIAN {
+                    <$type>::from_be_bytes(bytes)
+                } else {
+                    <$type>::from_le_bytes(bytes)
+                })
+            }};
+        }
+        Ok(match scalar {
+            Scalar::I8 => read!(i8),
+            Scalar::U8 => read!(u8),
+            Scalar::I16 => read!(i16),
+            Scalar::U16 => read!(u16),
+            Scalar::I32 => read!(i32),
+            Scalar::U32 => read!(u32),
+            Scalar::F32 => read!(f32),
+            Scalar::F64 => read!(f64),
+        })
+    }
+
+    /// The next number if it is a whole one of 32 bits without a sign.
+    fn whole(&mut self, scalar: Scalar, wanted: &str) -> Result<u32, Flaw> {
+        let number = self.number(scalar)?;
+        // The cast saturates, so that what is no such number becomes a different one.
+        #[expect(clippy::cast_sign_loss, reason = "a negative number becomes 0")]
+        let whole = number as u32;
+        if f64::from(whole) == number {
+            Ok(whole)
+        } else {
+            Err(self.flaw(format!("{number} is no {wanted}")))
+        }
+    }
+}
+
+impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
+    const IN_LINES: bool = false;
+
+    fn most(&self, element: &Element) -> u64 {
+        // A triangle has three corners, so three more bytes at least; polygons grow the list.
+        let more = if element.kind == Kind::Face { 3 } else { 0 };
+        self.rest.len() as u64 / (element.smallest_size() + more) + 1
+    }
+
+    fn begin(&self, element: &Element) -> Result<(), Flaw> {
+        let needed = u128::from(element.smallest_size()) * u128::from(element.count);
+        if needed <= self.rest.len() as u128 {
+            return Ok(());
+        }
+        Err(Flaw::file(format!(
+            "the header declares {} elements {}, which need {needed} bytes or more, but only {} \
+             are left; the file is cut off or its header wrong",
+            element.count,
+            element.name,
+            self.rest.len()
+        )))
+    }
+
+    fn next(&mut self, element: &Element, number: u64) -> Result<(), Flaw> {
+        self.place = Place::Element {
+            kind: match element.kind {
+                Kind::Vertex => "vertex",
+                Kind::Face => "face",
+                Kind::Skipped => "skipped element",
+            },
+            number,
+            byte: (self.file_size - self.rest.len()) as u64,
+        };
+        Ok(())
+    }
+
+    fn length(&mut self, property: &Property) -> Result<u64, Flaw> {
+        let scalar = property.length.unwrap_or(property.value);
+        self.whole(scalar, "length of a list").map(u64::from)
+    }
+
+    fn coordinate(&mut self, property: &Property) -> Result<f64, Flaw> {
+        self.number(property.value)
+    }
+
+    fn corner(&mut self, property: &Property) -> Result<u32, Flaw> {
+        self.whole(
+            property.value,
+            "vertex number: they run from 0 to 4294967295",
+        )
+    }
+
+    fn skip(&mut self, property: &Property, count: u64) -> Result<(), Flaw> {
+        let size = usize::try_from(count * property.value.size());
+        let rest = size.ok().and_then(|size| self.rest.get(size..));
+        self.rest = rest.ok_or_else(|| self.cut_off())?;
+        Ok(())
+    }
+
+    /// Blanks and zero bytes may follow.
+    fn finish(&mut self) -> Result<(), Flaw> {
+        let filling = |byte: &u8| *byte == 0 || byte.is_ascii_whitespace();
+        if self.rest.iter().all(filling) {
+            return Ok(());
+        }
+        Err(Flaw::file(format!(
+            "{} bytes come after all the elements that the header declares; correct its counts, \
+             or cut them off",
+            self.rest.len()
+        )))
+    }
+}

@@ -1,0 +1,65 @@
+//! OBJ read through the library `tobj`, to compare the direct reader with.
+//!
+//! `tobj` numbers vertices in the order of their first use, drops those that no face has, starts
+//! a model at every group and material, and opens material files. So it gets only `v` and `f`
+//! statements, less colours, and before them a face that lists all vertices in order, which is
+//! then dropped: vertices keep the numbers of the file. Faces beyond the last vertex are refused
+//! here, where the direct reader leaves them to validation, and errors do not name a line.
+
+use std::fmt::Write;
+use std::io::Read;
+
+use super::error::Flaw;
+use super::faces::FaceList;
+use super::obj::Statements;
+use super::text::words;
+use crate::soup::TriangleSoup;
+
+/// Reads a whole OBJ file.
+pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
+    let (mut every_vertex, mut vertices) = (String::from("f"), 0);
+    let mut statements = Vec::new();
+    for (_, statement) in Statements::new(bytes) {
+        let mut words: Vec<&[u8]> = words(&statement).collect();
+        match words.first() {
+            Some(&b"v") => {
+                vertices += 1;
+                // Writing to a string cannot fail.
+                let _ = write!(every_vertex, " {vertices}");
+                // A fifth word is a weight; more are a colour.
+                if words.len() > 5 {
+                    words.truncate(4);
+                }
+            }
+            Some(&b"f") => {}
+            _ => continue,
+        }
+        statements.push(b'\n');
+        statements.extend_from_slice(&words.join(&b' '));
+    }
+    let options = tobj::LoadOptions::default();
+    let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
+    let mut file = every_vertex.as_bytes().chain(&statements[..]);
+    let (models, _) = tobj::load_obj_buf(&mut file, &options, no_materials)
+        .map_err(|error| Flaw::file(format!("tobj cannot read it: {error}")))?;
+
+    let (mut positions, mut faces) = (Vec::new(), FaceList::default());
+    for tobj::Model { mesh, .. } in models {
+        positions = mesh.positions.as_chunks().0.to_vec();
+        // There are no arities if all faces are triangles, the one of all vertices too.
+        let all_triangles = vec![3; mesh.indices.len() / 3];
+        let arities = match &mesh.face_arities[..] {
+            [] => &all_triangles,
+            arities => arities,
+        };
+        let mut rest = &mesh.indices[..];
+        for (face, &arity) in arities.iter().enumerate() {
+            let (corners, next) = rest.split_at(arity as usize);
+            rest = next;
+            if face > 0 {
+                faces.push(corners);
+            }
+        }
+    }
+    faces.into_soup(positions)
+}

@@ -9,6 +9,16 @@ use crate::{FaceId, HalfEdgeId, Mesh, VertexId};
 /// of a face keep their order.
 ///
 /// What has no other number keeps its own, and so does what is asked for after it has been dropped.
+///
+/// ```
+/// use geobench_mesh::{Mesh, Numbering, VertexId};
+///
+/// let mesh = Mesh::generate("sphere,subdiv=1")?;
+/// let numbering = Numbering::breadth_first(&mesh);
+/// let v = VertexId::new(7);
+/// assert_eq!(numbering.old_vertex(numbering.new_vertex(v)), v);
+/// # Ok::<(), geobench_mesh::MeshError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Numbering {
     /// All empty if the numbers are the same.

@@ -5,6 +5,17 @@
 /// The position of vertex `i` stands at place `i`, in the numbering of the file it came from.
 /// Triangles may name vertices that do not exist, repeat themselves, or meet in any way:
 /// [`Mesh::from_soup`](crate::Mesh::from_soup) finds out and says so.
+///
+/// ```
+/// use geobench_mesh::TriangleSoup;
+/// use geobench_mesh::io::{Format, read_bytes};
+///
+/// let text = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+/// let soup: TriangleSoup = read_bytes(text, Format::Obj, "square.obj".as_ref())?;
+/// assert_eq!(soup.triangles, [[0, 1, 2], [0, 2, 3]]);
+/// assert_eq!(soup.file_face(1), 0); // Both are of the first face of the file.
+/// # Ok::<(), geobench_mesh::io::ReadError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleSoup {
     /// Coordinates of each vertex, in the model's own units.

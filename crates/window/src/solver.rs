@@ -46,10 +46,63 @@ pub enum SolveError {
     },
 }
 
+/// One source or several: a number, a [`VertexId`], or a list of either.
+///
+/// ```
+/// use geobench_mesh::VertexId;
+/// use geobench_window::Sources;
+///
+/// let [a, b] = [3, 17].map(VertexId::new);
+/// assert_eq!(3.into_vertices(), [a]);
+/// assert_eq!([3, 17].into_vertices(), [a, b]);
+/// assert_eq!((&[a, b]).into_vertices(), [a, b]);
+/// ```
+pub trait Sources {
+    /// Their vertices.
+    fn into_vertices(self) -> Vec<VertexId>;
+}
+
+macro_rules! sources {
+    ($source:ty) => {
+        impl Sources for $source {
+            fn into_vertices(self) -> Vec<VertexId> {
+                vec![self.into()]
+            }
+        }
+    };
+    ($list:ty, $($generics:tt)*) => {
+        impl<$($generics)*> Sources for $list {
+            fn into_vertices(self) -> Vec<VertexId> {
+                self.iter().map(|&v| v.into()).collect()
+            }
+        }
+    };
+}
+
+sources!(u32);
+sources!(VertexId);
+sources!([V; N], V: Copy + Into<VertexId>, const N: usize);
+sources!(&[V; N], V: Copy + Into<VertexId>, const N: usize);
+sources!(&[V], V: Copy + Into<VertexId>);
+sources!(&Vec<V>, V: Copy + Into<VertexId>);
+
 /// An algorithm set up for one mesh. Building it is the set-up and is not timed; it can then be
 /// asked for one set of sources after another. It owns what it needs, so it can be stored beside
 /// its mesh, outlive it, and move to another thread.
 pub trait Solver: Send {
+    /// Distances from the nearest of `sources` in the short form: `distances_from(0)`,
+    /// `distances_from([3, 17])`.
+    ///
+    /// # Errors
+    ///
+    /// As [`solve`](Solver::solve).
+    fn distances_from(&mut self, sources: impl Sources) -> Result<Vec<f64>, SolveError>
+    where
+        Self: Sized,
+    {
+        Ok(self.solve(&sources.into_vertices())?.distances)
+    }
+
     /// Distances from the nearest of `sources`, unobserved: the call that is timed.
     ///
     /// # Errors

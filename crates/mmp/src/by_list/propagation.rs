@@ -41,6 +41,22 @@ const AHEAD: [usize; 2] = [6, 2];
 /// An event of the queue is a half-edge whose list has windows that wait, under the least of their
 /// labels. Its turn takes those that are [due](Discipline::is_due), and what waits on is queued
 /// again.
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_mmp::{ByList, Keep};
+/// use geobench_window::queue::Priority;
+/// use geobench_window::{Counter, Solver, VertexFilter};
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// // Every window compared and kept, as in the paper.
+/// let solver = ByList::new(&mesh, Priority::new(&mesh));
+/// let mut solver = solver.filtering(VertexFilter::Off).keeping(Keep::All);
+/// let (solution, counters) = solver.count(&[5.into()])?;
+/// assert_eq!(solution.distances[5], 0.0);
+/// assert!(counters.get(Counter::StoredWindows) > Some(0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ByList<Q> {
     front: Front<Q>,

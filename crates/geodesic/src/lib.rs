@@ -47,8 +47,8 @@
 //!   than two faces, or a surface that cannot be oriented, is a [`MeshError`] that names its
 //!   elements.
 //! * A source that is not a vertex, or no source at all, is a [`SolveError`].
-//! * The time of a solve grows with the windows, about the power 1.5 of the faces: some 20 ms for
-//!   20,000 faces and some seconds for a million.
+//! * The time of a solve grows with the windows, up to the power 1.5 of the faces: some 20 ms for
+//!   20,000 faces, a second or several for a million.
 
 pub use geobench_fwp as fwp;
 pub use geobench_ich as ich;
@@ -84,13 +84,14 @@ pub use geobench_window::{Solution, SolveError, Solver, Sources};
 /// ```
 pub mod solvers {
     pub use geobench_fwp::{
-        BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, lc_ch, lc_mmp, vtp_ch, vtp_mmp,
+        BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_by_window,
+        lc_ch, lc_mmp, lc_mmp_by_window, vtp_ch, vtp_mmp,
     };
     pub use geobench_ich::{ch, ich, ich1};
-    pub use geobench_mmp::{mmp, mmp_by_window, mmp_edge};
+    pub use geobench_mmp::{Keep, mmp, mmp_by_window, mmp_edge, mmp_with_slack};
     pub use geobench_vtp::{
-        EdgeBased, FastOptions, Ftp, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpNoRule1,
-        VtpNoRules23, VtpTrimming,
+        EdgeBased, FastOptions, Ftp, Instructions, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast,
+        VtpNoRule1, VtpNoRules23, VtpTrimming,
     };
 }
 
@@ -99,7 +100,7 @@ pub trait Distances {
     /// Length of the shortest path over the surface from the nearest of `sources`, a vertex or
     /// several, to every vertex; infinite where no path leads.
     ///
-    /// It sets up [`VtpFast`] for this one question, which takes about a tenth of the time.
+    /// It sets [`VtpFast`] up for this one question, which adds about a third to the time.
     ///
     /// # Errors
     ///

@@ -128,6 +128,49 @@ pub trait Solver: Send {
 
 /// What an algorithm implements: one run, generic over the probe. Every `Propagate` is a
 /// [`Solver`].
+///
+/// ```
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_window::queue::MinHeap;
+/// use geobench_window::{Counter, Probe, Propagate, Solution, Solver};
+///
+/// /// Paths along edges only: never too short.
+/// struct EdgesOnly(Mesh);
+///
+/// impl Propagate for EdgesOnly {
+///     fn counters() -> Vec<Counter> {
+///         vec![Counter::QueuePushes]
+///     }
+///
+///     fn vertex_count(&self) -> usize {
+///         self.0.vertex_count()
+///     }
+///
+///     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+///         let mut distances = vec![f64::INFINITY; self.vertex_count()];
+///         let mut queue = MinHeap::default();
+///         for &source in sources {
+///             distances[source.index()] = 0.0;
+///             queue.push(0.0, source);
+///         }
+///         while let Some((d, v)) = queue.pop() {
+///             for (neighbour, length) in self.0.neighbours(v) {
+///                 let known = &mut distances[neighbour.index()];
+///                 if d + length < *known {
+///                     *known = d + length;
+///                     queue.push(d + length, neighbour);
+///                     probe.add(Counter::QueuePushes, 1);
+///                 }
+///             }
+///         }
+///         Solution::new(distances)
+///     }
+/// }
+///
+/// let mut solver = EdgesOnly(Mesh::generate("octahedron,subdiv=0")?);
+/// assert_eq!(solver.distances_from(0)?, [0.0, 2.0, 1.0, 1.0, 1.0, 1.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Propagate: Send {
     /// The counters that this algorithm reports.
     fn counters() -> Vec<Counter>;

@@ -66,6 +66,20 @@ impl Default for BucketOptions {
 ///
 /// O(1) for each event, 24 bytes for each, and 12 for each bucket from `P1` to the furthest; see
 /// [`Calendar`].
+///
+/// ```
+/// use geobench_fwp::{BucketOptions, Buckets};
+/// use geobench_ich::Splitting;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::continuous::Continuous;
+/// use geobench_window::{Solver, VertexFilter};
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let policy = Splitting::new(&mesh, VertexFilter::On);
+/// let mut solver = Continuous::new(&mesh, policy, Buckets::new(&mesh, BucketOptions::default()));
+/// assert_eq!(solver.distances_from(5)?[5], 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Buckets {
     batch: BatchSize,

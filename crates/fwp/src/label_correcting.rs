@@ -38,6 +38,20 @@ impl Default for LabelCorrectingOptions {
 ///
 /// O(1) for each event without the rotations and the sifting, which have no useful bound in general
 /// and cost little in practice. An event takes 16 bytes.
+///
+/// ```
+/// use geobench_fwp::{LabelCorrecting, LabelCorrectingOptions};
+/// use geobench_ich::Splitting;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::continuous::Continuous;
+/// use geobench_window::{Solver, VertexFilter};
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let policy = Splitting::new(&mesh, VertexFilter::On);
+/// let mut solver = Continuous::new(&mesh, policy, LabelCorrecting::new(LabelCorrectingOptions { beta: 1.0 }));
+/// assert_eq!(solver.distances_from(5)?[5], 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct LabelCorrecting {
     beta: f64,

@@ -62,6 +62,18 @@ pub use vertex_order::VertexOrder;
 /// [windows one by one](fwp_mmp_by_window), up to windows that come to a list before its turn,
 /// which make a fourth more of them on the horse, and to those that are filtered: with the filter
 /// it makes seven tenths more; within a round the paper leaves the order open.
+///
+/// ```
+/// use geobench_fwp::{BatchSize, BucketOptions, fwp_mmp};
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let batch = BatchSize::Adaptive { max: 5000 };
+/// let mut solver = fwp_mmp(&mesh, BucketOptions { batch, ..BucketOptions::default() });
+/// assert_eq!(solver.distances_from(5)?[5], 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> ByList<Buckets> {
     ByList::new(mesh, Buckets::new(mesh, options).of_lists())
 }

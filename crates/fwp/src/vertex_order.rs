@@ -19,6 +19,20 @@ use geobench_window::{Counter, Probe};
 ///
 /// O(1) for each window, O(log n) for each time that a vertex improves. A window takes 24 bytes, a
 /// half-edge 12, a face 4.
+///
+/// ```
+/// use geobench_fwp::{VertexOrder};
+/// use geobench_ich::Splitting;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::continuous::Continuous;
+/// use geobench_window::{Solver, VertexFilter};
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let policy = Splitting::new(&mesh, VertexFilter::On);
+/// let mut solver = Continuous::new(&mesh, policy, VertexOrder::new(&mesh));
+/// assert_eq!(solver.distances_from(5)?[5], 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct VertexOrder {
     mesh: Mesh,

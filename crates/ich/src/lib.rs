@@ -53,6 +53,19 @@ pub fn ich1(mesh: &Mesh) -> Ch {
 
 /// Sets up ICH, which is ICH2 of Xin and Wang, for `mesh`: the filter, and windows by least
 /// distance; O(faces).
+///
+/// ```
+/// use geobench_ich::ich;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::{Counter, Solver};
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let mut solver = ich(&mesh);
+/// let (solution, counters) = solver.count(&[5.into()])?;
+/// assert_eq!(solution.distances[5], 0.0);
+/// assert!(counters.get(Counter::Filtered) > Some(0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn ich(mesh: &Mesh) -> Ich {
     Continuous::new(
         mesh,

@@ -10,6 +10,21 @@ use crate::angle::{Angles, Split};
 use crate::tree::{Guard, Leaves, Lineage, Node};
 
 /// One split at each angle, with or without the vertex filter on arrival.
+///
+/// ```
+/// use geobench_ich::Splitting;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::continuous::Continuous;
+/// use geobench_window::queue::Fifo;
+/// use geobench_window::{Solver, VertexFilter};
+///
+/// // ICH1: the filter, and windows first in, first out.
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let policy = Splitting::new(&mesh, VertexFilter::On);
+/// let mut solver = Continuous::new(&mesh, policy, Fifo::default());
+/// assert_eq!(solver.distances_from(5)?[5], 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Splitting {
     filter: VertexFilter,

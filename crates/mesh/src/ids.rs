@@ -59,6 +59,12 @@ id!(
     "half-edge"
 );
 
+impl From<u32> for VertexId {
+    fn from(index: u32) -> Self {
+        Self(index)
+    }
+}
+
 impl FaceId {
     /// The half-edge that leaves corner `corner` (0, 1 or 2) of this face.
     #[inline]

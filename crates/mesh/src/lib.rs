@@ -49,7 +49,7 @@ mod vector;
 pub use defect::{Defect, DefectKind, LONGEST_EDGE, SHORTEST_EDGE, Severity};
 pub use ids::{FaceId, HalfEdgeId, VertexId};
 pub use measure::MeshMeasures;
-pub use mesh::Mesh;
+pub use mesh::{Mesh, MeshError};
 pub use numbering::Numbering;
 pub use report::{InvalidMesh, Report, Summary};
 pub use soup::TriangleSoup;

@@ -6,6 +6,15 @@ use crate::ids::HalfEdgeId;
 use crate::mesh::Mesh;
 
 /// Counts and sizes of a mesh. Lengths are in the model's units.
+///
+/// ```
+/// use geobench_mesh::{Mesh, MeshMeasures};
+///
+/// let measures = MeshMeasures::of(&Mesh::generate("torus,faces=500")?);
+/// assert_eq!((measures.euler_characteristic, measures.genus), (0, 1));
+/// assert!(measures.saddles > 0 && measures.boundary_edges == 0);
+/// # Ok::<(), geobench_mesh::MeshError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshMeasures {
     /// Vertices, isolated ones included.

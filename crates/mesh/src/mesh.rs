@@ -1,9 +1,14 @@
 //! The half-edge mesh that every solver reads.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::frames::{apexes_from_lengths, apexes_from_positions};
+use crate::generate::{GenerateError, Spec, generate};
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
+use crate::io::{self, FileError};
+use crate::report::InvalidMesh;
+use crate::soup::TriangleSoup;
 
 /// A triangulated 2-manifold, with or without boundary, immutable after construction.
 ///
@@ -68,7 +73,79 @@ pub(crate) struct VertexFlags {
 /// Stands in `twins` at a boundary half-edge.
 pub(crate) const NO_TWIN: u32 = u32::MAX;
 
+/// Why there is no mesh.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Read(#[from] FileError),
+    /// The spec names no model.
+    #[error(transparent)]
+    Generate(#[from] GenerateError),
+    /// The file has defects that no algorithm can work with.
+    #[error("{path}: {error}")]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// All defects.
+        #[source]
+        error: InvalidMesh,
+    },
+}
+
 impl Mesh {
+    /// The mesh of `triangles`, which name their corners by the places of `positions`.
+    ///
+    /// What was repaired or is worth knowing is not said; [`from_soup`](Self::from_soup) reports
+    /// it.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be used, with every defect and its elements.
+    pub fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, InvalidMesh> {
+        Self::from_soup(TriangleSoup::new(positions, triangles)).map(|(mesh, _)| mesh)
+    }
+
+    /// Reads an OBJ, PLY, OFF or STL file, compressed with gzip or not; as [`io::read`] and
+    /// [`new`](Self::new).
+    ///
+    /// # Errors
+    ///
+    /// When the file cannot be read or its mesh cannot be used; the message names the file, and
+    /// the line or the elements.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, MeshError> {
+        let path = path.as_ref();
+        let invalid = |error| MeshError::Invalid {
+            path: path.to_owned(),
+            error,
+        };
+        let (mesh, _) = Self::from_soup(io::read(path)?).map_err(invalid)?;
+        Ok(mesh)
+    }
+
+    /// Makes the model of a generator, such as `torus,faces=5000`; see
+    /// [`generate`](crate::generate).
+    ///
+    /// ```
+    /// let mesh = geobench_mesh::Mesh::generate("sphere,subdiv=2")?;
+    /// assert_eq!((mesh.vertex_count(), mesh.face_count()), (162, 320));
+    /// # Ok::<(), geobench_mesh::MeshError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// When the spec names no model.
+    pub fn generate(spec: &str) -> Result<Self, MeshError> {
+        let spec: Spec = spec.parse()?;
+        let invalid = |error| MeshError::Invalid {
+            path: spec.to_string().into(),
+            error,
+        };
+        let (mesh, _) = Self::from_soup(generate(&spec)?).map_err(invalid)?;
+        Ok(mesh)
+    }
+
     /// Number of vertices, isolated ones included.
     pub fn vertex_count(&self) -> usize {
         self.data.flags.len()

@@ -8,6 +8,16 @@ use crate::{FaceId, HalfEdgeId, Mesh, VertexId};
 /// order of the file. New numbers stay inside the solver. The corners of a face keep their order.
 ///
 /// Elements without a new number keep the mesh's, also after a map has been dropped.
+///
+/// ```
+/// use geobench_mesh::{Mesh, Numbering, VertexId};
+///
+/// let mesh = Mesh::generate("sphere,subdiv=1")?;
+/// let numbering = Numbering::breadth_first(&mesh);
+/// let v = VertexId::new(7);
+/// assert_eq!(numbering.old_vertex(numbering.new_vertex(v)), v);
+/// # Ok::<(), geobench_mesh::MeshError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Numbering {
     /// All empty if the numbers are the same.

@@ -5,6 +5,17 @@ use std::fmt;
 use crate::defect::{Defect, DefectKind, LONGEST_EDGE, SHORTEST_EDGE, Severity};
 
 /// Every defect found in a model, each with its elements.
+///
+/// ```
+/// use geobench_mesh::{DefectKind, Mesh};
+///
+/// // The edge from 0 to 1 has three faces.
+/// let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]];
+/// let invalid = Mesh::new(positions, vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]]).unwrap_err();
+/// assert!(invalid.report.is_fatal());
+/// let kinds: Vec<_> = invalid.report.defects.iter().map(|defect| defect.kind()).collect();
+/// assert_eq!(kinds, [DefectKind::NonManifoldEdge]);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// Every defect found, in the order of their kinds and then of their elements.

@@ -47,6 +47,18 @@ pub type MmpByWindow = Continuous<Trimming, Priority>;
 ///
 /// The list with the nearest window has its turn, and what lies up to [a mean
 /// edge](NearLists::SLACK) further goes with it. Space is O(n²) for n faces.
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_mmp::mmp;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let mut solver = mmp(&mesh);
+/// let distances = solver.distances_from(0)?;
+/// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn mmp(mesh: &Mesh) -> ByList<NearLists> {
     mmp_with_slack(mesh, NearLists::SLACK)
 }

@@ -22,6 +22,20 @@ pub enum Carrier {
 }
 
 /// Every window is stored where it is the shortest of those on its half-edge or edge.
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_mmp::{Carrier, Trimming};
+/// use geobench_window::Solver;
+/// use geobench_window::continuous::Continuous;
+/// use geobench_window::queue::Fifo;
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let policy = Trimming::new(&mesh, Carrier::HalfEdge);
+/// let mut solver = Continuous::new(&mesh, policy, Fifo::default());
+/// assert_eq!(solver.distances_from(5)?[5], 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Trimming {
     carrier: Carrier,

@@ -25,6 +25,18 @@ use crate::schedule::{Schedule, Turn};
 /// with lists merged by `M`, their windows compared by `P` and sent on by `E`.
 ///
 /// The solver numbers vertices and faces anew, breadth first.
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_vtp::{AnyExit, ListPropagation, NearestFace, NoPairs, OrderFree};
+/// use geobench_window::Solver;
+///
+/// // FTP without its rules.
+/// type Plain = ListPropagation<NearestFace, OrderFree, NoPairs, AnyExit>;
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// assert_eq!(Plain::new(&mesh).distances_from(5)?[5], 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ListPropagation<S, M, P, E> {
     vertex_count: usize,

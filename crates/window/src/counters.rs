@@ -88,6 +88,15 @@ counters! {
 }
 
 /// The counts of one run; a counter that the algorithm does not have is `None`, never 0.
+///
+/// ```
+/// use geobench_window::{Counter, Counters};
+///
+/// let mut counters = Counters::default();
+/// counters.set(Counter::Propagated, 12);
+/// assert_eq!(counters.get(Counter::Propagated), Some(12));
+/// assert_eq!(counters.get(Counter::Trimmed), None);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Counters {
     values: [Option<u64>; Counter::ALL.len()],

@@ -43,7 +43,7 @@ pub fn is_beaten_from_ends(w: &Window, l: f64, d0: f64, d1: f64) -> bool {
 /// `end` is the end of the interval that its rays must cross the whole window to reach: `b0` if
 /// the window came as a left child, `b1` if as a right child.
 #[inline]
-pub fn is_beaten_across(w: &Window, end: f64, opposite: [f64; 2], d: f64) -> bool {
+pub(crate) fn is_beaten_across(w: &Window, end: f64, opposite: [f64; 2], d: f64) -> bool {
     let reach = norm(end - opposite[0], opposite[1]);
     let path = d + reach;
     is_shorter(path + path * SLACK - w.sigma, end - w.px, w.py)

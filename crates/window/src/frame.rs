@@ -191,6 +191,23 @@ impl HalfEdge {
 /// The faces of a mesh laid out for crossing: one record a half-edge instead of one array a
 /// quantity. A crossing reads two of them, that of the entrance and that of the exit, which are
 /// neighbours in memory.
+///
+/// ```
+/// use geobench_mesh::{HalfEdgeId, Mesh};
+/// use geobench_window::{Faces, Passage, spawn_window};
+///
+/// // A square cut along the diagonal from 0 to 2; vertex 1 sees vertex 3 across it.
+/// let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3]])?;
+/// let faces = Faces::new(&mesh);
+/// let (h, window) = spawn_window(&faces, HalfEdgeId::new(1), 0.0).expect("a face beyond");
+/// assert_eq!(faces.corners(h)[2].raw(), 3);
+/// let frame = faces.frame(h);
+/// let passage = Passage::new(&frame, &window);
+/// assert!(passage.covers_apex());
+/// assert!((passage.straight_distance() - 2.0_f64.sqrt()).abs() < 1e-15);
+/// # Ok::<(), geobench_mesh::InvalidMesh>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Faces {
     half_edges: Vec<HalfEdge>,

@@ -11,7 +11,7 @@
 //!
 //! * The kernels are small pure functions: [`separating_abscissa`], the two children, the apex
 //!   distance, all of these in one as [`Passage`], [`tie_points`], the vertex filter
-//!   ([`is_beaten_from_ends`], [`is_beaten_across`]), [`spawn_window`]. None of them takes a square
+//!   ([`is_beaten_from_ends`]), [`spawn_window`]. None of them takes a square
 //!   root or an angle that it can do without, and all tolerances are relative, so that a model in
 //!   millimetres gives the same digits as in metres.
 //! * [`Faces`] lays the mesh out for crossing, and gives the [`Frame`] of a half-edge.
@@ -41,12 +41,12 @@ mod window;
 pub use counters::{Counter, Counters};
 pub use cross::{apex_distance, left_child, right_child, separating_abscissa};
 pub use crossings::{Crossings, LANES, Offspring};
-pub use filter::{VertexFilter, is_beaten_across, is_beaten_from_ends};
+pub use filter::{VertexFilter, is_beaten_from_ends};
 pub use frame::{Entrance, Exit, Faces, Frame, Outlet, Side};
 pub use passage::Passage;
 pub use prefetch::prefetch;
 pub use probe::{Clock, Count, Phase, Phases, Probe};
-pub use solver::{Propagate, Solution, SolveError, Solver};
+pub use solver::{Propagate, Solution, SolveError, Solver, Sources};
 pub use spawn::spawn_window;
 pub use tie::{TiePoints, tie_points};
 pub use wavefront::WavefrontSample;

@@ -21,6 +21,19 @@ pub enum Phase {
 }
 
 /// Listens to a run.
+///
+/// ```
+/// use geobench_window::{Count, Counter, Probe};
+///
+/// fn run(probe: &mut impl Probe) {
+///     probe.add(Counter::Propagated, 2);
+/// }
+/// run(&mut ()); // Compiles to nothing.
+/// let mut count = Count::default();
+/// run(&mut count);
+/// let counters = count.counters(&[Counter::Propagated]);
+/// assert_eq!(counters.get(Counter::Propagated), Some(2));
+/// ```
 pub trait Probe {
     /// Whether counts are wanted: what serves counters only is kept in that case only.
     const COUNTS: bool = false;

@@ -46,10 +46,63 @@ pub enum SolveError {
     },
 }
 
+/// One source or several: a number, a [`VertexId`], or a list of either.
+///
+/// ```
+/// use geobench_mesh::VertexId;
+/// use geobench_window::Sources;
+///
+/// let [a, b] = [3, 17].map(VertexId::new);
+/// assert_eq!(3.into_vertices(), [a]);
+/// assert_eq!([3, 17].into_vertices(), [a, b]);
+/// assert_eq!((&[a, b]).into_vertices(), [a, b]);
+/// ```
+pub trait Sources {
+    /// Their vertices.
+    fn into_vertices(self) -> Vec<VertexId>;
+}
+
+macro_rules! sources {
+    ($source:ty) => {
+        impl Sources for $source {
+            fn into_vertices(self) -> Vec<VertexId> {
+                vec![self.into()]
+            }
+        }
+    };
+    ($list:ty, $($generics:tt)*) => {
+        impl<$($generics)*> Sources for $list {
+            fn into_vertices(self) -> Vec<VertexId> {
+                self.iter().map(|&v| v.into()).collect()
+            }
+        }
+    };
+}
+
+sources!(u32);
+sources!(VertexId);
+sources!([V; N], V: Copy + Into<VertexId>, const N: usize);
+sources!(&[V; N], V: Copy + Into<VertexId>, const N: usize);
+sources!(&[V], V: Copy + Into<VertexId>);
+sources!(&Vec<V>, V: Copy + Into<VertexId>);
+
 /// An algorithm set up for one mesh. Building it is the set-up and is not timed; it can then be
 /// asked for one set of sources after another. It owns what it needs, so it can be stored beside
 /// its mesh, outlive it, and move to another thread.
 pub trait Solver: Send {
+    /// Distances from the nearest of `sources` in the short form: `distances_from(0)`,
+    /// `distances_from([3, 17])`.
+    ///
+    /// # Errors
+    ///
+    /// As [`solve`](Solver::solve).
+    fn distances_from(&mut self, sources: impl Sources) -> Result<Vec<f64>, SolveError>
+    where
+        Self: Sized,
+    {
+        Ok(self.solve(&sources.into_vertices())?.distances)
+    }
+
     /// Distances from the nearest of `sources`, unobserved: the call that is timed.
     ///
     /// # Errors
@@ -75,6 +128,49 @@ pub trait Solver: Send {
 
 /// What an algorithm implements: one run, generic over the probe. Every `Propagate` is a
 /// [`Solver`].
+///
+/// ```
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_window::queue::MinHeap;
+/// use geobench_window::{Counter, Probe, Propagate, Solution, Solver};
+///
+/// /// Paths along edges only: never too short.
+/// struct EdgesOnly(Mesh);
+///
+/// impl Propagate for EdgesOnly {
+///     fn counters() -> Vec<Counter> {
+///         vec![Counter::QueuePushes]
+///     }
+///
+///     fn vertex_count(&self) -> usize {
+///         self.0.vertex_count()
+///     }
+///
+///     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+///         let mut distances = vec![f64::INFINITY; self.vertex_count()];
+///         let mut queue = MinHeap::default();
+///         for &source in sources {
+///             distances[source.index()] = 0.0;
+///             queue.push(0.0, source);
+///         }
+///         while let Some((d, v)) = queue.pop() {
+///             for (neighbour, length) in self.0.neighbours(v) {
+///                 let known = &mut distances[neighbour.index()];
+///                 if d + length < *known {
+///                     *known = d + length;
+///                     queue.push(d + length, neighbour);
+///                     probe.add(Counter::QueuePushes, 1);
+///                 }
+///             }
+///         }
+///         Solution::new(distances)
+///     }
+/// }
+///
+/// let mut solver = EdgesOnly(Mesh::generate("octahedron,subdiv=0")?);
+/// assert_eq!(solver.distances_from(0)?, [0.0, 2.0, 1.0, 1.0, 1.0, 1.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Propagate: Send {
     /// The counters that this algorithm reports.
     fn counters() -> Vec<Counter>;

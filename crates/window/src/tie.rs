@@ -50,6 +50,14 @@ impl TiePoints {
 ///
 /// Two windows that travel in the same direction cross at most once in theory; with a σ that is
 /// not final yet they can cross twice.
+///
+/// ```
+/// use geobench_window::{Window, tie_points};
+///
+/// let left = Window { b0: 0.0, b1: 4.0, px: 0.0, py: -1.0, sigma: 0.0 };
+/// let right = Window { px: 4.0, ..left };
+/// assert_eq!(tie_points(&left, &right).as_slice(), [2.0]);
+/// ```
 pub fn tie_points(w0: &Window, w1: &Window) -> TiePoints {
     let mut ties = TiePoints::default();
     let a = w1.px - w0.px;

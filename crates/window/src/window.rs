@@ -7,6 +7,15 @@
 /// image lies below the edge. Its position is stored rather than two distances, which would
 /// lose about ε·d²/w of it at a window of width w: crossing a triangle is then a rotation and two
 /// divisions, without a square root.
+///
+/// ```
+/// use geobench_window::Window;
+///
+/// // A source 3 below the start of its edge, seen through the interval from 0 to 4.
+/// let window = Window { b0: 0.0, b1: 4.0, px: 0.0, py: -3.0, sigma: 0.0 };
+/// assert_eq!(window.distance(4.0), 5.0);
+/// assert_eq!(window.min_distance(), 3.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// Left end of the interval; 0 ≤ `b0` < `b1`.

@@ -56,7 +56,6 @@ pub use families::{FAMILIES, Family, Seeding, help};
 pub use keys::{Key, Kind};
 pub use modifiers::{MODIFIER_KEYS, Modifiers};
 pub use noise::add_noise;
-pub use parts::cut_into_parts;
 pub use spec::{Spec, generate};
 pub use subdivide::midpoint_subdivide;
 

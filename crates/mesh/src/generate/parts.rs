@@ -20,7 +20,7 @@ use crate::soup::TriangleSoup;
 ///
 /// If `parts` is 0, or the result would have more vertices than 32 bits can number.
 /// [`Modifiers::apply`](super::Modifiers::apply) refuses long before that.
-pub fn cut_into_parts(soup: &TriangleSoup, parts: u32) -> TriangleSoup {
+pub(crate) fn cut_into_parts(soup: &TriangleSoup, parts: u32) -> TriangleSoup {
     assert!(parts > 0, "an edge has at least one part");
     let old = soup.positions.len();
     let sound: Vec<u32> = (0..soup.triangles.len() as u32)

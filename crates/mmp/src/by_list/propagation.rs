@@ -41,6 +41,22 @@ const AHEAD: [usize; 2] = [6, 2];
 /// An event of the queue is a half-edge whose list has windows that wait, under the least of their
 /// labels. Its turn takes those that are [due](Discipline::is_due), and what waits on is queued
 /// again.
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_mmp::{ByList, Keep};
+/// use geobench_window::queue::Priority;
+/// use geobench_window::{Counter, Solver, VertexFilter};
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// // Every window compared and kept, as in the paper.
+/// let solver = ByList::new(&mesh, Priority::new(&mesh));
+/// let mut solver = solver.filtering(VertexFilter::Off).keeping(Keep::All);
+/// let (solution, counters) = solver.count(&[5.into()])?;
+/// assert_eq!(solution.distances[5], 0.0);
+/// assert!(counters.get(Counter::StoredWindows) > Some(0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ByList<Q> {
     front: Front<Q>,
@@ -232,20 +248,18 @@ impl<Q: Discipline> Front<Q> {
     }
 
     /// Sends out paths along the edges of `v` and windows across its faces; `run` is room for them.
-    fn spawn<P: Probe>(&mut self, v: VertexId, run: &mut Run, probe: &mut P) {
+    fn spawn<P: Probe>(&mut self, mesh: &Mesh, v: VertexId, run: &mut Run, probe: &mut P) {
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.surface.distance(v);
-        // By index, since `self` changes meanwhile.
-        let degree = self.mesh.outgoing(v).len();
-        for i in 0..degree {
-            let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
+        for &h in mesh.outgoing(v) {
+            let h = self.surface.faces().number(h);
             let edges = self.surface.faces().edges_at_tail(h);
             for (neighbour, length) in edges.into_iter().flatten() {
                 self.offer(neighbour, sigma + length, probe);
             }
         }
-        for i in 0..degree {
-            let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
+        for &h in mesh.outgoing(v) {
+            let h = self.surface.faces().number(h);
             if let Some((target, window)) = spawn_window(self.surface.faces(), h, sigma) {
                 probe.add(Counter::Spawned, 1);
                 let edge = self.surface.edge(target);
@@ -423,7 +437,8 @@ impl<Q: Discipline> Propagate for ByList<Q> {
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
         let front = &mut self.front;
-        front.surface.reset(front.mesh.vertex_count());
+        let mesh = &front.mesh.clone();
+        front.surface.reset(mesh.vertex_count());
         front.store.clear(P::COUNTS);
         front.queue.clear();
         front.forgetting.clear();
@@ -434,7 +449,7 @@ impl<Q: Discipline> Propagate for ByList<Q> {
         }
         for &s in sources {
             front.queue.start(s);
-            front.spawn(s, &mut self.taken, probe);
+            front.spawn(mesh, s, &mut self.taken, probe);
         }
         while let Some((label, event)) = self.front.queue.pop(probe) {
             self.front.read_ahead();
@@ -443,9 +458,9 @@ impl<Q: Discipline> Propagate for ByList<Q> {
                     let front = &mut self.front;
                     // A vertex is queued anew whenever it improves; older entries are void.
                     if front.surface.distance(v) == label
-                        && (!Q::EVERY_VERTEX || front.mesh.is_pseudo_source(v))
+                        && (!Q::EVERY_VERTEX || mesh.is_pseudo_source(v))
                     {
-                        front.spawn(v, &mut self.taken, probe);
+                        front.spawn(mesh, v, &mut self.taken, probe);
                     }
                 }
                 EventKind::Window(h, _) => self.turn(h, label, event, probe),

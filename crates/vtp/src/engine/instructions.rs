@@ -45,7 +45,7 @@ impl Instructions {
 
     /// These if the processor has them, else the best ones below that it has.
     #[must_use]
-    pub fn or_less(self) -> Self {
+    pub(crate) fn or_less(self) -> Self {
         match self {
             _ if self.is_available() => self,
             Self::Avx512 => Self::Avx2.or_less(),

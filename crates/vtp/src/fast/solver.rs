@@ -10,6 +10,20 @@ use crate::engine::lanes::Lanes;
 use crate::wave::{Field, Wave};
 
 /// VTP for speed, on one mesh; see [the page](crate::algorithms::vtp_fast).
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_vtp::{FastOptions, Instructions, VtpFast};
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let best = VtpFast::new(&mesh).distances_from(5)?;
+/// let instructions = Instructions::Scalar;
+/// let options = FastOptions { instructions, ..FastOptions::default() };
+/// let plain = VtpFast::with_options(&mesh, options).distances_from(5)?;
+/// assert_eq!(best, plain); // To the bit.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct VtpFast {
     vertex_count: usize,

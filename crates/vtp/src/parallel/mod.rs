@@ -36,6 +36,18 @@ use crate::fast::Options;
 const MOST_THREADS: usize = 1024;
 
 /// VTP on several threads, on one mesh; see [the page](crate::algorithms::pvtp).
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_vtp::{Pvtp, VtpFast};
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let two_threads = Pvtp::new(&mesh, 2).distances_from(5)?;
+/// let one = VtpFast::new(&mesh).distances_from(5)?;
+/// assert!(two_threads.iter().zip(one).all(|(a, b)| (a - b).abs() <= 1e-12 * b));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Pvtp {
     vertex_count: usize,

@@ -145,7 +145,7 @@ impl Arena {
     ///
     /// Nothing depends on it: a place that has become free since leads somewhere else.
     #[inline]
-    pub fn walk(&self, place: &mut u32) {
+    pub(crate) fn walk(&self, place: &mut u32) {
         if let Some(link) = self.links.get(*place as usize) {
             *place = link.next;
             prefetch(&self.links, link.next as usize);

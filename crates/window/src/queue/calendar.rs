@@ -26,6 +26,20 @@ pub(super) const INTEGERS: f64 = (1u64 << 52) as f64;
 /// of as many slots as the labels that wait are apart; a label more than 262,144 buckets further
 /// up, which only a very small width or an edge of thousands of times the mean length can bring,
 /// waits in a heap, at O(log k). An event takes 24 bytes and a slot 12.
+///
+/// ```
+/// use geobench_mesh::VertexId;
+/// use geobench_window::queue::{Calendar, Event};
+///
+/// let mut calendar = Calendar::new(0.5);
+/// let event = Event::vertex(VertexId::new(3));
+/// calendar.put(calendar.bucket(1.2), 1.2, event);
+/// let first = calendar.advance().expect("a bucket that holds something");
+/// assert_eq!(first, calendar.bucket(1.2));
+/// let mut drained = Vec::new();
+/// calendar.drain(first, &mut drained);
+/// assert_eq!(drained, [(1.2, event)]);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Calendar {
     /// Buckets for each unit of length.

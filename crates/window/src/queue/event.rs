@@ -43,7 +43,7 @@ impl Event {
 
     /// Whether it is a window's.
     #[inline]
-    pub const fn is_window(self) -> bool {
+    pub(crate) const fn is_window(self) -> bool {
         self.place & VERTEX == 0
     }
 

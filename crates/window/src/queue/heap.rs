@@ -6,6 +6,15 @@ const ARITY: usize = 4;
 /// A 4-ary heap of items by label. Items of equal labels come in an order that depends on the
 /// insertions alone, so it is the same in every run. Entries cannot be removed or changed: push
 /// anew, and skip what is outdated when it comes out.
+///
+/// ```
+/// use geobench_window::queue::MinHeap;
+///
+/// let mut heap = MinHeap::default();
+/// heap.push(2.0, "far");
+/// heap.push(1.0, "near");
+/// assert_eq!(heap.pop(), Some((1.0, "near")));
+/// ```
 #[derive(Clone, Debug)]
 pub struct MinHeap<T> {
     nodes: Vec<(f64, T)>,

@@ -23,6 +23,17 @@ use crate::probe::Probe;
 
 /// An order in which events are taken. It sees their labels and places only; results do not
 /// depend on it, costs do.
+///
+/// ```
+/// use geobench_mesh::VertexId;
+/// use geobench_window::queue::{Discipline, Event, Fifo};
+///
+/// let [a, b] = [3, 5].map(|v| Event::vertex(VertexId::new(v)));
+/// let mut queue = Fifo::default();
+/// queue.push(2.0, a, &mut ());
+/// queue.push(1.0, b, &mut ());
+/// assert_eq!(queue.pop(&mut ()), Some((2.0, a)));
+/// ```
 pub trait Discipline: Send {
     /// The counters that this discipline keeps.
     const COUNTERS: &'static [Counter];

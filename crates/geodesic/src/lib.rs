@@ -1,0 +1,115 @@
+//! Exact geodesic distances on triangle meshes.
+//!
+//! A [`Mesh`] comes from a file, from arrays or from a generator. [`Distances::distances_from`]
+//! gives the length of the shortest path over the surface from a vertex to every vertex:
+//!
+//! ```
+//! use geodesic::{Distances, Mesh};
+//!
+//! // A unit square, cut in two along a diagonal.
+//! let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+//! let mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3]])?;
+//! let distances: Vec<f64> = mesh.distances_from(1)?;
+//! assert!((distances[3] - 2.0_f64.sqrt()).abs() < 1e-12); // Across the diagonal edge.
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! For more than one question keep a solver. It is set up once for a mesh, owns what it needs, and
+//! answers for one source after another, or for the nearest of several:
+//!
+//! ```
+//! use geodesic::{Mesh, Solver, VtpFast};
+//!
+//! let mesh = Mesh::generate("torus,faces=2000")?; // Or `Mesh::read("bunny.ply")?`.
+//! let mut solver = VtpFast::new(&mesh);
+//! let one = solver.distances_from(0)?;
+//! let nearest_of_two = solver.distances_from([0, 500])?;
+//! assert!(nearest_of_two[500] == 0.0 && one[500] > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What is where
+//!
+//! * [`Mesh`]: reading, building, asking. [`io`] reads and writes files, [`generate`] makes models,
+//!   [`Mesh::from_soup`] reports every defect that it found or repaired.
+//! * [`VtpFast`], the fastest solver, and [`Pvtp`], the same on several threads.
+//! * [`solvers`]: all of them, under the names of the papers.
+//! * [`Solver`]: what they have in common. It also counts windows and clocks phases.
+//! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`]: the crates behind this
+//!   one, with the parts from which solvers are made.
+//!
+//! # What to expect
+//!
+//! * Distances are exact up to rounding, about 1e-12 of their size. They are never NaN, and
+//!   infinite where no path leads.
+//! * Vertex numbers are those of the file, from 0.
+//! * Boundaries, several components, isolated and pinched vertices are handled. An edge with more
+//!   than two faces, or a surface that cannot be oriented, is a [`MeshError`] that names its
+//!   elements.
+//! * A source that is not a vertex, or no source at all, is a [`SolveError`].
+//! * The time of a solve grows with the windows, up to the power 1.5 of the faces: some 20 ms for
+//!   20,000 faces, a second or several for a million.
+
+pub use geobench_fwp as fwp;
+pub use geobench_ich as ich;
+pub use geobench_mesh as mesh;
+pub use geobench_mmp as mmp;
+pub use geobench_vtp as vtp;
+pub use geobench_window as window;
+
+pub use geobench_mesh::{InvalidMesh, Mesh, MeshError, TriangleSoup, VertexId, generate, io};
+pub use geobench_vtp::{Pvtp, VtpFast};
+pub use geobench_window::{Solution, SolveError, Solver, Sources};
+
+/// Every solver, named as in its paper and in the benchmark.
+///
+/// All are exact. They differ in time, memory and the windows they try; `docs/algorithms` has a
+/// page for each.
+///
+/// ```
+/// use geodesic::solvers::{BucketOptions, Vtp, fwp_ch, ich, mmp};
+/// use geodesic::{Mesh, Solver};
+///
+/// let mesh = Mesh::generate("sphere,subdiv=2")?;
+/// let solvers: [Box<dyn Solver>; 4] = [
+///     Box::new(mmp(&mesh)),
+///     Box::new(ich(&mesh)),
+///     Box::new(fwp_ch(&mesh, BucketOptions::default())),
+///     Box::new(Vtp::new(&mesh)),
+/// ];
+/// let pole = |mut solver: Box<dyn Solver>| solver.solve(&[0.into()]).map(|s| s.distances[3]);
+/// let found = solvers.into_iter().map(pole).collect::<Result<Vec<_>, _>>()?;
+/// assert!(found.iter().all(|d| (d - found[0]).abs() < 1e-12 * d));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub mod solvers {
+    pub use geobench_fwp::{
+        BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_by_window,
+        lc_ch, lc_mmp, lc_mmp_by_window, vtp_ch, vtp_mmp,
+    };
+    pub use geobench_ich::{ch, ich, ich1};
+    pub use geobench_mmp::{Keep, mmp, mmp_by_window, mmp_edge, mmp_with_slack};
+    pub use geobench_vtp::{
+        EdgeBased, FastOptions, Ftp, Instructions, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast,
+        VtpNoRule1, VtpNoRules23, VtpTrimming,
+    };
+}
+
+/// Distances on a mesh without a solver to keep.
+pub trait Distances {
+    /// Length of the shortest path over the surface from the nearest of `sources`, a vertex or
+    /// several, to every vertex; infinite where no path leads.
+    ///
+    /// It sets [`VtpFast`] up for this one question, which adds about a third to the time.
+    ///
+    /// # Errors
+    ///
+    /// When there is no source, or one that is not a vertex of the mesh.
+    fn distances_from(&self, sources: impl Sources) -> Result<Vec<f64>, SolveError>;
+}
+
+impl Distances for Mesh {
+    fn distances_from(&self, sources: impl Sources) -> Result<Vec<f64>, SolveError> {
+        VtpFast::new(self).distances_from(sources)
+    }
+}

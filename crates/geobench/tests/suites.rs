@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use geobench::plan::suite::{Scale, Settings, Suite, plans};
+use geobench::plan::suite::{ModelChoice, Settings, Suite, plans};
 
 /// The suites that come with the program.
 fn suites() -> Vec<PathBuf> {
@@ -23,9 +23,9 @@ fn every_suite_has_a_plan() {
             Ok(suite) => suite,
             Err(error) => panic!("{error}"),
         };
-        let planned = plans(Some(&suite), &Settings::default(), &Scale::default()).unwrap();
+        let planned = plans(Some(&suite), &Settings::default(), &ModelChoice::default()).unwrap();
         assert!(!planned.plans.is_empty());
-        let full = Scale {
+        let full = ModelChoice {
             full: true,
             library: None,
         };

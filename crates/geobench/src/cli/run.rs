@@ -15,12 +15,12 @@ use crate::exec::limits::{Limits, Timeout};
 use crate::exec::{Listener, Step, interrupt};
 use crate::measure::conditions::{self, Snapshot};
 use crate::measure::{host, instructions};
-use crate::plan::suite::{self, Library, Plans, Scale, Settings, Suite, WantedModel};
+use crate::plan::suite::{self, Library, ModelChoice, Plans, Settings, Suite, WantedModel};
 use crate::plan::{self, Plan, Reference};
-use crate::run::journal::{Header, Journal};
+use crate::run::journal::{Journal, JournalHeader};
 use crate::run::{self, agreement};
 use crate::schema::{
-    Cell, GroupRecord, Host, InstructionCount, ModelRecord, PlanRecord, ResultFile, SCHEMA,
+    Cell, GroupRecord, InstructionCount, ModelRecord, PlanRecord, ResultFile, SCHEMA,
     SessionRecord, Status,
 };
 use crate::table::output::{self, OutputFile};
@@ -200,7 +200,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         ratios_to: options.ratios_to.as_ref().map(|one| one.label().to_owned()),
         wavefront: options.extras.wavefront.then_some(true),
     };
-    let scale = Scale {
+    let scale = ModelChoice {
         full: options.scale.full,
         library: options
             .scale
@@ -301,12 +301,9 @@ fn open_journal(
     {
         bail!("{}: cannot be both journal and result file", path.display());
     }
-    let header = Header::new(host::tool(), plan.clone());
+    let header = JournalHeader::new(host::tool(), plan.clone());
     let journal = Journal::open(path, &header, session)?;
-    let elsewhere = |earlier: &SessionRecord| {
-        let machine = |host: &Host| (host.cpu.clone(), host.cores, host.memory_bytes);
-        machine(&earlier.host) != machine(&session.host)
-    };
+    let elsewhere = |earlier: &SessionRecord| !earlier.host.is_same_machine(&session.host);
     if !quiet && journal.sessions().iter().any(elsewhere) {
         terminal::warning(&format!(
             "journal {}: some of its runs were made on another machine; their times do not compare with those of this one",
@@ -430,7 +427,7 @@ impl Listener for Reporter {
             Ok(count) => Some(count),
             Err(error) => {
                 let text = format!(
-                    "{}: {}, source {source}: instructions are not counted: {error}",
+                    "{}: {}, source {source}: instructions are not counted: {error:#}",
                     model.name, cell.algorithm
                 );
                 self.progress.suspend(|| terminal::warning(&text));

@@ -1,9 +1,8 @@
-//! What the machine did besides measuring: other programs, frequency, swapping, throttling.
+//! Disturbances during a benchmark: other programs, frequency, swapping, throttling.
 //!
-//! The system is asked before the first run and after the last one, never while something is timed.
-//! What it does not tell (it tells most on Linux, and less in a virtual machine) is absent. Times
-//! that such a disturbance may have spoilt stay in the file; the file says so, and so does the end
-//! of the run.
+//! Read from `/proc` and `/sys` before the first run and after the last one, never during a timed
+//! run. Values that the system does not report are absent; Linux reports most, virtual machines
+//! fewer. Disturbed times stay in the result file, with a warning there and at the end of the run.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,20 +10,19 @@ use std::str::FromStr;
 
 use crate::schema::Conditions;
 
-/// From how many processors kept busy by other programs, on average, a run counts as disturbed.
+/// Mean number of processors busy with other programs above which a run counts as disturbed.
 const OTHER_LOAD_LIMIT: f64 = 0.1;
 
-/// From which share of its time that a virtual machine did not get a run counts as disturbed.
+/// Share of time stolen from a virtual machine above which a run counts as disturbed.
 const STOLEN_LIMIT: f64 = 0.01;
 
-/// The frequency at the end, as a share of that at the start, below which something slowed the
-/// processor down.
+/// Ratio of the frequencies at end and start below which a run counts as disturbed.
 const FREQUENCY_LIMIT: f64 = 0.9;
 
-/// The governor that keeps the frequency where it is.
+/// The governor that keeps the frequency fixed.
 const FIXED: &str = "performance";
 
-/// What happened between two looks at the system.
+/// The conditions between two snapshots.
 pub fn between(start: &Snapshot, end: &Snapshot) -> Conditions {
     let times = end.times_since(start);
     let grown = |of: fn(&Snapshot) -> Option<u64>| Some(of(end)?.saturating_sub(of(start)?));
@@ -50,7 +48,7 @@ pub fn between(start: &Snapshot, end: &Snapshot) -> Conditions {
     conditions
 }
 
-/// The conditions of several runs together: the worst of each.
+/// The worst conditions of several runs.
 pub fn worst(runs: impl IntoIterator<Item = Conditions>) -> Option<Conditions> {
     runs.into_iter().reduce(|a, b| {
         let mut warnings = a.warnings;
@@ -78,7 +76,7 @@ pub fn worst(runs: impl IntoIterator<Item = Conditions>) -> Option<Conditions> {
     })
 }
 
-/// What makes times doubtful.
+/// Warnings on disturbances.
 fn doubts(conditions: &Conditions) -> Vec<String> {
     let mut doubts = Vec::new();
     if let Some(busy) = conditions
@@ -130,10 +128,10 @@ fn doubts(conditions: &Conditions) -> Vec<String> {
     doubts
 }
 
-/// Ticks of the processors that make a second; Linux shows them so whatever its own clock.
+/// Ticks per second in `/proc`, the same on every Linux.
 const TICKS_PER_SECOND: u64 = 100;
 
-/// What the system says at one moment. What it does not say is absent.
+/// The state of the system at one moment; values that it does not report are absent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     ticks: Option<Ticks>,
@@ -159,17 +157,17 @@ struct Ticks {
     processors: u64,
 }
 
-/// Who had the processors between two moments.
+/// Use of the processors between two snapshots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Times {
-    /// Processors that others kept busy.
+    /// Processors busy with other programs.
     other: f64,
-    /// Share that nobody here had.
+    /// Share of time that the host gave to other machines.
     stolen: f64,
 }
 
 impl Snapshot {
-    /// Looks at the system below `root`, which is `/` except in tests.
+    /// Reads the system below `root`, `/` except in tests.
     pub fn take(root: &Path) -> Self {
         let processors = processors(root);
         let of_each = |file: &str| -> Vec<PathBuf> {
@@ -194,7 +192,7 @@ impl Snapshot {
         }
     }
 
-    /// Who had the processors since `start`; none if that is less than a second of one of them.
+    /// Use of the processors since `start`; `None` for less than a second of processor time.
     fn times_since(&self, start: &Self) -> Option<Times> {
         let (a, b) = (start.ticks?, self.ticks?);
         let all = b.all.checked_sub(a.all)?;
@@ -253,7 +251,7 @@ fn governors(files: &[PathBuf]) -> Option<Vec<String>> {
     (!names.is_empty()).then_some(names)
 }
 
-/// The largest of what the files hold in kilohertz, in hertz.
+/// The largest value of the files, converted from kilohertz to hertz.
 fn most_kilohertz(files: &[PathBuf]) -> Option<u64> {
     let all = files.iter().filter_map(|path| number::<u64>(&text(path)?));
     all.max()?.checked_mul(1000)
@@ -305,9 +303,8 @@ fn swapped(root: &Path) -> Option<u64> {
     Some(value::<u64>(&text, "pswpin")? + value::<u64>(&text, "pswpout")?)
 }
 
-/// How many times the control group of this process was throttled, and for how many seconds. In a
-/// container the path in `/proc/self/cgroup` may be that of the host; the group is then the root of
-/// what is seen.
+/// Number and seconds of throttles of the control group of this process. In a container the path in
+/// `/proc/self/cgroup` may be that of the host; the group is then the root of the mount.
 fn cgroup(root: &Path) -> (Option<u64>, Option<f64>) {
     let mounted = root.join("sys/fs/cgroup");
     let mut places = Vec::new();

@@ -1,11 +1,11 @@
-//! The machine and the program, as result files describe them.
+//! Records of the machine and the program.
 
 use std::fs;
 use std::thread;
 
 use crate::schema::{Host, Tool};
 
-/// What this program was built from and with.
+/// The version, commit and compiler of this program.
 pub fn tool() -> Tool {
     Tool {
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -17,12 +17,12 @@ pub fn tool() -> Tool {
     }
 }
 
-/// Whether this is a build whose times mean anything.
+/// Whether this is a release build; times of others mean little.
 pub fn is_release_build() -> bool {
     env!("GEOBENCH_PROFILE") == "release"
 }
 
-/// This machine, now. What the system does not tell (it tells most on Linux) is absent.
+/// This machine, now. Values that the system does not report are absent; Linux reports most.
 pub fn host() -> Host {
     Host {
         cpu: field("/proc/cpuinfo", "model name"),

@@ -2,7 +2,7 @@
 
 use crate::exec::Failure;
 use crate::run::agreement::{self, Clusters};
-use crate::run::check::{self, Comparison, LengthMismatch};
+use crate::run::check::{self, Deviation, LengthMismatch};
 use crate::schema::{Check, Status};
 
 /// The reference answer, or why there is none.
@@ -95,7 +95,7 @@ impl ReferenceCheck {
     }
 }
 
-fn record(reference: Option<&str>, comparison: &Comparison) -> Check {
+fn record(reference: Option<&str>, comparison: &Deviation) -> Check {
     let finite = |x: f64| Some(x).filter(|x| reference.is_some() && x.is_finite());
     Check {
         reference: reference.map(str::to_owned),

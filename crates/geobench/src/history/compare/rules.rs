@@ -3,8 +3,9 @@
 use std::fmt;
 use std::str::FromStr;
 
+use geobench_mesh::did_you_mean;
+
 use super::Measure;
-use crate::registry::nearest;
 
 /// What a rule is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,12 +67,12 @@ pub enum RuleError {
     #[error("`{0}` is not a rule; write NAME=LIMIT, such as time=10%")]
     Form(String),
     /// No such figure.
-    #[error("there is no rule `{name}`{}; known are {known}", did_you_mean(suggestion.as_deref()))]
+    #[error("there is no rule `{name}`{hint}; known are {known}")]
     Unknown {
         /// The name.
         name: String,
-        /// The nearest known one, if one is near.
-        suggestion: Option<String>,
+        /// The most similar known one as a question, if one is similar.
+        hint: String,
         /// All of them.
         known: String,
     },
@@ -88,10 +89,6 @@ pub enum RuleError {
     /// Two rules are on the same.
     #[error("there are two rules for `{0}`")]
     Twice(String),
-}
-
-fn did_you_mean(suggestion: Option<&str>) -> String {
-    suggestion.map_or_else(String::new, |name| format!(", did you mean `{name}`?"))
 }
 
 impl Rule {
@@ -167,7 +164,7 @@ impl FromStr for Rule {
 fn unknown(name: String) -> RuleError {
     let known: Vec<&str> = Subject::all().map(Subject::name).collect();
     RuleError::Unknown {
-        suggestion: nearest(&name, &known),
+        hint: did_you_mean(&name, &known),
         name,
         known: known.join(", "),
     }

@@ -305,5 +305,4 @@ impl Discipline for Buckets {
 }
 
 #[cfg(test)]
-#[path = "buckets_tests.rs"]
 mod tests;

@@ -33,10 +33,10 @@ fn every_suite_has_a_plan() {
         assert_eq!(in_full.plans.len(), planned.plans.len());
         for group in &suite.groups {
             assert!(group.shows.is_some(), "{}: {}", path.display(), group.name);
-            let ratios_to = group.settings.ratios_to.as_deref();
+            let ratios_to = group.settings.ratios_to.as_ref();
             let algorithms = group.settings.algorithms.as_deref().unwrap_or_default();
             assert!(
-                ratios_to.is_none_or(|name| algorithms.iter().any(|a| a.label() == name)),
+                ratios_to.is_none_or(|one| algorithms.iter().any(|a| a.label() == one.label())),
                 "{}: {}",
                 path.display(),
                 group.name

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use anyhow::{Context, bail};
+use toml::Spanned;
 
 use super::Verdict;
 use super::args::RunOptions;
@@ -177,9 +178,19 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     if let Some(suite) = &suite {
         programs = programs.or(&suite.programs);
     }
+    let mut reference: Option<Reference> = match &options.check {
+        Some(check) => Some(check.parse().context("--check")?),
+        None => None,
+    };
+    if let Some(reference) = &mut reference {
+        reference.resolve(Path::new("")).context("--check")?;
+    }
+    let models = options
+        .models
+        .iter()
+        .map(|m| Spanned::new(0..0, WantedModel::new(m)));
     let asked = Settings {
-        models: (!options.models.is_empty())
-            .then(|| options.models.iter().map(|m| WantedModel::new(m)).collect()),
+        models: (!options.models.is_empty()).then(|| models.collect()),
         algorithms: options.algo.clone().map(|algorithms| algorithms.0),
         sources: options.source.clone(),
         repeat: options.repeat,
@@ -190,14 +201,9 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         timeout: options.isolation.timeout,
         memory_limit: options.isolation.memory_limit,
         max_decompressed: options.isolation.decompression.max_decompressed,
-        reference: options
-            .check
-            .as_deref()
-            .map(|check| Reference::parse(check, Path::new("")))
-            .transpose()
-            .context("--check")?,
+        reference: reference.map(|reference| Spanned::new(0..0, reference)),
         rows: options.rows.clone(),
-        ratios_to: options.ratios_to.as_ref().map(|one| one.label().to_owned()),
+        ratios_to: options.ratios_to.clone(),
         wavefront: options.extras.wavefront.then_some(true),
     };
     let scale = ModelChoice {

@@ -4,6 +4,9 @@ use std::fs::File;
 use std::path::Path;
 use std::str::FromStr;
 
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
+
 use crate::UsageError;
 use crate::exec::expected::Expected;
 use crate::exec::limits::Limits;
@@ -67,13 +70,26 @@ impl Reference {
         }
     }
 
-    /// Parses `none`, `file`, the path of a .csv file, relative to `directory`, or the name of an
-    /// algorithm.
+    /// Makes the path of a file relative to `directory`.
     ///
     /// # Errors
     ///
-    /// When `text` has another form, or the file cannot be opened.
-    pub fn parse(text: &str, directory: &Path) -> Result<Self, UsageError> {
+    /// When the file cannot be opened.
+    pub fn resolve(&mut self, directory: &Path) -> Result<(), UsageError> {
+        if let Self::Files(Expected::File(path)) = self {
+            *path = directory.join(&path);
+            File::open(&path)
+                .map_err(|error| UsageError(format!("{}: {error}", path.display())))?;
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for Reference {
+    type Err = UsageError;
+
+    /// Parses `none`, `file`, the path of a .csv file, or the name of an algorithm.
+    fn from_str(text: &str) -> Result<Self, UsageError> {
         if text.eq_ignore_ascii_case("none") {
             return Ok(Self::None);
         }
@@ -82,11 +98,7 @@ impl Reference {
         }
         let ending = Path::new(text).extension();
         if ending.is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
-            let path = directory.join(text);
-            return match File::open(&path) {
-                Ok(_) => Ok(Self::Files(Expected::File(path))),
-                Err(error) => Err(UsageError(format!("{}: {error}", path.display()))),
-            };
+            return Ok(Self::Files(Expected::File(text.into())));
         }
         if let Err(error) = registry::select(text) {
             return Err(UsageError(format!(
@@ -94,6 +106,13 @@ impl Reference {
             )));
         }
         registry::select_one(text).map(Self::Algorithm)
+    }
+}
+
+impl<'de> Deserialize<'de> for Reference {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map_err(D::Error::custom)
     }
 }
 

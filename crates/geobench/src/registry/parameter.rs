@@ -77,6 +77,22 @@ pub enum Numbers {
 }
 
 impl Parameter {
+    const fn new(
+        name: &'static str,
+        default: Value,
+        numbers: Numbers,
+        words: &'static [&'static str],
+        meaning: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            default,
+            allowed: Allowed { numbers, words },
+            meaning,
+            only_with: None,
+        }
+    }
+
     /// A parameter that is a whole number in `range`.
     pub const fn integer(
         name: &'static str,
@@ -84,16 +100,8 @@ impl Parameter {
         range: RangeInclusive<u64>,
         meaning: &'static str,
     ) -> Self {
-        Self {
-            name,
-            default: Value::Integer(default),
-            allowed: Allowed {
-                numbers: Numbers::Integers(*range.start(), *range.end()),
-                words: &[],
-            },
-            meaning,
-            only_with: None,
-        }
+        let numbers = Numbers::Integers(*range.start(), *range.end());
+        Self::new(name, Value::Integer(default), numbers, &[], meaning)
     }
 
     /// A parameter that is a number in `range`.
@@ -103,16 +111,8 @@ impl Parameter {
         range: RangeInclusive<f64>,
         meaning: &'static str,
     ) -> Self {
-        Self {
-            name,
-            default: Value::Real(default),
-            allowed: Allowed {
-                numbers: Numbers::Reals(*range.start(), *range.end()),
-                words: &[],
-            },
-            meaning,
-            only_with: None,
-        }
+        let numbers = Numbers::Reals(*range.start(), *range.end());
+        Self::new(name, Value::Real(default), numbers, &[], meaning)
     }
 
     /// A parameter that is one of `words`, at least one; the first is the default.
@@ -121,16 +121,7 @@ impl Parameter {
         words: &'static [&'static str],
         meaning: &'static str,
     ) -> Self {
-        Self {
-            name,
-            default: Value::Word(words[0]),
-            allowed: Allowed {
-                numbers: Numbers::None,
-                words,
-            },
-            meaning,
-            only_with: None,
-        }
+        Self::new(name, Value::Word(words[0]), Numbers::None, words, meaning)
     }
 
     /// The same, but one of `words` can stand instead of a number.
@@ -162,16 +153,14 @@ impl Parameter {
         }
         match self.allowed.numbers {
             Numbers::None => None,
-            Numbers::Integers(least, most) => text
-                .parse()
-                .ok()
-                .filter(|n| (least..=most).contains(n))
-                .map(Value::Integer),
-            Numbers::Reals(least, most) => text
-                .parse()
-                .ok()
-                .filter(|x| (least..=most).contains(x))
-                .map(Value::Real),
+            Numbers::Integers(least, most) => {
+                let n = text.parse().ok().filter(|n| (least..=most).contains(n));
+                n.map(Value::Integer)
+            }
+            Numbers::Reals(least, most) => {
+                let x = text.parse().ok().filter(|x| (least..=most).contains(x));
+                x.map(Value::Real)
+            }
         }
     }
 }
@@ -245,19 +234,14 @@ impl Values {
         parameter: &Parameter,
         value: Value,
     ) -> Self {
-        let values: Vec<_> = parameters
-            .iter()
-            .map(|p| {
-                (
-                    p,
-                    if p.name == parameter.name {
-                        value
-                    } else {
-                        self.get(p)
-                    },
-                )
-            })
-            .collect();
+        let value_of = |p: &Parameter| {
+            if p.name == parameter.name {
+                value
+            } else {
+                self.get(p)
+            }
+        };
+        let values: Vec<_> = parameters.iter().map(|p| (p, value_of(p))).collect();
         Self {
             widest: self.widest,
             ..Self::new(parameters, &values)

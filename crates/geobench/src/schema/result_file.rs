@@ -71,8 +71,7 @@ fn negative_time(file: &ResultFile) -> Option<(String, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exec::mock::MockBackend;
-    use crate::run::mock::{self};
+    use crate::schema::Cell;
 
     fn refused(text: &str) -> String {
         parse(Path::new("r.json"), text).unwrap_err().to_string()
@@ -95,13 +94,6 @@ mod tests {
         }
     }
 
-    /// The text of a made-up result file.
-    fn mock_result() -> String {
-        let plan = mock::plan(&["cow"], "mmp,vtp", "0");
-        let file = mock::result(mock::run_mock(&plan, &mut MockBackend::default()));
-        serde_json::to_string(&file).unwrap()
-    }
-
     #[test]
     fn a_bad_field_is_named() {
         let error = refused(
@@ -111,8 +103,15 @@ mod tests {
             error.starts_with("r.json: field `tool.commit`: invalid type: integer `3`"),
             "{error}"
         );
-        let mut file: serde_json::Value = serde_json::from_str(&mock_result()).unwrap();
-        file["cells"][1]["time"]["samples"][2] = (-0.5).into();
+        let mut cell = Cell::new("cow", "vtp");
+        cell.time.samples = vec![1.0, 2.0, -0.5];
+        let file = serde_json::json!({
+            "schema": SCHEMA,
+            "tool": {"version": "1", "profile": "release", "features": []},
+            "host": {"cores": 2, "os": "some system"},
+            "command": [], "started": "", "finished": "", "models": [],
+            "cells": [Cell::new("cow", "mmp"), cell],
+        });
         assert_eq!(
             refused(&file.to_string()),
             "r.json: field `cells[1].time.samples[2]`: -0.5 is no time: it is below 0"

@@ -9,6 +9,10 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, Error, IgnoredAny, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_path_to_error::Segment;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::Settings;
 
 /// An error in a suite file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -53,10 +57,58 @@ impl<'p> Document<'p> {
         self.path.parent().unwrap_or(Path::new(""))
     }
 
-    /// Deserializes the whole file.
-    pub(crate) fn read<T: DeserializeOwned>(&self) -> Result<T, SuiteError> {
-        let toml = toml::Deserializer::parse(&self.text)
-            .map_err(|error| self.error(error.span(), error.message()))?;
+    /// Parses the file as TOML.
+    pub(super) fn parse(&self) -> Result<Spanned<DeTable<'_>>, SuiteError> {
+        DeTable::parse(&self.text).map_err(|error| self.error(error.span(), error.message()))
+    }
+
+    /// Takes the array of tables of `key` out of `table`.
+    pub(super) fn take_tables<'t>(
+        &self,
+        table: &mut Spanned<DeTable<'t>>,
+        key: &str,
+    ) -> Result<Vec<Spanned<DeTable<'t>>>, SuiteError> {
+        let Some(value) = table.get_mut().remove(key) else {
+            return Ok(Vec::new());
+        };
+        let span = value.span();
+        let DeValue::Array(tables) = value.into_inner() else {
+            return Err(self.error_at(key, Some(span), "a list in [] is expected"));
+        };
+        let tables = tables.into_iter().map(|value| {
+            let span = value.span();
+            match value.into_inner() {
+                DeValue::Table(table) => Ok(Spanned::new(span, table)),
+                _ => Err(self.error_at(key, Some(span), "a table is expected")),
+            }
+        });
+        tables.collect()
+    }
+
+    /// Deserializes a table of these keys and of settings. The `flatten` of serde would lose the
+    /// lines of errors.
+    pub(super) fn read_with_settings<T: DeserializeOwned>(
+        &self,
+        table: Spanned<DeTable<'_>>,
+        keys: &[&str],
+    ) -> Result<(T, Settings), SuiteError> {
+        let span = table.span();
+        let (own, rest) = (table.into_inner().into_iter())
+            .partition(|(key, _)| keys.contains(&key.get_ref().as_ref()));
+        let own = self.read(Spanned::new(span.clone(), own), &[])?;
+        let mut settings: Settings = self.read(Spanned::new(span, rest), keys)?;
+        settings.resolve(self)?;
+        Ok((own, settings))
+    }
+
+    /// Deserializes a table. `more` are keys that `T` does not know and that are allowed beside its
+    /// own, for the suggestion in the error for another one.
+    pub(super) fn read<T: DeserializeOwned>(
+        &self,
+        table: Spanned<DeTable<'_>>,
+        more: &[&str],
+    ) -> Result<T, SuiteError> {
+        let toml = toml::Deserializer::from(table);
         serde_path_to_error::deserialize(toml).map_err(|error| {
             let keys = error.path().iter().filter_map(|segment| match segment {
                 // `Spanned` adds keys of its own.
@@ -65,7 +117,7 @@ impl<'p> Document<'p> {
             });
             let last_key = keys.last();
             let error = error.into_inner();
-            match (unknown_key(error.message()), last_key) {
+            match (unknown_key(error.message(), more), last_key) {
                 (None, Some(key)) => self.error_at(&key, error.span(), &plain(error.message())),
                 (Some(problem), _) => self.error(error.span(), &problem),
                 (None, None) => self.error(error.span(), &plain(error.message())),
@@ -100,10 +152,11 @@ impl<'p> Document<'p> {
 
 /// The message for a key that serde does not know. Serde names it, and then those that it knows,
 /// between backticks.
-fn unknown_key(message: &str) -> Option<String> {
+fn unknown_key(message: &str, more: &[&str]) -> Option<String> {
     let mut names = message.strip_prefix("unknown field")?.split('`').skip(1);
     let name = names.next()?;
-    let known: Vec<&str> = names.skip(1).step_by(2).collect();
+    let known = more.iter().copied().chain(names.skip(1).step_by(2));
+    let known: Vec<&str> = known.collect();
     Some(format!(
         "there is no key `{name}` here{}; known are {}",
         did_you_mean(name, &known),

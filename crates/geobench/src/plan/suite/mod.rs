@@ -7,8 +7,10 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use toml::Spanned;
+
 use crate::UsageError;
-use crate::exec::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
+use crate::exec::limits::{Limits, Timeout};
 use crate::exec::model::{self, ModelError, ModelRef};
 use crate::plan::source::SourceSpec;
 use crate::plan::{Plan, Reference};
@@ -18,115 +20,18 @@ use crate::schema::GroupRecord;
 mod document;
 mod file;
 mod programs;
+mod settings;
 
 pub use document::SuiteError;
 pub use file::{Suite, SuiteGroup};
 pub use programs::read_programs;
+pub use settings::{Settings, WantedModel, tolerance};
 
 /// Greatest number of timed runs or warm-ups of a cell.
 pub const MOST_RUNS: u32 = 1_000_000;
 
 /// Default seed of the order of the runs.
 pub const DEFAULT_SEED: u64 = 1;
-
-/// Settings from one source. `None` means unset.
-#[derive(Clone, Debug, Default)]
-pub struct Settings {
-    /// The models.
-    pub models: Option<Vec<WantedModel>>,
-    /// The algorithms.
-    pub algorithms: Option<Vec<Selection>>,
-    /// The sources in each model.
-    pub sources: Option<SourceSpec>,
-    /// Timed runs of each cell; at least 1.
-    pub repeat: Option<u32>,
-    /// Untimed runs of each cell before those.
-    pub warmup: Option<u32>,
-    /// Largest relative difference that passes.
-    pub tolerance: Option<f64>,
-    /// Seed of the order of the runs.
-    pub seed: Option<u64>,
-    /// Threads of the parallel algorithms.
-    pub threads: Option<u32>,
-    /// Time that each run may take.
-    pub timeout: Option<Timeout>,
-    /// Memory that the process of each cell may occupy.
-    pub memory_limit: Option<MemoryLimit>,
-    /// Bytes that a compressed model may decompress to.
-    pub max_decompressed: Option<DecompressionLimit>,
-    /// The expected answers.
-    pub reference: Option<Reference>,
-    /// Names of the rows of tables.
-    pub rows: Option<Vec<String>>,
-    /// Label of the algorithm to which the others are compared in a table of ratios.
-    pub ratios_to: Option<String>,
-    /// Whether results hold the wavefronts of the runs.
-    pub wavefront: Option<bool>,
-}
-
-/// A model or a directory of models, as a user gives it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct WantedModel {
-    /// A file, a directory or a generator's spec.
-    pub argument: String,
-    /// Whether a missing file is skipped with a warning.
-    pub optional: bool,
-    /// Names of the real model that this one substitutes; it is used if the library has it.
-    pub real: Vec<String>,
-    /// How many times each face of the real model is split into four.
-    pub subdivide: u32,
-    /// Line in the suite file; `None` from the command line.
-    pub line: Option<usize>,
-}
-
-impl WantedModel {
-    /// A model of the command line, which must exist.
-    pub fn new(argument: &str) -> Self {
-        Self {
-            argument: argument.to_owned(),
-            optional: false,
-            real: Vec::new(),
-            subdivide: 0,
-            line: None,
-        }
-    }
-}
-
-impl Settings {
-    /// These settings; those of `other` where they are unset.
-    #[must_use]
-    pub fn or(&self, other: &Self) -> Self {
-        let (a, b) = (self.clone(), other.clone());
-        Self {
-            models: a.models.or(b.models),
-            algorithms: a.algorithms.or(b.algorithms),
-            sources: a.sources.or(b.sources),
-            repeat: a.repeat.or(b.repeat),
-            warmup: a.warmup.or(b.warmup),
-            tolerance: a.tolerance.or(b.tolerance),
-            seed: a.seed.or(b.seed),
-            threads: a.threads.or(b.threads),
-            timeout: a.timeout.or(b.timeout),
-            memory_limit: a.memory_limit.or(b.memory_limit),
-            max_decompressed: a.max_decompressed.or(b.max_decompressed),
-            reference: a.reference.or(b.reference),
-            rows: a.rows.or(b.rows),
-            ratios_to: a.ratios_to.or(b.ratios_to),
-            wavefront: a.wavefront.or(b.wavefront),
-        }
-    }
-}
-
-/// Reads a tolerance.
-///
-/// # Errors
-///
-/// When it is not a finite number that is 0 or more.
-pub fn tolerance(value: Option<f64>) -> Result<f64, String> {
-    value
-        .filter(|value| value.is_finite() && *value >= 0.0)
-        .ok_or_else(|| "a tolerance is a number, 0 or more, such as 1e-9".to_owned())
-}
 
 /// The plans of a benchmark.
 #[derive(Clone, Debug)]
@@ -164,7 +69,8 @@ pub fn plans(
     let Some(suite) = suite else {
         let models = match &asked.models {
             Some(models) => {
-                let arguments: Vec<&str> = models.iter().map(|m| m.argument.as_str()).collect();
+                let arguments = models.iter().map(|model| &model.get_ref().path);
+                let arguments: Vec<&str> = arguments.map(String::as_str).collect();
                 model::collect(&arguments)?
             }
             None => model::collect(MODELS)?,
@@ -189,7 +95,7 @@ pub fn plans(
             return Err(fail(None, problem).into());
         };
         let mut models = Vec::new();
-        for wanted in wanted {
+        for wanted in wanted.iter().map(Spanned::get_ref) {
             if let Some(library) = scale.library.as_ref().filter(|_| !wanted.real.is_empty()) {
                 if let Some(real) = library.find(&wanted.real) {
                     models.push(real.subdivided(wanted.subdivide)?);
@@ -200,7 +106,7 @@ pub fn plans(
                     group.name,
                     wanted.real.join(" or "),
                     library.directory().display(),
-                    wanted.argument
+                    wanted.path
                 ));
             }
             match find(wanted) {
@@ -236,7 +142,7 @@ pub fn plans(
 }
 
 fn find(wanted: &WantedModel) -> Result<Vec<ModelRef>, ModelError> {
-    model::collect(&[&wanted.argument])
+    model::collect(&[&wanted.path])
 }
 
 /// Makes names unique over all plans; the same model has the same name in each.
@@ -277,14 +183,18 @@ fn plan(
         .into_iter()
         .map(|algorithm| algorithm.with_threads(threads))
         .collect();
-    let reference = match settings.reference.clone() {
+    let reference = settings.reference.clone().map(Spanned::into_inner);
+    let reference = match reference {
         Some(Reference::Algorithm(one)) => Some(Reference::Algorithm(one.with_threads(threads))),
         other => other,
     };
     let plan = Plan {
         group: GroupRecord {
             rows: settings.rows.clone().unwrap_or_default(),
-            ratios_to: settings.ratios_to.clone(),
+            ratios_to: settings
+                .ratios_to
+                .as_ref()
+                .map(|one| one.label().to_owned()),
             wavefront: settings.wavefront.unwrap_or(false),
             ..group
         },

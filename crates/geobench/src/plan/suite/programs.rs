@@ -37,7 +37,7 @@ pub fn read_programs(path: &Path) -> Result<Programs, SuiteError> {
     }
 
     let document = Document::open(path)?;
-    match document.read::<File>()?.ext {
+    match document.read::<File>(document.parse()?, &[])?.ext {
         Some(tables) => programs(tables, &document),
         None => Err(document.error(None, "there is no table [ext.NAME] here")),
     }

@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
 use super::isolation::{DecompressionOptions, IsolationOptions};
 use crate::UsageError;
-use crate::history::compare::{RuleError, Rules};
+use crate::history::compare::Rules;
 use crate::measure::instructions;
 use crate::plan::source::SourceSpec;
 use crate::plan::suite::{self, MOST_RUNS};
@@ -483,7 +483,7 @@ fn algorithms(list: &str) -> Result<Algorithms, UsageError> {
     registry::select(list).map(Algorithms)
 }
 
-fn rules(text: &str) -> Result<Rules, RuleError> {
+fn rules(text: &str) -> Result<Rules, UsageError> {
     if text.is_empty() {
         Ok(Rules::default())
     } else {

@@ -110,12 +110,11 @@ impl<'p> Document<'p> {
     ) -> Result<T, SuiteError> {
         let toml = toml::Deserializer::from(table);
         serde_path_to_error::deserialize(toml).map_err(|error| {
-            let keys = error.path().iter().filter_map(|segment| match segment {
+            let last_key = error.path().iter().rev().find_map(|segment| match segment {
                 // `Spanned` adds keys of its own.
                 Segment::Map { key } if !key.starts_with("$__serde_spanned") => Some(key.clone()),
                 _ => None,
             });
-            let last_key = keys.last();
             let error = error.into_inner();
             match (unknown_key(error.message(), more), last_key) {
                 (None, Some(key)) => self.error_at(&key, error.span(), &plain(error.message())),

@@ -8,6 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use crate::measure::host::{kibibytes, load, text};
 use crate::schema::Conditions;
 
 /// Mean number of processors busy with other programs above which a run counts as disturbed.
@@ -180,7 +181,7 @@ impl Snapshot {
             governors: governors(&of_each("cpufreq/scaling_governor")),
             frequency: most_kilohertz(&of_each("cpufreq/scaling_cur_freq")),
             frequency_max: most_kilohertz(&of_each("cpufreq/cpuinfo_max_freq")),
-            load: text(&root.join("proc/loadavg")).and_then(|t| number(t.split(' ').next()?)),
+            load: load(root),
             swap_used_bytes: swap_used(root),
             swapped_pages: swapped(root),
             thermal_throttles: of_each("thermal_throttle/core_throttle_count")
@@ -208,10 +209,6 @@ impl Snapshot {
             stolen: stolen as f64 / all as f64,
         })
     }
-}
-
-fn text(path: &Path) -> Option<String> {
-    Some(fs::read_to_string(path).ok()?.trim().to_owned())
 }
 
 fn number<T: FromStr>(text: &str) -> Option<T> {
@@ -260,7 +257,7 @@ fn most_kilohertz(files: &[PathBuf]) -> Option<u64> {
 /// The first line of `/proc/stat`: user, nice, system, idle, iowait, irq, softirq, steal; what
 /// follows is counted in user and nice already.
 fn ticks(root: &Path) -> Option<Ticks> {
-    let text = text(&root.join("proc/stat"))?;
+    let text = text(root.join("proc/stat"))?;
     let mut lines = text.lines().filter(|line| line.starts_with("cpu"));
     let fields: Vec<u64> = lines
         .next()?
@@ -280,7 +277,7 @@ fn ticks(root: &Path) -> Option<Ticks> {
 /// The fields utime, stime, cutime and cstime of `/proc/self/stat`. The name of the program, which
 /// may hold anything, ends at the last parenthesis.
 fn own_ticks(root: &Path) -> Option<u64> {
-    let text = text(&root.join("proc/self/stat"))?;
+    let text = text(root.join("proc/self/stat"))?;
     let (_, fields) = text.rsplit_once(')')?;
     let fields: Vec<&str> = fields.split_whitespace().collect();
     fields
@@ -291,15 +288,12 @@ fn own_ticks(root: &Path) -> Option<u64> {
 }
 
 fn swap_used(root: &Path) -> Option<u64> {
-    let text = text(&root.join("proc/meminfo"))?;
-    let total: u64 = value(&text, "SwapTotal:")?;
-    total
-        .checked_sub(value(&text, "SwapFree:")?)?
-        .checked_mul(1024)
+    let size = |key| kibibytes(root.join("proc/meminfo"), key);
+    size("SwapTotal")?.checked_sub(size("SwapFree")?)
 }
 
 fn swapped(root: &Path) -> Option<u64> {
-    let text = text(&root.join("proc/vmstat"))?;
+    let text = text(root.join("proc/vmstat"))?;
     Some(value::<u64>(&text, "pswpin")? + value::<u64>(&text, "pswpout")?)
 }
 
@@ -308,7 +302,7 @@ fn swapped(root: &Path) -> Option<u64> {
 fn cgroup(root: &Path) -> (Option<u64>, Option<f64>) {
     let mounted = root.join("sys/fs/cgroup");
     let mut places = Vec::new();
-    for line in text(&root.join("proc/self/cgroup"))
+    for line in text(root.join("proc/self/cgroup"))
         .unwrap_or_default()
         .lines()
     {
@@ -327,7 +321,7 @@ fn cgroup(root: &Path) -> (Option<u64>, Option<f64>) {
         places.push(base);
     }
     let found = places.iter().find_map(|place| {
-        let text = text(&place.join("cpu.stat"))?;
+        let text = text(place.join("cpu.stat"))?;
         let times: u64 = value(&text, "nr_throttled")?;
         let seconds = value(&text, "throttled_usec")
             .map(|micro: f64| micro / 1e6)

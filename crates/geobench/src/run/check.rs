@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use anyhow::ensure;
+
 /// How distances differ from a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deviation {
@@ -32,16 +34,6 @@ pub struct Disagreement {
     pub expected: f64,
 }
 
-/// An answer of the wrong length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{found} distances where the reference has {expected}")]
-pub struct LengthMismatch {
-    /// Number of distances found.
-    pub found: usize,
-    /// Number of distances expected.
-    pub expected: usize,
-}
-
 impl Deviation {
     /// Whether every compared vertex agrees.
     pub const fn agrees(&self) -> bool {
@@ -66,22 +58,20 @@ impl fmt::Display for Disagreement {
 /// # Errors
 ///
 /// When the numbers of distances differ.
-pub fn compare(
-    found: &[f64],
-    expected: &[f64],
-    tolerance: f64,
-) -> Result<Deviation, LengthMismatch> {
-    if found.len() != expected.len() {
-        return Err(LengthMismatch {
-            found: found.len(),
-            expected: expected.len(),
-        });
-    }
-    Ok(compare_some(
-        found,
-        expected.iter().copied().enumerate(),
-        tolerance,
-    ))
+pub fn compare(found: &[f64], expected: &[f64], tolerance: f64) -> anyhow::Result<Deviation> {
+    check_length(found, expected.len())?;
+    let expected = expected.iter().copied().enumerate();
+    Ok(compare_some(found, expected, tolerance))
+}
+
+/// Checks that there are `expected` distances.
+pub(super) fn check_length(found: &[f64], expected: usize) -> anyhow::Result<()> {
+    let found = found.len();
+    ensure!(
+        found == expected,
+        "{found} distances where the reference has {expected}"
+    );
+    Ok(())
 }
 
 /// As [`compare`], at the vertices of `expected` only, which must exist in `found`.

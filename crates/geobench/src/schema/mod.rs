@@ -204,7 +204,7 @@ pub struct ModelRecord {
 }
 
 /// One algorithm on one model from one source.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     /// Name of the model.
     pub model: String,
@@ -257,20 +257,8 @@ impl Cell {
         Self {
             model: model.to_owned(),
             algorithm: algorithm.to_owned(),
-            source: None,
             threads: 1,
-            status: Status::Ok,
-            message: None,
-            time: Time::default(),
-            counters: Counters::default(),
-            memory: Memory::default(),
-            phases: Phases::default(),
-            check: Check::default(),
-            group: None,
-            instructions: None,
-            instructions_simd: None,
-            shard: None,
-            wavefront: Vec::new(),
+            ..Self::default()
         }
     }
 }
@@ -313,10 +301,11 @@ impl From<geobench_window::WavefrontSample> for WavefrontRecord {
 }
 
 /// Outcome of a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// Done; the check, if any, passed.
+    #[default]
     Ok,
     /// Time limit exceeded.
     Timeout,

@@ -277,7 +277,7 @@ const WRONG: &[(&str, &str)] = &[
     ("repeat = \"a", "suite.toml, line 1: invalid basic string"),
     (
         "\nrepaet = 1",
-        "suite.toml, line 2: there is no key `repaet` here, did you mean `repeat`?",
+        "suite.toml, line 2: there is no key `repaet` here, did you mean `repeat`?; known are group, full, ext, models,",
     ),
     ("[group]\nname = 'a'", "suite.toml, line 1: `group`: a list"),
     (
@@ -302,7 +302,7 @@ const WRONG: &[(&str, &str)] = &[
     ),
     (
         "[[group]]\nname = 'a'\nmodels = [{ paht = 'x' }]",
-        "suite.toml, line 3: there is no key `paht` here, did you mean `path`?",
+        "suite.toml, line 3: there is no key `paht` here, did you mean `path`?; known are path, optional, real,",
     ),
     (
         "models = [{ path = 'gen:cube', subdivide = 1 }]",

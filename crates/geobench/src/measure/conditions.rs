@@ -242,7 +242,7 @@ fn processors(root: &Path) -> Vec<PathBuf> {
 }
 
 fn governors(files: &[PathBuf]) -> Option<Vec<String>> {
-    let mut names: Vec<String> = files.iter().filter_map(|path| text(path)).collect();
+    let mut names: Vec<String> = files.iter().filter_map(text).collect();
     names.sort_unstable();
     names.dedup();
     (!names.is_empty()).then_some(names)

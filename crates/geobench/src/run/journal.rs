@@ -204,7 +204,10 @@ impl Journal {
             }
             let taken = serde_json::from_slice(line)
                 .map_err(|error| format!("not a line of a journal: {error}"))
-                .and_then(|line| self.take_in(line, header));
+                .and_then(|line: JournalLine| {
+                    line.run().map_or(Ok(()), |run| header.check(run))?;
+                    self.take_in(line)
+                });
             if let Err(problem) = taken {
                 bail!(
                     "journal {name}, line {number}: {problem}; take the line out, or name another file"
@@ -215,20 +218,17 @@ impl Journal {
         Ok(())
     }
 
-    fn take_in(&mut self, line: JournalLine, header: &JournalHeader) -> Result<(), String> {
+    /// Stores what a line holds.
+    fn take_in(&mut self, line: JournalLine) -> Result<(), String> {
         match line {
             JournalLine::Session(session) => self.sessions.push(session),
             JournalLine::Model(model) => {
                 self.models.insert(model.name.clone(), model);
             }
             JournalLine::Instructions { id, found } => {
-                header.check(&id)?;
                 self.instructions.insert(id, found);
             }
-            JournalLine::Run { id, found } => {
-                header.check(&id)?;
-                self.note(id, found)?;
-            }
+            JournalLine::Run { id, found } => self.note(id, found)?,
         }
         Ok(())
     }
@@ -277,17 +277,21 @@ impl Journal {
         written
     }
 
-    fn keep_line(&mut self, line: &JournalLine) -> anyhow::Result<()> {
-        self.append(line).map_err(|error| {
+    /// Writes a line and stores what it holds.
+    ///
+    /// # Errors
+    ///
+    /// When the file cannot be written, which ends the benchmark.
+    pub(super) fn keep(&mut self, line: JournalLine) -> anyhow::Result<()> {
+        self.append(&line).map_err(|error| {
             anyhow!(
                 "journal {}: cannot be written: {error}; it holds all runs up to here, so go on with --resume",
                 self.path.display()
             )
-        })
+        })?;
+        self.take_in(line).map_err(anyhow::Error::msg)
     }
-}
 
-impl Journal {
     /// The record of a model.
     pub(super) fn model(&self, name: &str) -> Option<&ModelRecord> {
         self.models.get(name)
@@ -301,49 +305,6 @@ impl Journal {
     /// The instruction count of a cell, named by its counted run.
     pub(super) fn instructions(&self, run: &RunId) -> Option<&InstructionCount> {
         self.instructions.get(run)
-    }
-
-    /// Writes the instruction count of a cell.
-    ///
-    /// # Errors
-    ///
-    /// When the file cannot be written, which ends the benchmark.
-    pub(super) fn keep_instructions(
-        &mut self,
-        id: RunId,
-        found: &InstructionCount,
-    ) -> anyhow::Result<()> {
-        self.keep_line(&JournalLine::Instructions {
-            id: id.clone(),
-            found: found.clone(),
-        })?;
-        self.instructions.insert(id, found.clone());
-        Ok(())
-    }
-
-    /// Writes the record of a model.
-    ///
-    /// # Errors
-    ///
-    /// When the file cannot be written, which ends the benchmark.
-    pub(super) fn keep_model(&mut self, model: &ModelRecord) -> anyhow::Result<()> {
-        self.keep_line(&JournalLine::Model(model.clone()))?;
-        self.models.insert(model.name.clone(), model.clone());
-        Ok(())
-    }
-
-    /// Writes the outcome of a run.
-    ///
-    /// # Errors
-    ///
-    /// When the file cannot be written, which ends the benchmark.
-    pub(super) fn keep(&mut self, id: RunId, outcome: &RunOutcome) -> anyhow::Result<()> {
-        let found = outcome.clone();
-        self.keep_line(&JournalLine::Run {
-            id: id.clone(),
-            found: found.clone(),
-        })?;
-        self.note(id, found).map_err(anyhow::Error::msg)
     }
 }
 
@@ -420,7 +381,7 @@ impl JournalHeader {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[expect(clippy::large_enum_variant, reason = "there is but one at a time")]
-enum JournalLine {
+pub(super) enum JournalLine {
     /// A process started.
     Session(SessionRecord),
     /// A model was loaded for the first time.
@@ -440,4 +401,14 @@ enum JournalLine {
         /// Its outcome.
         found: RunOutcome,
     },
+}
+
+impl JournalLine {
+    /// The run that the line is about.
+    const fn run(&self) -> Option<&RunId> {
+        match self {
+            Self::Session(_) | Self::Model(_) => None,
+            Self::Instructions { id, .. } | Self::Run { id, .. } => Some(id),
+        }
+    }
 }

@@ -18,7 +18,7 @@ use crate::UsageError;
 use crate::exec::{Backend, Listener, Pass, Session};
 use crate::plan::Plan;
 use crate::plan::source::SourceSpec;
-use crate::run::journal::{Journal, RunId};
+use crate::run::journal::{Journal, JournalLine, RunId};
 use crate::run::unit::Unit;
 use crate::schema::{Cell, ModelRecord, Status};
 
@@ -130,7 +130,8 @@ impl Benchmark<'_> {
         if found.is_none() && !self.listener.interrupted() {
             found = self.listener.count_instructions(model, cell);
             if let (Some(found), Some(journal)) = (&found, &mut self.journal) {
-                journal.keep_instructions(run, found)?;
+                let found = found.clone();
+                journal.keep(JournalLine::Instructions { id: run, found })?;
             }
         }
         if let Some(found) = found {
@@ -172,7 +173,7 @@ impl Benchmark<'_> {
             Some(known) => known.clone(),
             None => {
                 if let Some(journal) = &mut self.journal {
-                    journal.keep_model(found)?;
+                    journal.keep(JournalLine::Model(found.clone()))?;
                 }
                 found.clone()
             }

@@ -11,7 +11,7 @@ use crate::measure::memory::Peaks;
 use crate::plan::{Plan, Reference};
 use crate::registry::Selection;
 use crate::run::agreement;
-use crate::run::journal::{Journal, RunId, RunOutcome};
+use crate::run::journal::{Journal, JournalLine, RunId, RunOutcome};
 use crate::run::reference_check::{Answer, ReferenceCheck};
 use crate::schema::{Cell, Check, Memory, ModelRecord, Status, Time};
 
@@ -330,7 +330,10 @@ impl RunContext<'_> {
     /// Writes the outcome of a run to the journal, if there is one.
     fn keep(&mut self, run: RunId, outcome: &RunOutcome) -> anyhow::Result<()> {
         match &mut self.journal {
-            Some(journal) => journal.keep(run, outcome),
+            Some(journal) => journal.keep(JournalLine::Run {
+                id: run,
+                found: outcome.clone(),
+            }),
             None => Ok(()),
         }
     }

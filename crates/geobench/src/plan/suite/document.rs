@@ -115,6 +115,8 @@ impl<'p> Document<'p> {
                 Segment::Map { key } if !key.starts_with("$__serde_spanned") => Some(key.clone()),
                 _ => None,
             });
+            let is_nested = error.path().iter().len() > 1;
+            let more = if is_nested { &[] } else { more };
             let error = error.into_inner();
             match (unknown_key(error.message(), more), last_key) {
                 (None, Some(key)) => self.error_at(&key, error.span(), &plain(error.message())),

@@ -319,5 +319,4 @@ impl Discipline for Buckets {
 }
 
 #[cfg(test)]
-#[path = "buckets_tests.rs"]
 mod tests;

@@ -16,3 +16,6 @@ pub mod report;
 pub mod run;
 pub mod schema;
 pub mod table;
+mod usage;
+
+pub use usage::UsageError;

@@ -17,9 +17,9 @@ use geobench::exec::expected::Expected;
 use geobench::exec::limits::DecompressionLimit;
 use geobench::history::{compare, pool};
 use geobench::plan::suite;
-use geobench::plan::suite::{Scale, Settings, Suite, plans};
+use geobench::plan::suite::{ModelChoice, Settings, Suite, plans};
 use geobench::report::{self, Form, Input, Options, Tables, Wanted};
-use geobench::run::journal::{Header, Journal};
+use geobench::run::journal::{Journal, JournalHeader};
 use geobench::run::merge;
 use geobench::schema::ResultFile;
 use geobench::schema::result_file;
@@ -98,7 +98,7 @@ fn suites(cases: u32) {
     all_end(cases, &[SUITE.to_owned()], |_, bytes| {
         let text = String::from_utf8_lossy(bytes);
         if let Ok(suite) = Suite::parse(&path, &text)
-            && let Ok(done) = plans(Some(&suite), &Settings::default(), &Scale::default())
+            && let Ok(done) = plans(Some(&suite), &Settings::default(), &ModelChoice::default())
         {
             for mut plan in done.plans {
                 let _ = plan.find_programs(&suite.programs);
@@ -195,7 +195,7 @@ fn result_files(cases: u32, texts: &[String]) {
 
 fn journals(cases: u32, result: &str, journal: &str) {
     let result = result_file::parse(Path::new("r.json"), result).unwrap();
-    let header = Header::new(result.tool, result.plan.unwrap());
+    let header = JournalHeader::new(result.tool, result.plan.unwrap());
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("j.jsonl");
     // The first line tells journals apart; what follows it is read only where that is whole.

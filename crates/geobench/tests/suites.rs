@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use geobench::plan::suite::{Scale, Settings, Suite, plans};
+use geobench::plan::suite::{ModelChoice, Settings, Suite, plans};
 
 /// The suites that come with the program.
 fn suites() -> Vec<PathBuf> {
@@ -23,9 +23,9 @@ fn every_suite_has_a_plan() {
             Ok(suite) => suite,
             Err(error) => panic!("{error}"),
         };
-        let planned = plans(Some(&suite), &Settings::default(), &Scale::default()).unwrap();
+        let planned = plans(Some(&suite), &Settings::default(), &ModelChoice::default()).unwrap();
         assert!(!planned.plans.is_empty());
-        let full = Scale {
+        let full = ModelChoice {
             full: true,
             library: None,
         };
@@ -33,10 +33,10 @@ fn every_suite_has_a_plan() {
         assert_eq!(in_full.plans.len(), planned.plans.len());
         for group in &suite.groups {
             assert!(group.shows.is_some(), "{}: {}", path.display(), group.name);
-            let ratios_to = group.settings.ratios_to.as_deref();
+            let ratios_to = group.settings.ratios_to.as_ref();
             let algorithms = group.settings.algorithms.as_deref().unwrap_or_default();
             assert!(
-                ratios_to.is_none_or(|name| algorithms.iter().any(|a| a.label() == name)),
+                ratios_to.is_none_or(|one| algorithms.iter().any(|a| a.label() == one.label())),
                 "{}: {}",
                 path.display(),
                 group.name
@@ -277,7 +277,7 @@ const WRONG: &[(&str, &str)] = &[
     ("repeat = \"a", "suite.toml, line 1: invalid basic string"),
     (
         "\nrepaet = 1",
-        "suite.toml, line 2: there is no key `repaet` here, did you mean `repeat`?",
+        "suite.toml, line 2: there is no key `repaet` here, did you mean `repeat`?; known are group, full, ext, models,",
     ),
     ("[group]\nname = 'a'", "suite.toml, line 1: `group`: a list"),
     (
@@ -302,7 +302,7 @@ const WRONG: &[(&str, &str)] = &[
     ),
     (
         "[[group]]\nname = 'a'\nmodels = [{ paht = 'x' }]",
-        "suite.toml, line 3: there is no key `paht` here, did you mean `path`?",
+        "suite.toml, line 3: there is no key `paht` here, did you mean `path`?; known are path, optional, real,",
     ),
     (
         "models = [{ path = 'gen:cube', subdivide = 1 }]",

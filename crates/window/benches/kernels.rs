@@ -5,20 +5,16 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use geobench_mesh::generate::generate;
-use geobench_mesh::{HalfEdgeId, Mesh};
+use geobench_mesh::{HalfEdgeId, Mesh, SplitMix64};
 use geobench_window::{Crossings, Faces, LANES, Passage, Side, Window, tie_points};
 
 /// Windows of each bench: few enough for the first cache.
 const COUNT: usize = 256;
 
-/// Numbers in [0, 1) that are the same each time: a linear congruence (Knuth, MMIX).
-fn numbers(mut state: u64) -> impl FnMut() -> f64 {
-    move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    }
+/// Numbers in [0, 1) that are the same each time.
+fn numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut random = SplitMix64::new(seed);
+    move || random.unit()
 }
 
 /// The icosahedron, whose edges are all of one length.

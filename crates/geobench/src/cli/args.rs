@@ -6,7 +6,8 @@ use clap::builder::RangedI64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
 use super::isolation::{DecompressionOptions, IsolationOptions, ReadingOptions};
-use crate::history::compare::{RuleError, Rules};
+use crate::UsageError;
+use crate::history::compare::Rules;
 use crate::measure::instructions;
 use crate::plan::source::SourceSpec;
 use crate::plan::suite::{self, MOST_RUNS};
@@ -15,11 +16,11 @@ use crate::report::{Form, Tables, Wanted};
 use crate::schema::Shard;
 use crate::table::{self, ComparisonFormat, Format};
 
-/// How models are named, for the help of every command that takes some.
+/// Help text on models, for every command that takes some.
 const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .gz), a directory (searched \
     recursively) or a generated model such as gen:sphere,subdiv=5 or gen:terrain,n=100,seed=1.";
 
-/// What rules are, for the help of `compare`.
+/// Help text on rules, for `compare`.
 const RULES_HELP: &str = "A rule is NAME=LIMIT, such as time=10%,propagated=0,heap_peak_bytes=5%. `time` is broken if the \
     95 % interval of the ratio of the times lies wholly beyond the limit. A counter (`geobench algos \
     --counters`) may change by no more than the limit in either direction, or, with a plus as in \
@@ -478,11 +479,11 @@ pub(super) enum AlgosFormat {
 #[derive(Clone, Debug)]
 pub(super) struct Algorithms(pub(super) Vec<Selection>);
 
-fn algorithms(list: &str) -> Result<Algorithms, registry::SelectError> {
+fn algorithms(list: &str) -> Result<Algorithms, UsageError> {
     registry::select(list).map(Algorithms)
 }
 
-fn rules(text: &str) -> Result<Rules, RuleError> {
+fn rules(text: &str) -> Result<Rules, UsageError> {
     if text.is_empty() {
         Ok(Rules::default())
     } else {

@@ -13,7 +13,7 @@ pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<Verdict> {
         .parts
         .iter()
         .map(|path| Ok((path.display().to_string(), result_file::read(path)?)))
-        .collect::<Result<_, result_file::ReadError>>()?;
+        .collect::<anyhow::Result<_>>()?;
     let whole = parts::merge(files)?;
     if !parts::is_of_one_machine(&whole) {
         terminal::warning(

@@ -12,7 +12,7 @@ pub(super) fn pool(options: &PoolOptions) -> anyhow::Result<Verdict> {
         .rounds
         .iter()
         .map(|path| Ok((path.display().to_string(), result_file::read(path)?)))
-        .collect::<Result<_, result_file::ReadError>>()?;
+        .collect::<anyhow::Result<_>>()?;
     let joined = rounds::pool(files, options.pairing.clone())?;
     for (format, file) in &outputs {
         file.write(format.render(&joined)?.as_bytes())?;

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use anyhow::{Context, bail};
+use toml::Spanned;
 
 use super::Verdict;
 use super::args::RunOptions;
@@ -15,12 +16,12 @@ use crate::exec::limits::{Limits, Timeout};
 use crate::exec::{Listener, Step, interrupt};
 use crate::measure::conditions::{self, Snapshot};
 use crate::measure::{host, instructions};
-use crate::plan::suite::{self, Library, Plans, Scale, Settings, Suite, WantedModel};
+use crate::plan::suite::{self, Library, ModelChoice, Plans, Settings, Suite, WantedModel};
 use crate::plan::{self, Plan, Reference};
-use crate::run::journal::{Header, Journal};
+use crate::run::journal::{Journal, JournalHeader};
 use crate::run::{self, agreement};
 use crate::schema::{
-    Cell, GroupRecord, Host, InstructionCount, ModelRecord, PlanRecord, ResultFile, SCHEMA,
+    Cell, GroupRecord, InstructionCount, ModelRecord, PlanRecord, ResultFile, SCHEMA,
     SessionRecord, Status,
 };
 use crate::table::output::{self, OutputFile};
@@ -177,9 +178,19 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     if let Some(suite) = &suite {
         programs = programs.or(&suite.programs);
     }
+    let mut reference: Option<Reference> = match &options.check {
+        Some(check) => Some(check.parse().context("--check")?),
+        None => None,
+    };
+    if let Some(reference) = &mut reference {
+        reference.resolve(Path::new("")).context("--check")?;
+    }
+    let models = options
+        .models
+        .iter()
+        .map(|m| Spanned::new(0..0, WantedModel::new(m)));
     let asked = Settings {
-        models: (!options.models.is_empty())
-            .then(|| options.models.iter().map(|m| WantedModel::new(m)).collect()),
+        models: (!options.models.is_empty()).then(|| models.collect()),
         algorithms: options.algo.clone().map(|algorithms| algorithms.0),
         sources: options.source.clone(),
         repeat: options.repeat,
@@ -190,17 +201,12 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         timeout: options.isolation.timeout,
         memory_limit: options.isolation.memory_limit,
         max_decompressed: options.isolation.decompression.max_decompressed,
-        reference: options
-            .check
-            .as_deref()
-            .map(|check| Reference::parse(check, Path::new("")))
-            .transpose()
-            .context("--check")?,
+        reference: reference.map(|reference| Spanned::new(0..0, reference)),
         rows: options.rows.clone(),
-        ratios_to: options.ratios_to.as_ref().map(|one| one.label().to_owned()),
+        ratios_to: options.ratios_to.clone(),
         wavefront: options.extras.wavefront.then_some(true),
     };
-    let scale = Scale {
+    let scale = ModelChoice {
         full: options.scale.full,
         library: options
             .scale
@@ -301,12 +307,9 @@ fn open_journal(
     {
         bail!("{}: cannot be both journal and result file", path.display());
     }
-    let header = Header::new(host::tool(), plan.clone());
+    let header = JournalHeader::new(host::tool(), plan.clone());
     let journal = Journal::open(path, &header, session)?;
-    let elsewhere = |earlier: &SessionRecord| {
-        let machine = |host: &Host| (host.cpu.clone(), host.cores, host.memory_bytes);
-        machine(&earlier.host) != machine(&session.host)
-    };
+    let elsewhere = |earlier: &SessionRecord| !earlier.host.is_same_machine(&session.host);
     if !quiet && journal.sessions().iter().any(elsewhere) {
         terminal::warning(&format!(
             "journal {}: some of its runs were made on another machine; their times do not compare with those of this one",
@@ -430,7 +433,7 @@ impl Listener for Reporter {
             Ok(count) => Some(count),
             Err(error) => {
                 let text = format!(
-                    "{}: {}, source {source}: instructions are not counted: {error}",
+                    "{}: {}, source {source}: instructions are not counted: {error:#}",
                     model.name, cell.algorithm
                 );
                 self.progress.suspend(|| terminal::warning(&text));

@@ -15,7 +15,7 @@ use crate::measure::number::scientific;
 use crate::plan::suite;
 use crate::registry::{self, Selection};
 use crate::run::agreement::{self, Clusters, Vote};
-use crate::run::check::{self, Comparison};
+use crate::run::check::{self, Deviation};
 use crate::schema::ModelRecord;
 
 /// The reference; it runs even if it is not asked for.
@@ -291,7 +291,7 @@ impl Judgement {
         self.remarks.push(why.to_owned());
     }
 
-    fn judge(&mut self, reference: &str, comparison: &Comparison) {
+    fn judge(&mut self, reference: &str, comparison: &Deviation) {
         match &comparison.worst {
             Some(worst) => self.wrong(&format!(
                 "differs from {reference}: {worst}; {} of {} vertices differ",

@@ -4,6 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
+use crate::UsageError;
 use geobench_mesh::io::ReadOptions;
 
 /// Limits of the process of a cell.
@@ -54,31 +55,18 @@ impl Timeout {
     pub const USUAL: Self = Self(Some(Duration::from_secs(10 * 60)));
 }
 
-/// Why a limit was not understood.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum LimitError {
-    /// It is no span of time.
-    #[error("`{0}` is not a time; give one such as 90s, 10m or 1h30m, or none")]
-    Time(String),
-    /// It is no amount of memory.
-    #[error("`{0}` is not a size; give one such as 512MiB, 8GiB or 4GB, or none")]
-    Size(String),
-    /// It is no amount of memory, which must be given.
-    #[error("`{0}` is not a size; give one such as 512MiB, 8GiB or 4GB")]
-    Decompressed(String),
-}
-
 impl FromStr for Timeout {
-    type Err = LimitError;
+    type Err = UsageError;
 
-    fn from_str(text: &str) -> Result<Self, LimitError> {
+    fn from_str(text: &str) -> Result<Self, UsageError> {
         if text.trim().eq_ignore_ascii_case("none") {
             return Ok(Self(None));
         }
         match humantime::parse_duration(text.trim()) {
             Ok(time) if !time.is_zero() => Ok(Self(Some(time))),
-            _ => Err(LimitError::Time(text.to_owned())),
+            _ => Err(UsageError(format!(
+                "`{text}` is not a time; give one such as 90s, 10m or 1h30m, or none"
+            ))),
         }
     }
 }
@@ -103,26 +91,30 @@ const UNITS: [(&str, u64); 14] = [
 ];
 
 impl FromStr for MemoryLimit {
-    type Err = LimitError;
+    type Err = UsageError;
 
-    fn from_str(text: &str) -> Result<Self, LimitError> {
+    fn from_str(text: &str) -> Result<Self, UsageError> {
         if text.trim().eq_ignore_ascii_case("none") {
             return Ok(Self(None));
         }
         match size(text) {
             Some(bytes) => Ok(Self(Some(bytes))),
-            None => Err(LimitError::Size(text.to_owned())),
+            None => Err(UsageError(format!(
+                "`{text}` is not a size; give one such as 512MiB, 8GiB or 4GB, or none"
+            ))),
         }
     }
 }
 
 impl FromStr for DecompressionLimit {
-    type Err = LimitError;
+    type Err = UsageError;
 
-    fn from_str(text: &str) -> Result<Self, LimitError> {
+    fn from_str(text: &str) -> Result<Self, UsageError> {
         match size(text) {
             Some(bytes) => Ok(Self(Some(bytes))),
-            None => Err(LimitError::Decompressed(text.to_owned())),
+            None => Err(UsageError(format!(
+                "`{text}` is not a size; give one such as 512MiB, 8GiB or 4GB"
+            ))),
         }
     }
 }

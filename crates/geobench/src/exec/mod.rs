@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::exec::model::ModelRef;
 use crate::measure::memory::Peaks;
 use crate::registry::Selection;
-use crate::schema::{Cell, InstructionCount, ModelRecord, Phases, Status, WavefrontSample};
+use crate::schema::{Cell, InstructionCount, ModelRecord, Phases, Status, WavefrontRecord};
 
 /// What a run is for. Journals hold the names in snake case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -69,7 +69,7 @@ pub struct Observation {
     pub counters: Option<Counters>,
     /// The wavefront at even intervals of the run that counted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub wavefront: Vec<WavefrontSample>,
+    pub wavefront: Vec<WavefrontRecord>,
     /// Peak memory.
     pub peaks: Peaks,
     /// Seconds in each phase.

@@ -110,7 +110,7 @@ mod tests {
 
     use crate::exec::Observation;
     use crate::measure::memory::Peaks;
-    use crate::schema::{Phases, WavefrontSample};
+    use crate::schema::{Phases, WavefrontRecord};
 
     #[test]
     fn an_observation_comes_back_to_the_last_bit() {
@@ -124,7 +124,7 @@ mod tests {
                 seconds: Some(1.0 / 3.0),
                 setup_seconds: None,
                 counters,
-                wavefront: vec![WavefrontSample {
+                wavefront: vec![WavefrontRecord {
                     parents: u64::MAX,
                     windows: 1,
                     distance: 1.0 / 3.0,

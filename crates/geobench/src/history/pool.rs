@@ -4,28 +4,11 @@
 //! new, old, new. What the rounds of one of them measured is then one result file, with a sample
 //! of every round, and the files of both carry the same `pairing`.
 
+use anyhow::{Context, bail};
+
 use crate::measure::conditions;
 use crate::measure::statistics::{self, median};
 use crate::schema::{Cell, ResultFile, Status, Time};
-
-/// Why rounds cannot be joined.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PoolError {
-    /// There is none.
-    #[error("there are no rounds to join")]
-    Nothing,
-    /// They differ in what should be the same.
-    #[error("{round}: not a round of the same benchmark as {first}: {difference}")]
-    Differs {
-        /// The first round.
-        first: String,
-        /// The one that differs from it.
-        round: String,
-        /// In what.
-        difference: String,
-    },
-}
 
 /// Joins `rounds`, each with the name of its file, in the order in which they were run. Samples of
 /// the same cell follow each other. A cell that failed in one round has failed; counts are those of
@@ -38,18 +21,14 @@ pub enum PoolError {
 pub fn pool(
     rounds: Vec<(String, ResultFile)>,
     pairing: Option<String>,
-) -> Result<ResultFile, PoolError> {
+) -> anyhow::Result<ResultFile> {
     let mut rest = rounds.into_iter();
-    let (first, mut joined) = rest.next().ok_or(PoolError::Nothing)?;
+    let (first, mut joined) = rest.next().context("there are no rounds to join")?;
     let mut conditions = vec![joined.conditions.take()];
     let mut cells: Vec<Vec<Cell>> = joined.cells.drain(..).map(|cell| vec![cell]).collect();
     for (name, round) in rest {
         if let Some(difference) = difference(&joined, &cells, &round) {
-            return Err(PoolError::Differs {
-                first,
-                round: name,
-                difference,
-            });
+            bail!("{name}: not a round of the same benchmark as {first}: {difference}");
         }
         joined.finished = round.finished;
         joined.sessions.extend(round.sessions);
@@ -205,6 +184,7 @@ mod tests {
             refused(|r| r.cells.truncate(1)),
             format!("{start}it has another number of models or cells")
         );
-        assert_eq!(pool(Vec::new(), None), Err(PoolError::Nothing));
+        let error = pool(Vec::new(), None).unwrap_err();
+        assert_eq!(error.to_string(), "there are no rounds to join");
     }
 }

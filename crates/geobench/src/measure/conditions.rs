@@ -1,30 +1,29 @@
-//! What the machine did besides measuring: other programs, frequency, swapping, throttling.
+//! Disturbances during a benchmark: other programs, frequency, swapping, throttling.
 //!
-//! The system is asked before the first run and after the last one, never while something is timed.
-//! What it does not tell (it tells most on Linux, and less in a virtual machine) is absent. Times
-//! that such a disturbance may have spoilt stay in the file; the file says so, and so does the end
-//! of the run.
+//! Read from `/proc` and `/sys` before the first run and after the last one, never during a timed
+//! run. Values that the system does not report are absent; Linux reports most, virtual machines
+//! fewer. Disturbed times stay in the result file, with a warning there and at the end of the run.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use crate::measure::host::{kibibytes, load, text};
 use crate::schema::Conditions;
 
-/// From how many processors kept busy by other programs, on average, a run counts as disturbed.
+/// Mean number of processors busy with other programs above which a run counts as disturbed.
 const OTHER_LOAD_LIMIT: f64 = 0.1;
 
-/// From which share of its time that a virtual machine did not get a run counts as disturbed.
+/// Share of time stolen from a virtual machine above which a run counts as disturbed.
 const STOLEN_LIMIT: f64 = 0.01;
 
-/// The frequency at the end, as a share of that at the start, below which something slowed the
-/// processor down.
+/// Ratio of the frequencies at end and start below which a run counts as disturbed.
 const FREQUENCY_LIMIT: f64 = 0.9;
 
-/// The governor that keeps the frequency where it is.
+/// The governor that keeps the frequency fixed.
 const FIXED: &str = "performance";
 
-/// What happened between two looks at the system.
+/// The conditions between two snapshots.
 pub fn between(start: &Snapshot, end: &Snapshot) -> Conditions {
     let times = end.times_since(start);
     let grown = |of: fn(&Snapshot) -> Option<u64>| Some(of(end)?.saturating_sub(of(start)?));
@@ -50,7 +49,7 @@ pub fn between(start: &Snapshot, end: &Snapshot) -> Conditions {
     conditions
 }
 
-/// The conditions of several runs together: the worst of each.
+/// The worst conditions of several runs.
 pub fn worst(runs: impl IntoIterator<Item = Conditions>) -> Option<Conditions> {
     runs.into_iter().reduce(|a, b| {
         let mut warnings = a.warnings;
@@ -78,7 +77,7 @@ pub fn worst(runs: impl IntoIterator<Item = Conditions>) -> Option<Conditions> {
     })
 }
 
-/// What makes times doubtful.
+/// Warnings on disturbances.
 fn doubts(conditions: &Conditions) -> Vec<String> {
     let mut doubts = Vec::new();
     if let Some(busy) = conditions
@@ -130,10 +129,10 @@ fn doubts(conditions: &Conditions) -> Vec<String> {
     doubts
 }
 
-/// Ticks of the processors that make a second; Linux shows them so whatever its own clock.
+/// Ticks per second in `/proc`, the same on every Linux.
 const TICKS_PER_SECOND: u64 = 100;
 
-/// What the system says at one moment. What it does not say is absent.
+/// The state of the system at one moment; values that it does not report are absent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     ticks: Option<Ticks>,
@@ -159,17 +158,17 @@ struct Ticks {
     processors: u64,
 }
 
-/// Who had the processors between two moments.
+/// Use of the processors between two snapshots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Times {
-    /// Processors that others kept busy.
+    /// Processors busy with other programs.
     other: f64,
-    /// Share that nobody here had.
+    /// Share of time that the host gave to other machines.
     stolen: f64,
 }
 
 impl Snapshot {
-    /// Looks at the system below `root`, which is `/` except in tests.
+    /// Reads the system below `root`, `/` except in tests.
     pub fn take(root: &Path) -> Self {
         let processors = processors(root);
         let of_each = |file: &str| -> Vec<PathBuf> {
@@ -182,7 +181,7 @@ impl Snapshot {
             governors: governors(&of_each("cpufreq/scaling_governor")),
             frequency: most_kilohertz(&of_each("cpufreq/scaling_cur_freq")),
             frequency_max: most_kilohertz(&of_each("cpufreq/cpuinfo_max_freq")),
-            load: text(&root.join("proc/loadavg")).and_then(|t| number(t.split(' ').next()?)),
+            load: load(root),
             swap_used_bytes: swap_used(root),
             swapped_pages: swapped(root),
             thermal_throttles: of_each("thermal_throttle/core_throttle_count")
@@ -194,7 +193,7 @@ impl Snapshot {
         }
     }
 
-    /// Who had the processors since `start`; none if that is less than a second of one of them.
+    /// Use of the processors since `start`; `None` for less than a second of processor time.
     fn times_since(&self, start: &Self) -> Option<Times> {
         let (a, b) = (start.ticks?, self.ticks?);
         let all = b.all.checked_sub(a.all)?;
@@ -210,10 +209,6 @@ impl Snapshot {
             stolen: stolen as f64 / all as f64,
         })
     }
-}
-
-fn text(path: &Path) -> Option<String> {
-    Some(fs::read_to_string(path).ok()?.trim().to_owned())
 }
 
 fn number<T: FromStr>(text: &str) -> Option<T> {
@@ -247,13 +242,13 @@ fn processors(root: &Path) -> Vec<PathBuf> {
 }
 
 fn governors(files: &[PathBuf]) -> Option<Vec<String>> {
-    let mut names: Vec<String> = files.iter().filter_map(|path| text(path)).collect();
+    let mut names: Vec<String> = files.iter().filter_map(text).collect();
     names.sort_unstable();
     names.dedup();
     (!names.is_empty()).then_some(names)
 }
 
-/// The largest of what the files hold in kilohertz, in hertz.
+/// The largest value of the files, converted from kilohertz to hertz.
 fn most_kilohertz(files: &[PathBuf]) -> Option<u64> {
     let all = files.iter().filter_map(|path| number::<u64>(&text(path)?));
     all.max()?.checked_mul(1000)
@@ -262,7 +257,7 @@ fn most_kilohertz(files: &[PathBuf]) -> Option<u64> {
 /// The first line of `/proc/stat`: user, nice, system, idle, iowait, irq, softirq, steal; what
 /// follows is counted in user and nice already.
 fn ticks(root: &Path) -> Option<Ticks> {
-    let text = text(&root.join("proc/stat"))?;
+    let text = text(root.join("proc/stat"))?;
     let mut lines = text.lines().filter(|line| line.starts_with("cpu"));
     let fields: Vec<u64> = lines
         .next()?
@@ -282,7 +277,7 @@ fn ticks(root: &Path) -> Option<Ticks> {
 /// The fields utime, stime, cutime and cstime of `/proc/self/stat`. The name of the program, which
 /// may hold anything, ends at the last parenthesis.
 fn own_ticks(root: &Path) -> Option<u64> {
-    let text = text(&root.join("proc/self/stat"))?;
+    let text = text(root.join("proc/self/stat"))?;
     let (_, fields) = text.rsplit_once(')')?;
     let fields: Vec<&str> = fields.split_whitespace().collect();
     fields
@@ -293,25 +288,21 @@ fn own_ticks(root: &Path) -> Option<u64> {
 }
 
 fn swap_used(root: &Path) -> Option<u64> {
-    let text = text(&root.join("proc/meminfo"))?;
-    let total: u64 = value(&text, "SwapTotal:")?;
-    total
-        .checked_sub(value(&text, "SwapFree:")?)?
-        .checked_mul(1024)
+    let size = |key| kibibytes(root.join("proc/meminfo"), key);
+    size("SwapTotal")?.checked_sub(size("SwapFree")?)
 }
 
 fn swapped(root: &Path) -> Option<u64> {
-    let text = text(&root.join("proc/vmstat"))?;
+    let text = text(root.join("proc/vmstat"))?;
     Some(value::<u64>(&text, "pswpin")? + value::<u64>(&text, "pswpout")?)
 }
 
-/// How many times the control group of this process was throttled, and for how many seconds. In a
-/// container the path in `/proc/self/cgroup` may be that of the host; the group is then the root of
-/// what is seen.
+/// Number and seconds of throttles of the control group of this process. In a container the path in
+/// `/proc/self/cgroup` may be that of the host; the group is then the root of the mount.
 fn cgroup(root: &Path) -> (Option<u64>, Option<f64>) {
     let mounted = root.join("sys/fs/cgroup");
     let mut places = Vec::new();
-    for line in text(&root.join("proc/self/cgroup"))
+    for line in text(root.join("proc/self/cgroup"))
         .unwrap_or_default()
         .lines()
     {
@@ -330,7 +321,7 @@ fn cgroup(root: &Path) -> (Option<u64>, Option<f64>) {
         places.push(base);
     }
     let found = places.iter().find_map(|place| {
-        let text = text(&place.join("cpu.stat"))?;
+        let text = text(place.join("cpu.stat"))?;
         let times: u64 = value(&text, "nr_throttled")?;
         let seconds = value(&text, "throttled_usec")
             .map(|micro: f64| micro / 1e6)

@@ -1,11 +1,12 @@
-//! The machine and the program, as result files describe them.
+//! Records of the machine and the program.
 
 use std::fs;
+use std::path::Path;
 use std::thread;
 
 use crate::schema::{Host, Tool};
 
-/// What this program was built from and with.
+/// The version, commit and compiler of this program.
 pub fn tool() -> Tool {
     Tool {
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -17,52 +18,51 @@ pub fn tool() -> Tool {
     }
 }
 
-/// Whether this is a build whose times mean anything.
+/// Whether this is a release build; times of others mean little.
 pub fn is_release_build() -> bool {
     env!("GEOBENCH_PROFILE") == "release"
 }
 
-/// This machine, now. What the system does not tell (it tells most on Linux) is absent.
+/// This machine, now. Values that the system does not report are absent; Linux reports most.
 pub fn host() -> Host {
     Host {
-        cpu: field("/proc/cpuinfo", "model name"),
+        cpu: field("/proc/cpuinfo", "model name", ':'),
         cores: thread::available_parallelism().map_or(1, usize::from),
         memory_bytes: kibibytes("/proc/meminfo", "MemTotal"),
-        os: quoted("/etc/os-release", "PRETTY_NAME")
-            .unwrap_or_else(|| std::env::consts::OS.to_owned()),
-        kernel: fs::read_to_string("/proc/sys/kernel/osrelease")
-            .ok()
-            .and_then(|text| non_empty(text.trim())),
-        load_start: fs::read_to_string("/proc/loadavg")
-            .ok()
-            .and_then(|text| text.split_whitespace().next()?.parse().ok()),
+        os: field("/etc/os-release", "PRETTY_NAME", '=').map_or_else(
+            || std::env::consts::OS.to_owned(),
+            |name| name.trim_matches('"').to_owned(),
+        ),
+        kernel: text("/proc/sys/kernel/osrelease").and_then(|text| non_empty(&text)),
+        load_start: load(Path::new("/")),
         simd: Some(geobench_vtp::Instructions::detect().to_string()),
     }
 }
 
-/// The value after `key:` in a file of such lines.
-fn field(path: &str, key: &str) -> Option<String> {
-    let text = fs::read_to_string(path).ok()?;
-    text.lines().find_map(|line| {
-        let (name, value) = line.split_once(':')?;
+/// The text of a file without spaces around it.
+pub(super) fn text(path: impl AsRef<Path>) -> Option<String> {
+    Some(fs::read_to_string(path).ok()?.trim().to_owned())
+}
+
+/// Load average over one minute of the system below `root`.
+pub(super) fn load(root: &Path) -> Option<f64> {
+    let text = text(root.join("proc/loadavg"))?;
+    text.split_whitespace().next()?.parse().ok()
+}
+
+/// The value after `key` and `separator` in a file of such lines.
+fn field(path: impl AsRef<Path>, key: &str, separator: char) -> Option<String> {
+    text(path)?.lines().find_map(|line| {
+        let (name, value) = line.split_once(separator)?;
         (name.trim() == key).then(|| value.trim().to_owned())
     })
 }
 
-/// The value after `key:` in a file of such lines, which is in KiB, as bytes.
-pub(crate) fn kibibytes(path: &str, key: &str) -> Option<u64> {
-    let value = field(path, key)?;
+/// The value after `key:` in a file of such lines, in bytes; the file has it in KiB.
+pub(crate) fn kibibytes(path: impl AsRef<Path>, key: &str) -> Option<u64> {
+    let value = field(path, key, ':')?;
     let number: u64 = value.strip_suffix("kB")?.trim().parse().ok()?;
     number.checked_mul(1024)
-}
-
-/// The value after `key=` in a file of such lines, without its quotes.
-fn quoted(path: &str, key: &str) -> Option<String> {
-    let text = fs::read_to_string(path).ok()?;
-    text.lines().find_map(|line| {
-        let (name, value) = line.split_once('=')?;
-        (name == key).then(|| value.trim_matches('"').to_owned())
-    })
 }
 
 fn non_empty(text: &str) -> Option<String> {
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn a_missing_file_or_key_is_absent() {
-        assert_eq!(field("/no/such/file", "x"), None);
+        assert_eq!(field("/no/such/file", "x", ':'), None);
         assert_eq!(kibibytes("Cargo.toml", "MemTotal"), None);
     }
 }

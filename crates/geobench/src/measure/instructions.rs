@@ -1,21 +1,18 @@
 //! Instructions of a solve, counted by Valgrind.
 //!
-//! Times on a shared machine vary by 10 % and more; the number of instructions hardly varies at
-//! all, and a gate can hold it to a per cent or two. It is no time: it knows nothing of caches,
-//! branches and the width of vectors. The program starts itself under callgrind, which counts only
-//! while it is inside `counted_solve`, so that loading the model and setting the algorithm up do
-//! not dilute the figure.
+//! Times on a shared machine vary by 10 % and more; instruction counts vary so little that a gate
+//! can hold them to one or two percent. Instruction counts ignore caches, branch misses and SIMD
+//! width. The program starts itself under callgrind, which counts inside `counted_solve` only:
+//! loading and set-up are excluded.
 //!
-//! Valgrind emulates a processor of its own. Version 3.19 has AVX2 and no AVX-512, and it does not
-//! know every encoding of AVX2: `vmovq` between two registers in the form that stores (`c5 79 d6
-//! e9`) ends a solve with SIGILL. Such a solve is counted again with narrower instructions, and the
-//! count says with which it was made.
+//! Valgrind emulates a processor. Version 3.19 has AVX2 without some encodings (`vmovq` between two
+//! registers in its store form, `c5 79 d6 e9`, ends in SIGILL), and no AVX-512. Such a solve is
+//! counted again with narrower instructions; the count names them.
 
 use std::fs;
-use std::io;
 use std::process::{Command, ExitStatus, Stdio};
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use geobench_mesh::{Mesh, VertexId};
 use geobench_vtp::Instructions;
 use geobench_window::{Solution, SolveError, Solver};
@@ -26,75 +23,60 @@ use crate::schema::InstructionCount;
 /// The hidden command that does one solve under callgrind.
 pub const COMMAND: &str = "count-one-solve";
 
-/// The function in which instructions are counted, as callgrind's patterns find it whether or not
-/// the name is mangled.
+/// Callgrind's pattern of the function in which instructions are counted; mangled names match too.
 const COUNTED: &str = "*instructions*counted_solve*";
 
-/// What the line starts with in which [`COMMAND`] says which instructions it uses.
+/// Prefix of the line in which [`COMMAND`] prints the vector instructions that it uses.
 const SIMD: &str = "simd: ";
 
-/// Why instructions could not be counted.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum InstructionsError {
-    /// There is no Valgrind.
-    #[error("counting instructions needs valgrind on the path: {0}")]
-    NoValgrind(io::Error),
-    /// It did not end well.
-    #[error("callgrind failed: {0}")]
-    Failed(String),
-    /// It does not know an instruction of the program, whatever the solver uses.
-    #[error(
-        "Valgrind does not know an instruction of the solve, not even with simd={0}; use a newer Valgrind"
-    )]
-    Unknown(Instructions),
-    /// It said nothing of instructions.
-    #[error("callgrind counted nothing")]
-    Nothing,
-}
+/// Context of an error that Valgrind cannot be started.
+const NO_VALGRIND: &str = "counting instructions needs valgrind on the path";
 
-/// Makes sure that there is a Valgrind.
+/// Context of an error of the call.
+const FAILED: &str = "callgrind failed";
+
+/// Checks that Valgrind is installed.
 ///
 /// # Errors
 ///
 /// When it cannot be started.
-pub fn check_valgrind() -> Result<(), InstructionsError> {
+pub fn check_valgrind() -> anyhow::Result<()> {
     let status = Command::new("valgrind")
         .arg("--version")
         .stdout(Stdio::null())
         .status();
-    status.map(drop).map_err(InstructionsError::NoValgrind)
+    status.map(drop).context(NO_VALGRIND)
 }
 
-/// Counts the instructions of one solve, the first after the set-up, in a process of its own; some
-/// fifty times as slow as the solve itself. Where Valgrind does not know an instruction, narrower
-/// ones are used.
+/// Counts the instructions of the first solve after set-up, in a process of its own. Takes about
+/// fifty times as long as the solve. Falls back to narrower vector instructions if Valgrind does
+/// not support one.
 ///
 /// # Errors
 ///
 /// When Valgrind is missing or the process does not end well.
-pub fn count(
-    model: &str,
-    algorithm: &str,
-    source: u32,
-) -> Result<InstructionCount, InstructionsError> {
+pub fn count(model: &str, algorithm: &str, source: u32) -> anyhow::Result<InstructionCount> {
     let mut widest = None;
     loop {
         match count_with(model, algorithm, source, widest)? {
             Attempt::Counted(found) => return Ok(found),
             Attempt::Illegal(used) => {
-                let narrower =
-                    registry::next_narrower(used).ok_or(InstructionsError::Unknown(used))?;
-                widest = Some(narrower);
+                widest = registry::next_narrower(used);
+                if widest.is_none() {
+                    bail!(
+                        "Valgrind does not know an instruction of the solve, not even with \
+                         simd={used}; use a newer Valgrind"
+                    );
+                }
             }
         }
     }
 }
 
-/// What came of counting with some instructions.
+/// The result of counting with one set of vector instructions.
 enum Attempt {
     Counted(InstructionCount),
-    /// Valgrind does not know one of these.
+    /// Valgrind does not support one of these.
     Illegal(Instructions),
 }
 
@@ -104,10 +86,9 @@ fn count_with(
     algorithm: &str,
     source: u32,
     widest: Option<Instructions>,
-) -> Result<Attempt, InstructionsError> {
-    let failed = |error: io::Error| InstructionsError::Failed(error.to_string());
-    let program = std::env::current_exe().map_err(failed)?;
-    let counts = tempfile::NamedTempFile::new().map_err(failed)?;
+) -> anyhow::Result<Attempt> {
+    let program = std::env::current_exe().context(FAILED)?;
+    let counts = tempfile::NamedTempFile::new().context(FAILED)?;
     let mut out_file = std::ffi::OsString::from("--callgrind-out-file=");
     out_file.push(counts.path());
     let output = Command::new("valgrind")
@@ -119,7 +100,7 @@ fn count_with(
         .args(widest.map(|widest| format!("--simd={widest}")))
         .stdin(Stdio::null())
         .output()
-        .map_err(InstructionsError::NoValgrind)?;
+        .context(NO_VALGRIND)?;
     let said = String::from_utf8_lossy(&output.stdout);
     let used = said.lines().find_map(|line| line.strip_prefix(SIMD));
     let used = used.and_then(registry::instructions_named);
@@ -129,48 +110,45 @@ fn count_with(
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr);
         let last = said.lines().rfind(|line| !line.trim().is_empty());
-        return Err(InstructionsError::Failed(format!(
-            "{}: {}",
-            output.status,
-            last.unwrap_or("no message")
-        )));
+        let last = last.unwrap_or("no message");
+        bail!("{FAILED}: {}: {last}", output.status);
     }
-    let text = fs::read_to_string(counts.path()).map_err(failed)?;
-    let count = total(&text)
-        .filter(|total| *total > 0)
-        .ok_or(InstructionsError::Nothing)?;
+    let text = fs::read_to_string(counts.path()).context(FAILED)?;
+    let Some(count) = total(&text).filter(|total| *total > 0) else {
+        bail!("callgrind counted nothing");
+    };
     Ok(Attempt::Counted(InstructionCount {
         count,
         simd: used.map(|used| used.to_string()),
     }))
 }
 
-/// Whether a process ended because of an instruction that its processor does not know.
+/// Whether a process ended by an illegal instruction.
 #[cfg(unix)]
 fn is_illegal(status: ExitStatus) -> bool {
     use std::os::unix::process::ExitStatusExt;
     status.signal() == Some(rustix::process::Signal::ILL.as_raw())
 }
 
-/// Whether a process ended because of an instruction that its processor does not know.
+/// Whether a process ended by an illegal instruction.
 #[cfg(not(unix))]
 fn is_illegal(_: ExitStatus) -> bool {
     false
 }
 
-/// The instructions in a file that callgrind wrote.
+/// The total count in an output file of callgrind.
 fn total(text: &str) -> Option<u64> {
     let line = |key| text.lines().find_map(|line: &str| line.strip_prefix(key));
     let totals = line("totals:").or_else(|| line("summary:"))?;
     totals.split_whitespace().next()?.parse().ok()
 }
 
-/// The algorithm of [`COMMAND`], with no wider instructions than `widest`; says on standard output
-/// which it uses.
+/// Selects the algorithm of [`COMMAND`] with no wider instructions than `widest`, and prints the
+/// instructions that it uses.
 ///
 /// # Errors
 ///
-/// When there is no such algorithm, or `widest` names no instructions.
+/// When the algorithm or the instructions are unknown.
 pub fn announce(algorithm: &str, widest: Option<&str>) -> anyhow::Result<Selection> {
     let mut selection = registry::select_one(algorithm)?;
     if let Some(name) = widest {
@@ -195,8 +173,8 @@ pub fn solve_once(selection: &Selection, mesh: &Mesh, source: u32) -> anyhow::Re
     Ok(())
 }
 
-/// The solve that is counted: callgrind knows it by its name, so it must stay a function of its
-/// own and must not call itself.
+/// The solve that callgrind counts, found by the name of this function: it must not be inlined or
+/// recursive.
 #[inline(never)]
 fn counted_solve(solver: &mut dyn Solver, source: VertexId) -> Result<Solution, SolveError> {
     std::hint::black_box(solver).solve(&[source])

@@ -1,17 +1,11 @@
-//! How much memory a run takes at its peak.
+//! Peak memory of a run.
 //!
-//! Two figures: bytes that the program holds on the heap, counted by the allocator that the binary
-//! installs, and memory that the whole process occupies, as Linux accounts for it. The second
-//! includes the mesh and the code that the run needs; a cell gives back the code that ran before,
-//! to read the model or for an earlier run.
+//! Two figures: heap bytes, counted by the allocator that the binary installs, and the peak RSS of
+//! the process, read from Linux. Peak RSS covers the pages touched during the run: mesh, solver and
+//! code. Code pages of loading and of earlier runs are given back before.
 //!
-//! The allocator counts in timed runs too, since a program has but one. What that costs was
-//! measured with Valgrind, as instructions of a solve of `gen:torus,faces=5000,bump=0.1,seed=7` in
-//! two builds that differ in nothing else: mmp{turn=window} 0.29 %, fwp-mmp{turn=window} 0.26 %,
-//! vtp 0.04 %, ich and fwp-ch 0.001 % more than without it. The least of 360 times of each, of
-//! alternating calls of both builds with 2,000 faces, is between 2.7 % less and 2.0 % more with it,
-//! less for four of the five: noise. The solvers allocate seldom, because their buffers live on
-//! from run to run.
+//! The allocator counts during timed runs, too. It costs at most 0.3 % of the instructions of a
+//! solve and no measurable time: solvers keep their buffers from run to run and allocate rarely.
 
 #![allow(unsafe_code)]
 
@@ -22,27 +16,27 @@ use serde::{Deserialize, Serialize};
 
 use crate::measure::host::kibibytes;
 
-/// Measures from [`start`](PeakMemory::start) to [`stop`](PeakMemory::stop). Only one may be
-/// under way at a time: the counters behind it are the process's.
+/// Measures from [`start`](PeakMemory::start) to [`stop`](PeakMemory::stop), one at a time: the
+/// counters are global.
 #[derive(Debug)]
 pub struct PeakMemory {
     rss_was_reset: bool,
 }
 
-/// What a measurement found; a figure that this system or build does not have is absent.
+/// The peaks; a figure that this system or build does not have is absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Peaks {
-    /// Most bytes on the heap beyond those at the start.
+    /// Peak heap bytes beyond those at the start.
     pub heap: Option<u64>,
-    /// Most memory that the process occupied, everything included.
+    /// Peak RSS of the process.
     pub rss: Option<u64>,
 }
 
 impl PeakMemory {
     /// Starts measuring.
     pub fn start() -> Self {
-        // 5 resets the peak that `VmHWM` shows. The figure the parent process gets for its child
-        // cannot be used: it includes what was inherited before exec.
+        // 5 resets `VmHWM`. The maximum RSS that the parent gets for its child cannot be used: it
+        // includes memory of the parent from before exec.
         let rss_was_reset = std::fs::write("/proc/self/clear_refs", "5").is_ok();
         INSTRUMENTED_SYSTEM.reset_peak_memory();
         Self { rss_was_reset }
@@ -62,27 +56,23 @@ impl PeakMemory {
     }
 }
 
-// One call to the system, in `give_back`.
-
-/// Gives the system back all unchanged pages of mapped files, most of them code.
+/// Gives back all unchanged pages of mapped files, most of them code.
 ///
-/// Reading models, JSON and the registry touch some megabytes of code before a run begins (Linux
-/// maps 64 KB around each page that is needed): more than a model of 6,000 faces and its algorithm
-/// take together. Pages that the run needs come back on the next access, in some microseconds, and
-/// count.
+/// Loading touches some megabytes of code (Linux maps 64 KB around each page), more than a model of
+/// 6,000 faces and its solver. Pages that the run needs come back on the next access, within
+/// microseconds, and count.
 ///
-/// Only for a process in which nothing maps and unmaps files meanwhile, such as a cell. Does
-/// nothing where the system does not list the mappings.
+/// Only for a process in which no other thread maps or unmaps files, such as a cell. Does nothing
+/// where the system does not list mappings.
 #[cfg(target_os = "linux")]
 pub(crate) fn give_back_clean_pages() {
     let Ok(smaps) = std::fs::read_to_string("/proc/self/smaps") else {
         return;
     };
     for Range { start, end } in unchanged(&smaps) {
-        // SAFETY: the kernel has just said that the range is a private mapping of a file, not
-        // writable, of which no page is this process's own. So every page in it is as in the file,
-        // and is read from there again if it is touched. Only cells come here, in which nothing
-        // maps files as it goes, so that nothing else can have come to lie there since.
+        // SAFETY: the kernel lists the range as a private mapping of a file, not writable, without
+        // modified pages, so pages are read from the file again on access. Only cells call this, in
+        // which nothing maps files meanwhile, so the range is still that mapping.
         let _ = unsafe {
             rustix::mm::madvise(
                 std::ptr::without_provenance_mut(start),
@@ -97,9 +87,9 @@ pub(crate) fn give_back_clean_pages() {
 #[cfg(not(target_os = "linux"))]
 pub(crate) fn give_back_clean_pages() {}
 
-/// The ranges of addresses in a text like `/proc/self/smaps` that are private mappings of files,
-/// not writable, and without a page that the process has made its own. What the dynamic linker
-/// changed before it took away the right to write has such pages.
+/// The address ranges in a text like `/proc/self/smaps` that are private mappings of files, not
+/// writable and without modified pages. Relocated pages that the dynamic linker made read-only are
+/// modified.
 #[cfg_attr(not(target_os = "linux"), allow(dead_code))]
 fn unchanged(smaps: &str) -> Vec<Range<usize>> {
     let mut ranges = Vec::new();
@@ -117,8 +107,8 @@ fn unchanged(smaps: &str) -> Vec<Range<usize>> {
     ranges
 }
 
-/// The range of a mapping, and whether it is a private one of a file that nobody may write to;
-/// nothing if `line` is not the first of a mapping.
+/// The range of a mapping and whether it is private, of a file and not writable; `None` if `line`
+/// does not start a mapping.
 fn mapping(line: &str) -> Option<(Range<usize>, bool)> {
     let mut fields = line.split_ascii_whitespace();
     let (start, end) = fields.next()?.split_once('-')?;

@@ -11,7 +11,8 @@
 
 use std::f64::consts::SQRT_2;
 
-use crate::measure::rng::SplitMix64;
+use geobench_mesh::SplitMix64;
+
 use crate::schema::Time;
 
 /// Fewest samples from which a confidence interval is given.
@@ -378,7 +379,7 @@ mod tests {
     /// The figure that the choice of [`OUTLIER_SCORE`] rests on.
     #[test]
     fn a_quiet_machine_has_few_outliers() {
-        let mut random = crate::measure::rng::SplitMix64::new(3);
+        let mut random = geobench_mesh::SplitMix64::new(3);
         let mut uniform = || (random.below(1 << 30) as f64 + 0.5) / f64::from(1 << 30);
         let mut share = |n: usize| {
             let cells = 20_000;

@@ -1,25 +1,30 @@
-//! What a run is to do, before any of it is done.
+//! Plans: the cells of a benchmark, decided before any model is loaded.
 
 use std::fs::File;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::str::FromStr;
 
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
+
+use crate::UsageError;
 use crate::exec::expected::Expected;
 use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
 use crate::plan::source::SourceSpec;
-use crate::registry::{self, Programs, SelectError, Selection, UnknownProgram, Value};
-use crate::schema::plan_record::{PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel};
-use crate::schema::{GroupRecord, IsolationRecord, Shard};
+use crate::registry::{self, Programs, Selection, Value};
+use crate::schema::{
+    GroupRecord, IsolationRecord, PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel, Shard,
+};
 
+pub(crate) mod difference;
 pub mod source;
 pub mod suite;
 
-/// A benchmark: a cell for every algorithm on every model from every source. How many there are is
-/// known before any model is loaded.
+/// A benchmark: one cell for each combination of model, algorithm and source.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// How its results are shown.
+    /// Name and tables of the group.
     pub group: GroupRecord,
     /// The models, with unique names.
     pub models: Vec<ModelRef>,
@@ -31,52 +36,32 @@ pub struct Plan {
     pub repeat: usize,
     /// Untimed runs of each cell before those.
     pub warmup: usize,
-    /// What the answers must agree with.
+    /// The expected answers.
     pub reference: Reference,
     /// Largest relative difference that passes.
     pub tolerance: f64,
-    /// What the order of the runs is drawn from.
+    /// Seed of the order of the runs.
     pub seed: u64,
-    /// The part of it that is to be carried out; all of it if none.
+    /// The part of the plan that this process runs; `None` for the whole.
     pub shard_range: Option<ShardRange>,
-    /// What each run may use.
+    /// Limits of each run.
     pub limits: Limits,
 }
 
-/// What answers are compared with.
+/// The answers that others are compared with.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "there is one in a plan")]
 pub enum Reference {
     /// Nothing.
     None,
-    /// The answer of an algorithm, which need not be one of those that are measured.
+    /// The answer of an algorithm, which may be one that is not measured.
     Algorithm(Selection),
     /// Stored distances.
     Files(Expected),
 }
 
-/// Why what answers are to agree with was not understood.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReferenceError {
-    /// It asks for several algorithms.
-    #[error("{0}")]
-    Several(SelectError),
-    /// It is no algorithm and nothing else.
-    #[error("{0}; also `none`, `file` or a .csv file")]
-    Unknown(SelectError),
-    /// The file of distances cannot be opened.
-    #[error("{}: {error}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        error: io::Error,
-    },
-}
-
 impl Reference {
-    /// The usual reference: `mmp` if it runs, else the first algorithm.
+    /// The default: `mmp` if it runs, else the first algorithm.
     pub fn usual(algorithms: &[Selection]) -> Self {
         let usual = algorithms.iter().find(|a| a.label() == "mmp");
         match usual.or(algorithms.first()) {
@@ -85,13 +70,26 @@ impl Reference {
         }
     }
 
-    /// What `text` asks for: `none`, `file`, the path of a .csv file, relative to `directory`, or
-    /// an algorithm.
+    /// Makes the path of a file relative to `directory`.
     ///
     /// # Errors
     ///
-    /// When it is none of these, or the file cannot be opened.
-    pub fn parse(text: &str, directory: &Path) -> Result<Self, ReferenceError> {
+    /// When the file cannot be opened.
+    pub fn resolve(&mut self, directory: &Path) -> Result<(), UsageError> {
+        if let Self::Files(Expected::File(path)) = self {
+            *path = directory.join(&path);
+            File::open(&path)
+                .map_err(|error| UsageError(format!("{}: {error}", path.display())))?;
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for Reference {
+    type Err = UsageError;
+
+    /// Parses `none`, `file`, the path of a .csv file, or the name of an algorithm.
+    fn from_str(text: &str) -> Result<Self, UsageError> {
         if text.eq_ignore_ascii_case("none") {
             return Ok(Self::None);
         }
@@ -100,29 +98,22 @@ impl Reference {
         }
         let ending = Path::new(text).extension();
         if ending.is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
-            let path = directory.join(text);
-            return match File::open(&path) {
-                Ok(_) => Ok(Self::Files(Expected::File(path))),
-                Err(error) => Err(ReferenceError::File { path, error }),
-            };
+            return Ok(Self::Files(Expected::File(text.into())));
         }
-        match registry::select_one(text) {
-            Ok(one) => Ok(Self::Algorithm(one)),
-            Err(error @ SelectError::Several { .. }) => Err(ReferenceError::Several(error)),
-            Err(error) => Err(ReferenceError::Unknown(error)),
+        if let Err(error) = registry::select(text) {
+            return Err(UsageError(format!(
+                "{error}; also `none`, `file` or a .csv file"
+            )));
         }
+        registry::select_one(text).map(Self::Algorithm)
     }
 }
 
-/// A file of distances from one source in one model, where more are asked for.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "{}: one file holds the distances from one source in one model, but more are asked for; use `file`",
-    path.display()
-)]
-pub struct OneFileForMore {
-    /// The file.
-    pub path: PathBuf,
+impl<'de> Deserialize<'de> for Reference {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map_err(D::Error::custom)
+    }
 }
 
 impl Plan {
@@ -130,24 +121,28 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// When that is what the plan says.
-    pub fn check_reference(&self) -> Result<(), OneFileForMore> {
+    /// When the plan has more than one model or source.
+    pub fn check_reference(&self) -> Result<(), UsageError> {
         match &self.reference {
             Reference::Files(Expected::File(path))
                 if self.models.len() > 1 || self.sources.count() > 1 =>
             {
-                Err(OneFileForMore { path: path.clone() })
+                Err(UsageError(format!(
+                    "{}: one file holds the distances from one source in one model, but more are \
+                     asked for; use `file`",
+                    path.display()
+                )))
             }
             _ => Ok(()),
         }
     }
 
-    /// Looks up the outside programs that it asks for.
+    /// Looks up the outside programs among the algorithms.
     ///
     /// # Errors
     ///
-    /// Names one that there is not.
-    pub fn find_programs(&mut self, programs: &Programs) -> Result<(), UnknownProgram> {
+    /// Names the program that is not in `programs`.
+    pub fn find_programs(&mut self, programs: &Programs) -> Result<(), UsageError> {
         let reference = match &mut self.reference {
             Reference::Algorithm(reference) => Some(reference),
             Reference::None | Reference::Files(_) => None,
@@ -163,7 +158,7 @@ impl Plan {
         self.models.len() as u128 * self.sources.count() as u128
     }
 
-    /// Whether a source of a model, both by their places in the plan, is to be worked on.
+    /// Whether this process runs a unit, given by the indices of its model and source in the plan.
     pub fn has_unit(&self, model: usize, source: usize) -> bool {
         self.shard_range.is_none_or(|shard_range| {
             let before = model as u128 * self.sources.count() as u128;
@@ -173,7 +168,7 @@ impl Plan {
         })
     }
 
-    /// Number of units of a model that are to be worked on.
+    /// Number of units of a model that this process runs.
     pub fn units_of_model(&self, model: usize) -> u128 {
         let sources = self.sources.count() as u128;
         self.shard_range.map_or(sources, |shard_range| {
@@ -182,14 +177,14 @@ impl Plan {
         })
     }
 
-    /// Number of runs of all cells together, as far as it can be counted.
+    /// Number of runs of all cells, saturating.
     pub fn runs(&self) -> usize {
         (0..self.models.len())
             .map(|model| self.runs_of_model(model))
             .fold(0, usize::saturating_add)
     }
 
-    /// Number of runs of all cells of one model, as far as it can be counted.
+    /// Number of runs of all cells of one model, saturating.
     pub fn runs_of_model(&self, model: usize) -> usize {
         let units = usize::try_from(self.units_of_model(model)).unwrap_or(usize::MAX);
         units
@@ -197,14 +192,13 @@ impl Plan {
             .saturating_mul(self.runs_per_cell())
     }
 
-    /// Runs that a cell takes: warm-ups, timed ones, a counted one and a clocked one.
+    /// Runs of one cell: warm-ups, timed runs, one counted and one profiled run.
     pub const fn runs_per_cell(&self) -> usize {
         self.warmup + self.repeat + 2
     }
 }
 
-/// The plan of a benchmark whose groups have these plans and whose cells run there. Reads the files
-/// of all models once, to hash them.
+/// The record of `plans`, one for each group. Reads the files of all models to hash them.
 pub fn record(plans: &[Plan], isolation: IsolationRecord) -> PlanRecord {
     PlanRecord {
         isolation,
@@ -247,7 +241,7 @@ fn algorithm(selection: &Selection) -> PlannedAlgorithm {
     let program = selection.program().into_iter().flat_map(|program| {
         [
             ("command", program.command.clone().into()),
-            ("protocol", program.keeping.name().into()),
+            ("protocol", program.lifetime.name().into()),
             ("approximate", program.approximate.into()),
             ("threads", selection.threads().into()),
         ]
@@ -268,22 +262,41 @@ fn algorithm(selection: &Selection) -> PlannedAlgorithm {
     }
 }
 
-/// The part of one plan that a shard runs.
+/// The units of one plan that a shard runs.
 ///
 /// A *unit* is one model with one source of one group: the cells that are compared with each other
-/// and whose runs are interleaved. Units are numbered from 0 through the groups, the models of each
-/// and the sources of each, in the order of the plan; unit `u` belongs to shard `u mod N + 1` of
-/// `N`. The plan alone decides, so every machine splits it alike without loading a model.
-/// Neighbours, often alike in size, go to different shards.
+/// and whose runs are interleaved. Units are numbered from 0 by group, model and source, in the
+/// order of the plan; unit `u` belongs to shard `u mod N + 1` of `N`. So every machine computes the
+/// same split without loading a model, and neighbours, often of similar size, go to different
+/// shards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShardRange {
-    /// Which part.
+    /// The shard.
     pub shard: Shard,
     /// Number of the first unit of the plan.
     pub first_unit: u128,
 }
 
-/// Restricts `plans`, which are those of one benchmark, to a part of it.
+impl FromStr for Shard {
+    type Err = UsageError;
+
+    fn from_str(text: &str) -> Result<Self, UsageError> {
+        let parse = || {
+            let (index, count) = text.split_once('/')?;
+            let (index, count) = (index.trim().parse().ok()?, count.trim().parse().ok()?);
+            (1..=count)
+                .contains(&index)
+                .then_some(Self { index, count })
+        };
+        parse().ok_or_else(|| {
+            UsageError(format!(
+                "`{text}` is not a part: give I/N such as 2/3, with I from 1 to N"
+            ))
+        })
+    }
+}
+
+/// Restricts the plans of one benchmark to one shard.
 pub fn restrict(plans: &mut [Plan], shard: Shard) {
     let mut first_unit = 0;
     for plan in plans {
@@ -299,6 +312,14 @@ mod tests {
     use super::*;
     use crate::exec::mock::MockBackend;
     use crate::run::mock::{plan, run_mock};
+
+    #[test]
+    fn parts_are_read() {
+        assert_eq!("2/3".parse(), Ok(Shard { index: 2, count: 3 }));
+        for text in ["", "1", "0/3", "4/3", "1/0", "-1/3", "1/3/5", "a/b"] {
+            assert!(text.parse::<Shard>().is_err(), "{text}");
+        }
+    }
 
     proptest! {
         #[test]

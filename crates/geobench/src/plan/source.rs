@@ -1,16 +1,16 @@
-//! Which vertices distances are measured from.
+//! Source vertices, as a user gives them.
 
 use std::fmt;
 use std::str::FromStr;
 
-use geobench_mesh::VertexId;
+use geobench_mesh::{SplitMix64, VertexId};
 
-use crate::measure::rng::SplitMix64;
+use crate::UsageError;
 
 /// Seed of `random:N` where none is given.
 const DEFAULT_SEED: u64 = 1;
 
-/// Sources as a user asks for them: `first`, a vertex number, a list of numbers, or
+/// Sources as a user gives them: `first`, a vertex number, a list of numbers, or
 /// `random:N[,seed=S]`. Vertices are numbered from 0 in the file's order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SourceSpec {
@@ -22,52 +22,8 @@ pub enum SourceSpec {
     Random {
         /// How many.
         count: usize,
-        /// What the choice is drawn from.
+        /// Seed of the choice.
         seed: u64,
-    },
-}
-
-/// Why sources were not understood or do not exist.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SourceError {
-    /// The text is none of the forms.
-    #[error(
-        "`{text}` is not a source: give `first`, a vertex number, a list such as `0,17`, or `random:N[,seed=S]`"
-    )]
-    Syntax {
-        /// The text as given.
-        text: String,
-    },
-    /// No source at all is asked for.
-    #[error("`{text}` asks for no source; ask for at least one")]
-    None {
-        /// The text as given.
-        text: String,
-    },
-    /// A vertex is named twice.
-    #[error("source vertex {vertex} is named twice")]
-    Twice {
-        /// The vertex.
-        vertex: u32,
-    },
-    /// The vertex does not exist.
-    #[error(
-        "source vertex {vertex} does not exist: the model has {vertices} vertices, numbered from 0"
-    )]
-    NoSuchVertex {
-        /// The vertex asked for.
-        vertex: u32,
-        /// Vertices that there are.
-        vertices: usize,
-    },
-    /// The model has fewer vertices than are asked for.
-    #[error("{count} different sources are asked for, but the model has {vertices} vertices")]
-    TooMany {
-        /// How many are asked for.
-        count: usize,
-        /// Vertices that there are.
-        vertices: usize,
     },
 }
 
@@ -85,14 +41,16 @@ impl SourceSpec {
     ///
     /// # Errors
     ///
-    /// When the mesh does not have a vertex asked for, or not as many.
-    pub fn resolve(&self, vertices: usize) -> Result<Vec<VertexId>, SourceError> {
+    /// When the mesh lacks one of the vertices, or has fewer than `random:N`.
+    pub fn resolve(&self, vertices: usize) -> Result<Vec<VertexId>, UsageError> {
         match self {
             Self::First => self::resolve(&[0], vertices),
             Self::List(list) => self::resolve(list, vertices),
             &Self::Random { count, seed } => {
                 if count > vertices {
-                    return Err(SourceError::TooMany { count, vertices });
+                    return Err(UsageError(format!(
+                        "{count} different sources are asked for, but the model has {vertices} vertices"
+                    )));
                 }
                 Ok(draw(count, seed, vertices))
             }
@@ -100,9 +58,11 @@ impl SourceSpec {
     }
 }
 
-fn resolve(list: &[u32], vertices: usize) -> Result<Vec<VertexId>, SourceError> {
+fn resolve(list: &[u32], vertices: usize) -> Result<Vec<VertexId>, UsageError> {
     match list.iter().find(|&&vertex| vertex as usize >= vertices) {
-        Some(&vertex) => Err(SourceError::NoSuchVertex { vertex, vertices }),
+        Some(vertex) => Err(UsageError(format!(
+            "source vertex {vertex} does not exist: the model has {vertices} vertices, numbered from 0"
+        ))),
         None => Ok(list.iter().map(|&v| VertexId::new(v)).collect()),
     }
 }
@@ -119,10 +79,15 @@ fn draw(count: usize, seed: u64, vertices: usize) -> Vec<VertexId> {
 }
 
 impl FromStr for SourceSpec {
-    type Err = SourceError;
+    type Err = UsageError;
 
-    fn from_str(text: &str) -> Result<Self, SourceError> {
-        let syntax = || SourceError::Syntax { text: text.into() };
+    fn from_str(text: &str) -> Result<Self, UsageError> {
+        let syntax = || {
+            UsageError(format!(
+                "`{text}` is not a source: give `first`, a vertex number, a list such as `0,17`, or \
+                 `random:N[,seed=S]`"
+            ))
+        };
         let lower = text.trim().to_lowercase();
         if lower == "first" {
             return Ok(Self::First);
@@ -137,7 +102,9 @@ impl FromStr for SourceSpec {
             };
             let count = count.trim().parse().map_err(|_| syntax())?;
             if count == 0 {
-                return Err(SourceError::None { text: text.into() });
+                return Err(UsageError(format!(
+                    "`{text}` asks for no source; ask for at least one"
+                )));
             }
             let seed = seed.map_or(Ok(DEFAULT_SEED), |s| s.trim().parse().map_err(|_| syntax()))?;
             return Ok(Self::Random { count, seed });
@@ -148,7 +115,7 @@ impl FromStr for SourceSpec {
             .collect::<Result<Vec<u32>, _>>()?;
         for (i, vertex) in list.iter().enumerate() {
             if list[..i].contains(vertex) {
-                return Err(SourceError::Twice { vertex: *vertex });
+                return Err(UsageError(format!("source vertex {vertex} is named twice")));
             }
         }
         Ok(Self::List(list))
@@ -176,6 +143,10 @@ mod tests {
         text.parse().unwrap()
     }
 
+    fn refused(text: &str) -> String {
+        text.parse::<SourceSpec>().unwrap_err().to_string()
+    }
+
     #[test]
     fn every_form_is_read() {
         assert_eq!(parse("first"), SourceSpec::First);
@@ -198,19 +169,14 @@ mod tests {
             "random:2,9",
             "4294967296",
         ] {
-            assert!(
-                matches!(text.parse::<SourceSpec>(), Err(SourceError::Syntax { .. })),
-                "{text}"
-            );
+            let start = format!("`{text}` is not a source: give `first`, ");
+            assert!(refused(text).starts_with(&start), "{text}");
         }
-        assert!(matches!(
-            "random:0".parse::<SourceSpec>(),
-            Err(SourceError::None { .. })
-        ));
         assert_eq!(
-            "1,2,1".parse::<SourceSpec>(),
-            Err(SourceError::Twice { vertex: 1 })
+            refused("random:0"),
+            "`random:0` asks for no source; ask for at least one"
         );
+        assert_eq!(refused("1,2,1"), "source vertex 1 is named twice");
     }
 
     #[test]
@@ -221,11 +187,8 @@ mod tests {
         );
         assert!(parse("first").resolve(0).is_err());
         assert_eq!(
-            parse("random:9").resolve(8),
-            Err(SourceError::TooMany {
-                count: 9,
-                vertices: 8
-            })
+            parse("random:9").resolve(8).unwrap_err().to_string(),
+            "9 different sources are asked for, but the model has 8 vertices"
         );
     }
 

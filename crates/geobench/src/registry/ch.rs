@@ -1,52 +1,42 @@
 //! Algorithms that split and filter windows and keep none.
 
 use geobench_ich::{ch, ich, ich1};
-use geobench_window::Counter;
 
 use super::Algorithm;
-use super::parameter::{THRESHOLD, threshold_width};
+use super::parameter::threshold_width;
 
 pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "ch",
         family: "ch-family",
         paper: "Chen, Han 1990; Xin, Wang 2009, sections 2 and 3.1",
-        exact: true,
         summary: "sequence tree grown level by level, one angle one split, no filter",
-        complexity: "time O(n^2), space O(n)",
         keeps: "one level of the tree and one record for each angle",
         choose: "to see where the others come from, on models of up to some 10,000 faces",
-        memory_counter: Counter::PeakWindows,
         comfortable_faces: Some(10_000),
-        parameters: &[THRESHOLD],
         build: |mesh, values| Box::new(ch(mesh).with_threshold(threshold_width(mesh, values))),
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "ich1",
         family: "ch-family",
         paper: "Xin, Wang 2009, section 3.2",
-        exact: true,
         summary: "CH with windows filtered by vertex distances, level by level",
         complexity: "time O(n^2 log n), space O(n)",
         keeps: "the windows in the queue and one record for each angle",
         choose: "to see what the filter does without a priority queue",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
-        parameters: &[THRESHOLD],
         build: |mesh, values| Box::new(ich1(mesh).with_threshold(threshold_width(mesh, values))),
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "ich",
         family: "ch-family",
         paper: "Chen, Han 1990; Xin, Wang 2009, sections 3.2 and 3.3",
-        exact: true,
         summary: "windows filtered by vertex distances and not kept, nearest first",
         complexity: "time O(n^2 log n), space O(n)",
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with published figures of ICH; when memory is short and simplicity counts",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
-        parameters: &[THRESHOLD],
         build: |mesh, values| Box::new(ich(mesh).with_threshold(threshold_width(mesh, values))),
+        ..Algorithm::EXACT
     },
 ];

@@ -44,7 +44,7 @@ const BETA: Parameter = Parameter::real(
 
 const BUCKET_PARAMETERS: &[Parameter] = &[BUCKET, K, K_MAX, THRESHOLD];
 
-/// What is propagated at a time.
+/// What is propagated at once.
 const TURN: Parameter = Parameter::word(
     "turn",
     &["list", "window"],
@@ -54,7 +54,7 @@ const TURN: Parameter = Parameter::word(
 const BUCKET_AND_LIST_PARAMETERS: &[Parameter] =
     &[BUCKET, K, K_MAX, TURN, LIST_FILTER, LISTS, THRESHOLD];
 
-/// The options of buckets that `values` ask for.
+/// The options of the buckets.
 fn buckets(values: &Values) -> BucketOptions {
     // The ranges above are within 32 bits.
     let size = |n| u32::try_from(n).unwrap_or(u32::MAX);
@@ -81,13 +81,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         name: "fwp-mmp",
         family: "fwp-family",
         paper: "Xu et al. 2015, section 4",
-        exact: true,
         summary: "mmp with its windows in narrow buckets, some thousands of the nearest taken in each round",
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "as mmp; of the queue the windows that wait and the buckets they span",
         choose: "to see what buckets gain over the queue of mmp, with nearly the same windows; with turn=window its rounds are those of the paper",
         memory_counter: Counter::StoredWindows,
-        comfortable_faces: None,
         parameters: BUCKET_AND_LIST_PARAMETERS,
         build: |mesh, values| {
             let threshold = threshold_width(mesh, values);
@@ -100,34 +98,30 @@ pub(super) const FAMILY: &[Algorithm] = &[
             let solver = solver.filtering(filter(values)).keeping(keep(values));
             Box::new(solver.with_threshold(threshold))
         },
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "fwp-ch",
         family: "fwp-family",
         paper: "Xu et al. 2015, section 4; Xin, Wang 2009, section 3.2",
-        exact: true,
         summary: "ich with its windows in narrow buckets, some thousands of the nearest taken in each round",
-        complexity: "time O(n^2), space O(n)",
         keeps: "the windows in the buckets and one record for each angle",
         choose: "instead of ich: the same windows in less time",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
         parameters: BUCKET_PARAMETERS,
         build: |mesh, values| {
             Box::new(fwp_ch(mesh, buckets(values)).with_threshold(threshold_width(mesh, values)))
         },
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "lc-mmp",
         family: "lc-family",
         paper: "Bertsekas 1993; Xu et al. 2015, section 7.4",
-        exact: true,
         summary: "mmp with its windows in a label correcting queue: small labels first, large last, a threshold",
         complexity: "time without a useful bound, space O(n^2)",
         keeps: "as mmp",
         choose: "to compare with fwp-mmp",
         memory_counter: Counter::StoredWindows,
-        comfortable_faces: None,
         parameters: &[BETA, TURN, LIST_FILTER, LISTS, THRESHOLD],
         build: |mesh, values| {
             let threshold = threshold_width(mesh, values);
@@ -140,36 +134,33 @@ pub(super) const FAMILY: &[Algorithm] = &[
             let solver = solver.filtering(filter(values)).keeping(keep(values));
             Box::new(solver.with_threshold(threshold))
         },
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "lc-ch",
         family: "lc-family",
         paper: "Bertsekas 1993; Xu et al. 2015, section 7.4; Xin, Wang 2009, section 3.2",
-        exact: true,
         summary: "ich with its windows in a label correcting queue: small labels first, large last, a threshold",
         complexity: "time without a useful bound, space O(n)",
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with fwp-ch",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
         parameters: &[BETA, THRESHOLD],
         build: |mesh, values| {
             Box::new(
                 lc_ch(mesh, label_correcting(values)).with_threshold(threshold_width(mesh, values)),
             )
         },
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "vtp-mmp",
         family: "vtp-family",
         paper: "Qin et al. 2016, section 6.2",
-        exact: true,
         summary: "mmp in the order of vtp: lists wait until a face around the nearest vertex lets them in",
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "as mmp; of the queue the vertices of the wavefront",
         choose: "to tell what vtp owes to its order from what it owes to its rules",
         memory_counter: Counter::StoredWindows,
-        comfortable_faces: None,
         parameters: &[FILTER, LISTS, THRESHOLD],
         build: |mesh, values| {
             let solver = vtp_mmp(mesh)
@@ -177,19 +168,16 @@ pub(super) const FAMILY: &[Algorithm] = &[
                 .keeping(keep(values));
             Box::new(solver.with_threshold(threshold_width(mesh, values)))
         },
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "vtp-ch",
         family: "vtp-family",
         paper: "Qin et al. 2016, section 6.2; Xin, Wang 2009, section 3.2",
-        exact: true,
         summary: "ich in the order of vtp: windows wait until a face around the nearest vertex lets them in",
-        complexity: "time O(n^2), space O(n)",
         keeps: "the windows of the wavefront and one record for each angle",
         choose: "to tell what vtp owes to its order from what it owes to its rules",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
-        parameters: &[THRESHOLD],
         build: |mesh, values| Box::new(vtp_ch(mesh).with_threshold(threshold_width(mesh, values))),
+        ..Algorithm::EXACT
     },
 ];

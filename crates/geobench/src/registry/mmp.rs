@@ -6,14 +6,14 @@ use geobench_window::{Counter, VertexFilter};
 use super::parameter::{THRESHOLD, threshold_width};
 use super::{Algorithm, Parameter, Values};
 
-/// What becomes of the windows of edges that the wave has passed.
+/// Whether windows of edges behind the wavefront are kept.
 pub(super) const LISTS: Parameter = Parameter::word(
     "lists",
     &["forget", "keep"],
     "`forget` gives up the windows of an edge once the wave is past it; `keep` stores all that are left until the end, with filter=none as in the paper",
 );
 
-/// What `values` say of [`LISTS`].
+/// The value of [`LISTS`].
 pub(super) fn keep(values: &Values) -> Keep {
     match values.word(&LISTS) {
         Some("keep") => Keep::All,
@@ -21,14 +21,14 @@ pub(super) fn keep(values: &Values) -> Keep {
     }
 }
 
-/// Which windows are dropped before they are compared with others.
+/// Filter before windows are compared.
 pub(super) const FILTER: Parameter = Parameter::word(
     "filter",
     &["vertices", "none"],
     "`vertices` drops windows that a path through an end of their edge beats, as ich does by three tests; `none` compares all with those of the edge, as in the paper",
 );
 
-/// What `values` say of [`FILTER`].
+/// The value of [`FILTER`].
 pub(super) fn filter(values: &Values) -> VertexFilter {
     match values.word(&FILTER) {
         Some("none") => VertexFilter::Off,
@@ -36,11 +36,11 @@ pub(super) fn filter(values: &Values) -> VertexFilter {
     }
 }
 
-/// The same where `turn` may be `window`: one at a time windows are never filtered, as in the
-/// papers.
+/// [`FILTER`] for algorithms with the parameter `turn`: single windows are never filtered, as in
+/// the papers.
 pub(super) const LIST_FILTER: Parameter = FILTER.only_with(TURN.name, "list");
 
-/// What is propagated at a time.
+/// What is propagated at once.
 const TURN: Parameter = Parameter::word(
     "turn",
     &["list", "window"],
@@ -60,13 +60,11 @@ pub(super) const FAMILY: &[Algorithm] = &[
         name: "mmp",
         family: "mmp-family",
         paper: "Mitchell, Mount, Papadimitriou 1987; Surazhsky et al. 2005, section 3",
-        exact: true,
         summary: "windows filtered, kept on half-edges, overlaps trimmed at tie points, those of a half-edge taken together, nearest first",
         complexity: "time O(n^2 log n) with turn=window, space O(n^2)",
         keeps: "the windows around the wavefront; with lists=keep every window until the end, about n^1.5 of them",
         choose: "as the reference; with filter=none,lists=keep it stores as much as the papers' programs do, with turn=window it keeps to their order and has no filter",
         memory_counter: Counter::StoredWindows,
-        comfortable_faces: None,
         parameters: &[TURN, SLACK, LIST_FILTER, LISTS, THRESHOLD],
         build: |mesh, values| {
             let threshold = threshold_width(mesh, values);
@@ -78,22 +76,22 @@ pub(super) const FAMILY: &[Algorithm] = &[
             let solver = solver.filtering(filter(values)).keeping(keep(values));
             Box::new(solver.with_threshold(threshold))
         },
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "mmp-edge",
         family: "mmp-family",
         paper: "Liu 2013; Mitchell, Mount, Papadimitriou 1987",
-        exact: true,
         summary: "MMP with the windows of both sides of an edge trimmed against each other",
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "as mmp; of all windows there are a tenth to a half fewer",
         choose: "instead of mmp where few windows matter more than time; it takes them one by one, so compare it with mmp{turn=window}",
         memory_counter: Counter::StoredWindows,
-        comfortable_faces: None,
         parameters: &[LISTS, THRESHOLD],
         build: |mesh, values| {
             let solver = mmp_edge(mesh).map_policy(|policy| policy.keeping(keep(values)));
             Box::new(solver.with_threshold(threshold_width(mesh, values)))
         },
+        ..Algorithm::EXACT
     },
 ];

@@ -1,4 +1,4 @@
-//! Every algorithm of the suite, in one table, and how users ask for them.
+//! Every algorithm in one table, by name and parameter.
 //!
 //! This is the only place that knows which algorithms exist. The rest of the program reaches a
 //! solver through [`Selection::build`] and the [`Solver`] trait. The
@@ -23,9 +23,8 @@ pub use hidden::VARIABLE as HIDDEN_ALGORITHMS;
 pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, Value, Values};
 pub(crate) use parameter::{instructions_named, next_narrower};
 pub(crate) use program::{Call, PLACEHOLDERS};
-pub use program::{Keeping, Program, Programs, UnknownProgram};
-pub(crate) use select::nearest;
-pub use select::{SelectError, Selection, select, select_one};
+pub use program::{ProcessLifetime, Program, Programs};
+pub use select::{Selection, select, select_one};
 
 /// Every algorithm, in the order in which tables show them.
 pub fn algorithms() -> &'static [Algorithm] {
@@ -34,10 +33,10 @@ pub fn algorithms() -> &'static [Algorithm] {
     &ALL
 }
 
-/// What the suite knows about an algorithm.
+/// A registered algorithm.
 #[derive(Clone, Copy, Debug)]
 pub struct Algorithm {
-    /// The name by which users ask for it, in lower case.
+    /// Its name, in lower case.
     pub name: &'static str,
     /// The group that `--algo` can ask for as a whole, such as `vtp-family`.
     pub family: &'static str,
@@ -49,24 +48,41 @@ pub struct Algorithm {
     pub summary: &'static str,
     /// Worst-case time and space; n is the number of faces.
     pub complexity: &'static str,
-    /// What it keeps in memory while it runs, and what is left at the end.
+    /// Data that it keeps in memory during the run and at the end.
     pub keeps: &'static str,
     /// When to choose it.
     pub choose: &'static str,
     /// The counter of windows that the papers charge to its memory: those stored at the end for
     /// algorithms that keep every window, those alive at the peak for the others.
     pub memory_counter: Counter,
-    /// The most faces with which it ends within a minute or so, for one that is slower by orders of
-    /// magnitude than the others; `verify` leaves it out beyond that, unless it is named.
+    /// For an algorithm that is slower by orders of magnitude: the number of faces that it solves
+    /// in about a minute. `verify` skips it on larger models unless it is named.
     pub comfortable_faces: Option<u64>,
-    /// What can be set, as in `name{key=value}`, in the order in which labels show it.
+    /// Its parameters, in the order of labels, `name{key=value}`.
     pub parameters: &'static [Parameter],
-    /// Sets it up for a mesh with these values of its parameters; this is not part of the time
-    /// reported for it.
+    /// Sets it up for a mesh with these values of its parameters. Set-up is not part of the time of
+    /// a solve.
     pub build: fn(&Mesh, &Values) -> Box<dyn Solver>,
 }
 
 impl Algorithm {
+    /// Defaults of an exact algorithm that keeps the windows of the wavefront only; for the tables
+    /// of this module.
+    const EXACT: Self = Self {
+        name: "",
+        family: "",
+        paper: "",
+        exact: true,
+        summary: "",
+        complexity: "time O(n^2), space O(n)",
+        keeps: "the windows of the wavefront",
+        choose: "",
+        memory_counter: Counter::PeakWindows,
+        comfortable_faces: None,
+        parameters: &[parameter::THRESHOLD],
+        build: |_, _| panic!("this algorithm has no solver"),
+    };
+
     /// Sets the algorithm up for `mesh`, every parameter at its default.
     pub fn build_default(&self, mesh: &Mesh) -> Box<dyn Solver> {
         (self.build)(mesh, &Values::default())

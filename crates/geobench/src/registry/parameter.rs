@@ -1,4 +1,4 @@
-//! What can be set of an algorithm, and to what.
+//! Parameters of algorithms and their values.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -16,10 +16,10 @@ pub(crate) const THREADS: Parameter = Parameter::integer(
 .or_words(&["default"])
 .with_default(Value::Word("default"));
 
-/// Most threads that can be asked for.
+/// Greatest number of threads.
 pub const MOST_THREADS: u32 = 1024;
 
-/// Something that can be set of an algorithm. A number, one of a few words, or either.
+/// A parameter of an algorithm: a number, one of a few words, or either.
 ///
 /// ```
 /// use geobench::registry::{Parameter, Value};
@@ -35,13 +35,13 @@ pub const MOST_THREADS: u32 = 1024;
 pub struct Parameter {
     /// The key by which users set it, in lower case.
     pub name: &'static str,
-    /// Its value where none is given.
+    /// Its value by default.
     pub default: Value,
     /// The values it can take.
     pub allowed: Allowed,
-    /// What it is, in one line.
+    /// Its meaning, in one line.
     pub meaning: &'static str,
-    /// The other parameter, and its value, without which it would do nothing.
+    /// Another parameter and the value of it that this one depends on.
     pub only_with: Option<(&'static str, &'static str)>,
 }
 
@@ -77,6 +77,22 @@ pub enum Numbers {
 }
 
 impl Parameter {
+    const fn new(
+        name: &'static str,
+        default: Value,
+        numbers: Numbers,
+        words: &'static [&'static str],
+        meaning: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            default,
+            allowed: Allowed { numbers, words },
+            meaning,
+            only_with: None,
+        }
+    }
+
     /// A parameter that is a whole number in `range`.
     pub const fn integer(
         name: &'static str,
@@ -84,16 +100,8 @@ impl Parameter {
         range: RangeInclusive<u64>,
         meaning: &'static str,
     ) -> Self {
-        Self {
-            name,
-            default: Value::Integer(default),
-            allowed: Allowed {
-                numbers: Numbers::Integers(*range.start(), *range.end()),
-                words: &[],
-            },
-            meaning,
-            only_with: None,
-        }
+        let numbers = Numbers::Integers(*range.start(), *range.end());
+        Self::new(name, Value::Integer(default), numbers, &[], meaning)
     }
 
     /// A parameter that is a number in `range`.
@@ -103,35 +111,17 @@ impl Parameter {
         range: RangeInclusive<f64>,
         meaning: &'static str,
     ) -> Self {
-        Self {
-            name,
-            default: Value::Real(default),
-            allowed: Allowed {
-                numbers: Numbers::Reals(*range.start(), *range.end()),
-                words: &[],
-            },
-            meaning,
-            only_with: None,
-        }
+        let numbers = Numbers::Reals(*range.start(), *range.end());
+        Self::new(name, Value::Real(default), numbers, &[], meaning)
     }
 
-    /// A parameter that is one of `words`, of which there is at least one; the first is the
-    /// default.
+    /// A parameter that is one of `words`, at least one; the first is the default.
     pub const fn word(
         name: &'static str,
         words: &'static [&'static str],
         meaning: &'static str,
     ) -> Self {
-        Self {
-            name,
-            default: Value::Word(words[0]),
-            allowed: Allowed {
-                numbers: Numbers::None,
-                words,
-            },
-            meaning,
-            only_with: None,
-        }
+        Self::new(name, Value::Word(words[0]), Numbers::None, words, meaning)
     }
 
     /// The same, but one of `words` can stand instead of a number.
@@ -148,15 +138,14 @@ impl Parameter {
         self
     }
 
-    /// The same, but it does nothing unless the parameter of this name has this value, one of its
-    /// words.
+    /// The same, but it has no effect unless the parameter of this name has this word as value.
     #[must_use]
     pub const fn only_with(mut self, name: &'static str, word: &'static str) -> Self {
         self.only_with = Some((name, word));
         self
     }
 
-    /// The value that `text` means, if the parameter can take it.
+    /// Parses a value; `None` if it is not allowed.
     pub fn parse(&self, text: &str) -> Option<Value> {
         let word = |w: &&&str| w.eq_ignore_ascii_case(text);
         if let Some(word) = self.allowed.words.iter().find(word) {
@@ -164,22 +153,20 @@ impl Parameter {
         }
         match self.allowed.numbers {
             Numbers::None => None,
-            Numbers::Integers(least, most) => text
-                .parse()
-                .ok()
-                .filter(|n| (least..=most).contains(n))
-                .map(Value::Integer),
-            Numbers::Reals(least, most) => text
-                .parse()
-                .ok()
-                .filter(|x| (least..=most).contains(x))
-                .map(Value::Real),
+            Numbers::Integers(least, most) => {
+                let n = text.parse().ok().filter(|n| (least..=most).contains(n));
+                n.map(Value::Integer)
+            }
+            Numbers::Reals(least, most) => {
+                let x = text.parse().ok().filter(|x| (least..=most).contains(x));
+                x.map(Value::Real)
+            }
         }
     }
 }
 
 impl fmt::Display for Value {
-    /// As it is written in labels: the shortest form that reads back as the same value.
+    /// The form of labels: the shortest that parses to the same value.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Integer(n) => write!(f, "{n}"),
@@ -218,12 +205,12 @@ impl fmt::Display for Allowed {
     }
 }
 
-/// Values of the parameters of an algorithm. A parameter that is not mentioned has its default.
+/// Values of the parameters of an algorithm. Parameters without one have their default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Values {
-    /// Those that differ from the defaults, in the order of the table.
+    /// Values that differ from the defaults, in the order of the table.
     given: Vec<(&'static str, Value)>,
-    /// The widest instructions that the solver may use, if there is a limit.
+    /// The widest instructions that the solver may use; `None` for those of the processor.
     pub(super) widest: Option<Instructions>,
 }
 
@@ -247,19 +234,14 @@ impl Values {
         parameter: &Parameter,
         value: Value,
     ) -> Self {
-        let values: Vec<_> = parameters
-            .iter()
-            .map(|p| {
-                (
-                    p,
-                    if p.name == parameter.name {
-                        value
-                    } else {
-                        self.get(p)
-                    },
-                )
-            })
-            .collect();
+        let value_of = |p: &Parameter| {
+            if p.name == parameter.name {
+                value
+            } else {
+                self.get(p)
+            }
+        };
+        let values: Vec<_> = parameters.iter().map(|p| (p, value_of(p))).collect();
         Self {
             widest: self.widest,
             ..Self::new(parameters, &values)
@@ -274,8 +256,8 @@ impl Values {
             .map_or(parameter.default, |(_, value)| *value)
     }
 
-    /// What one of `parameters` [goes only with](Parameter::only_with), as it is written, if that
-    /// is not so here.
+    /// The value that `parameter` [depends on](Parameter::only_with), as `key=value`, if it is not
+    /// set.
     pub(super) fn missing_for(
         &self,
         parameters: &[Parameter],
@@ -307,7 +289,7 @@ impl Values {
     ///
     /// # Panics
     ///
-    /// If the parameter is of another kind, which no user can bring about.
+    /// If the parameter is of another kind, an error in the tables of the registry.
     pub fn integer(&self, parameter: &Parameter) -> u64 {
         self.integer_or_word(parameter)
             .unwrap_or_else(|| panic!("`{}` is not always a whole number", parameter.name))
@@ -317,7 +299,7 @@ impl Values {
     ///
     /// # Panics
     ///
-    /// If the parameter is of another kind, which no user can bring about.
+    /// If the parameter is of another kind, an error in the tables of the registry.
     pub fn real(&self, parameter: &Parameter) -> f64 {
         self.real_or_word(parameter)
             .unwrap_or_else(|| panic!("`{}` is not always a number", parameter.name))
@@ -333,7 +315,7 @@ impl Values {
 }
 
 impl fmt::Display for Values {
-    /// The way in which they are asked for, `{key=value,...}`; nothing if all are the defaults.
+    /// The form of labels, `{key=value,...}`; empty if all have their defaults.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, (name, value)) in self.given.iter().enumerate() {
             write!(f, "{}{name}={value}", if i == 0 { '{' } else { ',' })?;
@@ -342,7 +324,7 @@ impl fmt::Display for Values {
     }
 }
 
-/// The parameter; by default nothing is dropped.
+/// Drops narrow windows; off by default.
 pub(super) const THRESHOLD: Parameter = Parameter::real(
     "threshold",
     1e-6,
@@ -353,7 +335,7 @@ pub(super) const THRESHOLD: Parameter = Parameter::real(
 .or_words(&["none"])
 .with_default(Value::Word("none"));
 
-/// The width that `values` ask for, in the units of `mesh`; 0 for a mesh without positions.
+/// The width of [`THRESHOLD`] in the units of `mesh`; 0 for a mesh without positions.
 pub(super) fn threshold_width(mesh: &Mesh, values: &Values) -> f64 {
     let Some(share) = values.real_or_word(&THRESHOLD) else {
         return 0.0;
@@ -368,7 +350,7 @@ pub(super) fn threshold_width(mesh: &Mesh, values: &Values) -> f64 {
     share * [0, 1, 2].map(side).into_iter().fold(0.0, f64::max)
 }
 
-/// The parameter of algorithms whose instructions can be chosen.
+/// Vector instructions.
 pub(super) const SIMD: Parameter = Parameter::word(
     "simd",
     &["auto", "avx512", "avx2", "scalar"],
@@ -401,8 +383,7 @@ fn narrower(a: Instructions, b: Instructions) -> Instructions {
 }
 
 impl Values {
-    /// The same, but the solver uses no wider instructions than `widest`. This is no parameter: it
-    /// does not show in labels.
+    /// The same with no wider instructions than `widest`. Labels do not show it.
     pub(super) fn at_most(mut self, widest: Instructions) -> Self {
         self.widest = Some(widest);
         self

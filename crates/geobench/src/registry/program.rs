@@ -1,13 +1,15 @@
-//! What is known of an outside program.
+//! Outside programs.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
+use geobench_mesh::did_you_mean;
 use geobench_window::Counter;
 
-use super::{Algorithm, nearest};
+use super::Algorithm;
+use crate::UsageError;
 
 /// An outside program, as a TOML file describes it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,10 +18,10 @@ pub struct Program {
     pub name: String,
     /// The program and its arguments, with placeholders.
     pub command: Vec<String>,
-    /// Where it is called: the directory of the file that describes it.
+    /// Working directory: that of the file that describes it.
     pub directory: PathBuf,
-    /// How long it lives.
-    pub keeping: Keeping,
+    /// How long its process lives.
+    pub lifetime: ProcessLifetime,
     /// Whether its distances are approximate, so that they are compared but not held to the
     /// tolerance.
     pub approximate: bool,
@@ -27,15 +29,15 @@ pub struct Program {
 
 /// How long the process of an outside program lives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Keeping {
-    /// Through all runs of a cell; each is asked for.
+pub enum ProcessLifetime {
+    /// For all runs of a cell; each run is requested on standard input.
     #[default]
     Session,
-    /// For one run, which needs no asking.
+    /// For one run, which starts without a request.
     Once,
 }
 
-impl Keeping {
+impl ProcessLifetime {
     /// Both.
     pub(crate) const ALL: [Self; 2] = [Self::Session, Self::Once];
 
@@ -51,7 +53,7 @@ impl Keeping {
 /// The words that a command may hold in braces.
 pub(crate) const PLACEHOLDERS: [&str; 4] = ["{model}", "{source}", "{threads}", "{output}"];
 
-/// What the placeholders of a command stand for.
+/// The values of the placeholders of a command.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Call<'c> {
     /// The model, an OBJ file.
@@ -65,7 +67,7 @@ pub(crate) struct Call<'c> {
 }
 
 impl Program {
-    /// Whether its command says on how many threads it is to run.
+    /// Whether its command takes the number of threads.
     pub(crate) fn takes_threads(&self) -> bool {
         self.command.iter().any(|word| word.contains("{threads}"))
     }
@@ -102,24 +104,8 @@ impl Program {
 #[derive(Clone, Debug, Default)]
 pub struct Programs(BTreeMap<String, Arc<Program>>);
 
-/// There is no outside program of this name.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "there is no outside program `{name}`{}: describe it in a table [ext.{name}] of the suite file, or of a file given with --ext{}",
-    suggestion.as_ref().map_or_else(String::new, |s| format!(", did you mean `ext:{s}`?")),
-    if known.is_empty() { String::new() } else { format!("; described are {known}") }
-)]
-pub struct UnknownProgram {
-    /// The name asked for.
-    pub name: String,
-    /// The nearest known one, if one is near.
-    pub suggestion: Option<String>,
-    /// All known ones.
-    pub known: String,
-}
-
 impl Programs {
-    /// Adds a program; false if there is one of its name.
+    /// Adds a program; false if the name is taken.
     pub(crate) fn add(&mut self, program: Program) -> bool {
         let free = !self.0.contains_key(&program.name);
         if free {
@@ -143,23 +129,31 @@ impl Programs {
     ///
     /// # Errors
     ///
-    /// When there is none, with what there is.
-    pub fn find(&self, name: &str) -> Result<Arc<Program>, UnknownProgram> {
+    /// When there is none of this name.
+    pub fn find(&self, name: &str) -> Result<Arc<Program>, UsageError> {
         self.0.get(name).cloned().ok_or_else(|| {
             let known: Vec<&str> = self.0.keys().map(String::as_str).collect();
-            UnknownProgram {
-                name: name.to_owned(),
-                suggestion: nearest(name, &known),
-                known: known.join(", "),
-            }
+            let prefixed: Vec<String> =
+                known.iter().map(|name| format!("{PREFIX}{name}")).collect();
+            let prefixed: Vec<&str> = prefixed.iter().map(String::as_str).collect();
+            let hint = did_you_mean(&format!("{PREFIX}{name}"), &prefixed);
+            let described = if known.is_empty() {
+                String::new()
+            } else {
+                format!("; described are {}", known.join(", "))
+            };
+            UsageError(format!(
+                "there is no outside program `{name}`{hint}: describe it in a table [ext.{name}] \
+                 of the suite file, or of a file given with --ext{described}"
+            ))
         })
     }
 }
 
-/// What names of outside programs begin with.
+/// Prefix of the names of outside programs.
 pub(super) const PREFIX: &str = "ext:";
 
-/// Stands for every outside program.
+/// The registry entry of all outside programs.
 pub(super) static OUTSIDE: Algorithm = Algorithm {
     name: "ext",
     family: "ext",
@@ -193,7 +187,7 @@ mod tests {
             .map(str::to_owned)
             .to_vec(),
             directory: "/here".into(),
-            keeping: Keeping::Once,
+            lifetime: ProcessLifetime::Once,
             approximate: false,
         };
         let command = program.command(Call {

@@ -1,25 +1,27 @@
-//! How users ask for algorithms.
+//! Parses lists of algorithms with their parameters.
 
+use std::str::FromStr;
 use std::sync::Arc;
 
-use geobench_mesh::Mesh;
+use geobench_mesh::{Mesh, did_you_mean};
 use geobench_vtp::Instructions;
 use geobench_window::Solver;
 
 use super::parameter::THREADS;
 use super::program::{OUTSIDE, PREFIX};
-use super::program::{Program, Programs, UnknownProgram};
+use super::program::{Program, Programs};
 use super::{Algorithm, Parameter, Value, Values, algorithms, hidden};
+use crate::UsageError;
 
-/// An algorithm that a user asked for, with the values of its parameters.
+/// An algorithm with the values of its parameters.
 #[derive(Clone, Debug)]
 pub struct Selection {
     algorithm: Algorithm,
     values: Values,
     label: String,
-    /// How many threads it may use, if it can use several and does not say so itself.
+    /// Threads, unless its parameters give them.
     threads: usize,
-    /// The outside program behind it, if it is one and has been found.
+    /// The outside program, once it has been looked up.
     program: Option<Arc<Program>>,
 }
 
@@ -35,7 +37,7 @@ impl Selection {
         }
     }
 
-    /// The outside program of this name, which is still to be found.
+    /// The outside program of this name, not yet looked up.
     fn outside(name: &str) -> Self {
         Self {
             label: format!("{PREFIX}{name}"),
@@ -43,30 +45,30 @@ impl Selection {
         }
     }
 
-    /// Name of the outside program that it asks for; none if it is an algorithm of the suite.
+    /// Name of the outside program; `None` for an algorithm of the registry.
     pub fn outside_name(&self) -> Option<&str> {
         self.label.strip_prefix(PREFIX)
     }
 
-    /// The outside program behind it, once it has been [found](Self::find_program).
+    /// The outside program, once it has been [looked up](Self::find_program).
     pub const fn program(&self) -> Option<&Arc<Program>> {
         self.program.as_ref()
     }
 
-    /// Looks up the outside program that it asks for, if it asks for one.
+    /// Looks up the outside program, if it is one.
     ///
     /// # Errors
     ///
     /// When there is none of its name.
-    pub fn find_program(&mut self, programs: &Programs) -> Result<(), UnknownProgram> {
+    pub fn find_program(&mut self, programs: &Programs) -> Result<(), UsageError> {
         if let Some(name) = self.outside_name() {
             self.program = Some(programs.find(name)?);
         }
         Ok(())
     }
 
-    /// Whether its distances are not held to the tolerance, because nobody says that they are
-    /// exact.
+    /// Whether its distances are not held to the tolerance, because its program
+    /// is declared approximate.
     pub fn is_approximate(&self) -> bool {
         self.program
             .as_ref()
@@ -85,8 +87,8 @@ impl Selection {
         &self.label
     }
 
-    /// The same on `threads` threads, unless it is not parallel or asks for a number of them by
-    /// itself. What it is called stays the same.
+    /// The same on `threads` threads, if it is parallel and its parameters do not give a number.
+    /// The label stays the same.
     #[must_use]
     pub fn with_threads(mut self, threads: usize) -> Self {
         self.threads = threads;
@@ -99,8 +101,8 @@ impl Selection {
         self
     }
 
-    /// The same with no wider instructions than `widest`, as far as it can be told. What it is
-    /// called stays the same.
+    /// The same with no wider instructions than `widest`, if it has a choice. The label stays the
+    /// same.
     #[must_use]
     pub fn at_most(mut self, widest: Instructions) -> Self {
         self.values = self.values.at_most(widest);
@@ -112,13 +114,13 @@ impl Selection {
         self.values.instructions()
     }
 
-    /// Whether it is one of the suite's own parallel algorithms.
+    /// Whether it is a parallel algorithm of the registry.
     fn is_parallel(&self) -> bool {
         let mut parameters = self.algorithm.parameters.iter();
         parameters.any(|parameter| parameter.name == THREADS.name)
     }
 
-    /// On how many threads it runs.
+    /// The number of threads that it runs on.
     pub fn threads(&self) -> usize {
         match &self.program {
             Some(program) if program.takes_threads() => self.threads,
@@ -127,8 +129,8 @@ impl Selection {
         }
     }
 
-    /// All that tells it from others, so that [`select_one`] gives it again: its
-    /// [label](Self::label), and the threads that it was [given](Self::with_threads).
+    /// The text from which [`select_one`] makes it again: its [label](Self::label) and its
+    /// [threads](Self::with_threads).
     pub fn spelled(&self) -> String {
         if self.outside_name().is_some() {
             return self.label.clone();
@@ -145,110 +147,20 @@ impl Selection {
     ///
     /// # Panics
     ///
-    /// When it is an outside program, which has no solver here.
+    /// For an outside program, which has no solver in this process.
     pub fn build(&self, mesh: &Mesh) -> Box<dyn Solver> {
         (self.algorithm.build)(mesh, &self.values)
     }
 }
 
-/// Why a list of algorithms was not understood.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SelectError {
-    /// The list, or one place in it, is empty.
-    #[error("an algorithm name is missing in `{list}`; give names separated by commas")]
-    Empty {
-        /// The list as it was given.
-        list: String,
-    },
-    /// Several algorithms are asked for where there is room for one.
-    #[error("`{list}` asks for {count} algorithms; name one algorithm")]
-    Several {
-        /// The list as it was given.
-        list: String,
-        /// How many it asks for.
-        count: usize,
-    },
-    /// No algorithm, family or group has this name.
-    #[error("there is no algorithm `{name}`{}; known are {known}", did_you_mean(suggestion.as_deref()))]
-    Unknown {
-        /// The name asked for.
-        name: String,
-        /// The nearest known name, if one is near.
-        suggestion: Option<String>,
-        /// All names that would be understood.
-        known: String,
-    },
-    /// The parameters are not of the form `{key=value,...}`.
-    #[error("`{item}` is not understood: parameters are written `name{{key=value,...}}`")]
-    Malformed {
-        /// The item as it was given.
-        item: String,
-    },
-    /// The algorithm has no parameters at all.
-    #[error("algorithm `{name}` takes no parameters, but `{key}` is given")]
-    NoParameters {
-        /// The algorithm.
-        name: String,
-        /// The parameter.
-        key: String,
-    },
-    /// The algorithm has parameters, but not this one.
-    #[error("algorithm `{name}` has no parameter `{key}`{}; it has {known}", did_you_mean(suggestion.as_deref()))]
-    UnknownParameter {
-        /// The algorithm.
-        name: String,
-        /// The parameter asked for.
-        key: String,
-        /// The nearest parameter that it has, if one is near.
-        suggestion: Option<String>,
-        /// All parameters that it has.
-        known: String,
-    },
-    /// A parameter is given twice.
-    #[error("algorithm `{name}`: parameter `{key}` is given twice")]
-    Twice {
-        /// The algorithm.
-        name: String,
-        /// The parameter.
-        key: String,
-    },
-    /// The parameter would do nothing, since another one has not the value that it goes with.
-    #[error("algorithm `{name}`: `{key}` does nothing without `{needs}`; leave it out")]
-    Idle {
-        /// The algorithm.
-        name: String,
-        /// The parameter.
-        key: String,
-        /// What it goes with, as it is written.
-        needs: String,
-    },
-    /// The parameter cannot have this value.
-    #[error("algorithm `{name}`: `{value}` is not a value of `{key}`, which is {allowed}")]
-    Value {
-        /// The algorithm.
-        name: String,
-        /// The parameter.
-        key: String,
-        /// What was given.
-        value: String,
-        /// What can be given.
-        allowed: String,
-    },
-}
-
-fn did_you_mean(suggestion: Option<&str>) -> String {
-    suggestion.map_or_else(String::new, |name| format!(", did you mean `{name}`?"))
-}
-
-/// The algorithms that a comma-separated list of names, families, `exact` and `all` asks for, in
-/// any letter case, in the order in which they are first named; each once, unless with other
-/// values of its parameters.
+/// Parses a comma-separated list of names, families, `exact` and `all`, in any letter case. The
+/// algorithms come in the order in which they are first named; each once for each set of values of
+/// its parameters.
 ///
 /// # Errors
 ///
-/// Names the first item that is not understood, with what would be.
-pub fn select(list: &str) -> Result<Vec<Selection>, SelectError> {
+/// Names the first invalid item and what is allowed.
+pub fn select(list: &str) -> Result<Vec<Selection>, UsageError> {
     let mut chosen: Vec<Selection> = Vec::new();
     for item in split_outside_braces(list) {
         for selection in matches(item, list)? {
@@ -260,35 +172,41 @@ pub fn select(list: &str) -> Result<Vec<Selection>, SelectError> {
     Ok(chosen)
 }
 
-/// The one algorithm that `name` asks for.
+/// Parses the name of one algorithm.
 ///
 /// # Errors
 ///
 /// As [`select`], and when there are several.
-pub fn select_one(name: &str) -> Result<Selection, SelectError> {
+pub fn select_one(name: &str) -> Result<Selection, UsageError> {
     let mut selected = select(name)?;
     match (selected.len(), selected.pop()) {
         (1, Some(one)) => Ok(one),
-        (count, _) => Err(SelectError::Several {
-            list: name.to_owned(),
-            count,
-        }),
+        (count, _) => Err(UsageError(format!(
+            "`{name}` asks for {count} algorithms; name one algorithm"
+        ))),
     }
 }
 
-/// What one item of a list asks for.
-fn matches(item: &str, list: &str) -> Result<Vec<Selection>, SelectError> {
-    let (name, settings) = split_parameters(item)?;
-    if name.is_empty() {
-        return Err(SelectError::Empty { list: list.into() });
+impl FromStr for Selection {
+    type Err = UsageError;
+
+    fn from_str(name: &str) -> Result<Self, UsageError> {
+        select_one(name)
     }
-    if let Some(program) = name.strip_prefix(PREFIX) {
+}
+
+/// The algorithms of one item of a list.
+fn matches(item: &str, list: &str) -> Result<Vec<Selection>, UsageError> {
+    let (name, settings) = split_parameters(item)?;
+    let program = name.strip_prefix(PREFIX);
+    if program.unwrap_or(&name).is_empty() {
+        return Err(UsageError(format!(
+            "an algorithm name is missing in `{list}`; give names separated by commas"
+        )));
+    }
+    if let Some(program) = program {
         return match settings.first() {
-            _ if program.is_empty() => Err(SelectError::Empty { list: list.into() }),
-            Some((key, _)) => Err(SelectError::NoParameters {
-                name: name.clone(),
-                key: key.clone(),
-            }),
+            Some((key, _)) => Err(unknown_parameter(&name, &[], key)),
             None => Ok(vec![Selection::outside(program)]),
         };
     }
@@ -302,46 +220,41 @@ fn matches(item: &str, list: &str) -> Result<Vec<Selection>, SelectError> {
         .chain(hidden::algorithms().iter().filter(|a| a.name == name))
         .collect();
     if found.is_empty() {
-        return Err(unknown(name));
+        return Err(unknown(&name));
     }
     found.iter().map(|a| with_settings(a, &settings)).collect()
 }
 
-/// `algorithm` with the values that `settings` gives to the parameters of these names.
+/// `algorithm` with these values of its parameters.
 fn with_settings(
     algorithm: &Algorithm,
     settings: &[(String, &str)],
-) -> Result<Selection, SelectError> {
-    let name = || algorithm.name.to_owned();
+) -> Result<Selection, UsageError> {
+    let (name, parameters) = (algorithm.name, algorithm.parameters);
+    let error = |problem| Err(UsageError(format!("algorithm `{name}`: {problem}")));
     let mut given: Vec<(&Parameter, Value)> = Vec::new();
     for (key, text) in settings {
-        let Some(parameter) = algorithm.parameters.iter().find(|p| p.name == key) else {
-            return Err(unknown_parameter(algorithm, key));
+        let Some(parameter) = parameters.iter().find(|p| p.name == key) else {
+            return Err(unknown_parameter(name, parameters, key));
         };
         let Some(value) = parameter.parse(text) else {
-            return Err(SelectError::Value {
-                name: name(),
-                key: key.clone(),
-                value: (*text).to_owned(),
-                allowed: parameter.allowed.to_string(),
-            });
+            let allowed = parameter.allowed;
+            return error(format!(
+                "`{text}` is not a value of `{key}`, which is {allowed}"
+            ));
         };
         if given.iter().any(|(other, _)| other.name == parameter.name) {
-            return Err(SelectError::Twice {
-                name: name(),
-                key: key.clone(),
-            });
+            return error(format!("parameter `{key}` is given twice"));
         }
         given.push((parameter, value));
     }
-    let values = Values::new(algorithm.parameters, &given);
+    let values = Values::new(parameters, &given);
     for (parameter, _) in given {
-        if let Some(needs) = values.missing_for(algorithm.parameters, parameter) {
-            return Err(SelectError::Idle {
-                name: name(),
-                key: parameter.name.to_owned(),
-                needs,
-            });
+        if let Some(needs) = values.missing_for(parameters, parameter) {
+            let key = parameter.name;
+            return error(format!(
+                "`{key}` does nothing without `{needs}`; leave it out"
+            ));
         }
     }
     Ok(Selection::new(algorithm, values))
@@ -362,11 +275,15 @@ fn split_outside_braces(list: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Keys in lower case with their values as written.
-type Settings<'i> = Vec<(String, &'i str)>;
+type GivenValues<'i> = Vec<(String, &'i str)>;
 
 /// The name of one item in lower case, and its parameters.
-fn split_parameters(item: &str) -> Result<(String, Settings<'_>), SelectError> {
-    let malformed = || SelectError::Malformed { item: item.into() };
+fn split_parameters(item: &str) -> Result<(String, GivenValues<'_>), UsageError> {
+    let malformed = || {
+        UsageError(format!(
+            "`{item}` is not understood: parameters are written `name{{key=value,...}}`"
+        ))
+    };
     let Some((name, rest)) = item.split_once('{') else {
         if item.contains(['}', '=']) {
             return Err(malformed());
@@ -391,7 +308,7 @@ fn split_parameters(item: &str) -> Result<(String, Settings<'_>), SelectError> {
     Ok((name.trim().to_lowercase(), settings))
 }
 
-fn unknown(name: String) -> SelectError {
+fn unknown(name: &str) -> UsageError {
     let mut known: Vec<&str> = algorithms().iter().map(|a| a.name).collect();
     for algorithm in algorithms() {
         if !known.contains(&algorithm.family) {
@@ -399,37 +316,25 @@ fn unknown(name: String) -> SelectError {
         }
     }
     known.extend(["exact", "all"]);
-    SelectError::Unknown {
-        suggestion: nearest(&name, &known),
-        name,
-        known: known.join(", "),
-    }
+    UsageError(format!(
+        "there is no algorithm `{name}`{}; known are {}",
+        did_you_mean(name, &known),
+        known.join(", ")
+    ))
 }
 
-fn unknown_parameter(algorithm: &Algorithm, key: &str) -> SelectError {
-    let known: Vec<&str> = algorithm.parameters.iter().map(|p| p.name).collect();
-    let (name, key) = (algorithm.name.to_owned(), key.to_owned());
-    if known.is_empty() {
-        return SelectError::NoParameters { name, key };
-    }
-    SelectError::UnknownParameter {
-        suggestion: nearest(&key, &known),
-        name,
-        key,
-        known: known.join(", "),
-    }
-}
-
-/// The one of `known` that a mistyped `name` is likely to mean.
-pub(crate) fn nearest(name: &str, known: &[&str]) -> Option<String> {
-    known
-        .iter()
-        .map(|k| (strsim::damerau_levenshtein(name, k), *k))
-        .filter(|(distance, k)| *distance <= 1 + k.len() / 4)
-        .min()
-        .map(|(_, k)| k.to_owned())
+fn unknown_parameter(algorithm: &str, parameters: &[Parameter], key: &str) -> UsageError {
+    let known: Vec<&str> = parameters.iter().map(|p| p.name).collect();
+    UsageError(if known.is_empty() {
+        format!("algorithm `{algorithm}` takes no parameters, but `{key}` is given")
+    } else {
+        format!(
+            "algorithm `{algorithm}` has no parameter `{key}`{}; it has {}",
+            did_you_mean(key, &known),
+            known.join(", ")
+        )
+    })
 }
 
 #[cfg(test)]
-#[path = "tests.rs"]
 mod tests;

@@ -4,191 +4,109 @@ use geobench_vtp::{
     EdgeBased, FastOptions, Ftp, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpNoRule1,
     VtpNoRules23, VtpTrimming,
 };
-use geobench_window::Counter;
 
-use super::parameter::{SIMD, THREADS, THRESHOLD, threshold_width};
+use super::parameter::{SIMD, THREADS, threshold_width};
 use super::{Algorithm, Parameter, Values};
+
+/// The constructor of a variant of list propagation.
+macro_rules! list_propagation {
+    ($solver:ident) => {
+        |mesh, values| {
+            Box::new(
+                $solver::new(mesh)
+                    .with_threshold(threshold_width(mesh, values))
+                    .with_instructions(values.instructions()),
+            )
+        }
+    };
+}
 
 pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "ftp",
         family: "vtp-family",
         paper: "Qin et al. 2016, section 5.1",
-        exact: true,
         summary: "whole lists cross one face at a time, the one whose far vertex they reach first; rules 1, 2 and 3",
-        complexity: "time O(n^2), space O(n)",
-        keeps: "the windows of the wavefront",
         choose: "to compare schedules: as many windows as vtp, in some more time",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
-        parameters: &[THRESHOLD],
-        build: |mesh, values| {
-            Box::new(
-                Ftp::new(mesh)
-                    .with_threshold(threshold_width(mesh, values))
-                    .with_instructions(values.instructions()),
-            )
-        },
+        build: list_propagation!(Ftp),
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "opftp",
         family: "vtp-family",
         paper: "Qin et al. 2016, section 5.1",
-        exact: true,
         summary: "ftp with late windows put into lists in the order of their intervals",
-        complexity: "time O(n^2), space O(n)",
-        keeps: "the windows of the wavefront",
         choose: "to repeat the paper's comparison with ftp",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
-        parameters: &[THRESHOLD],
-        build: |mesh, values| {
-            Box::new(
-                Opftp::new(mesh)
-                    .with_threshold(threshold_width(mesh, values))
-                    .with_instructions(values.instructions()),
-            )
-        },
+        build: list_propagation!(Opftp),
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "vtp",
         family: "vtp-family",
         paper: "Qin et al. 2016, sections 4 and 5.2",
-        exact: true,
         summary: "all windows around the nearest vertex cross its triangles together, pruned by rules 1, 2 and 3",
-        complexity: "time O(n^2), space O(n)",
         keeps: "the windows of the wavefront, in one list for each half-edge on it",
         choose: "to compare with the papers; for distances at vertices, vtp-fast is faster",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
-        parameters: &[THRESHOLD],
-        build: |mesh, values| {
-            Box::new(
-                Vtp::new(mesh)
-                    .with_threshold(threshold_width(mesh, values))
-                    .with_instructions(values.instructions()),
-            )
-        },
+        build: list_propagation!(Vtp),
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "opvtp",
         family: "vtp-family",
         paper: "Qin et al. 2016, sections 5.1 and 5.2",
-        exact: true,
         summary: "vtp with late windows put into lists in the order of their intervals",
-        complexity: "time O(n^2), space O(n)",
-        keeps: "the windows of the wavefront",
         choose: "to repeat the paper's comparison with vtp",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
-        parameters: &[THRESHOLD],
-        build: |mesh, values| {
-            Box::new(
-                Opvtp::new(mesh)
-                    .with_threshold(threshold_width(mesh, values))
-                    .with_instructions(values.instructions()),
-            )
-        },
+        build: list_propagation!(Opvtp),
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "vtp-exhaustive",
         family: "vtp-family",
         paper: "Qin et al. 2016, sections 3 and 6.2",
-        exact: true,
         summary: "vtp with every pair of windows of a face checked, in one sweep",
         complexity: "time O(n^3), space O(n)",
         keeps: "the windows of the wavefront and one length for each half-edge",
         choose: "to see how little pruning there is left: hardly fewer windows, several times the time",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
-        parameters: &[THRESHOLD],
-        build: |mesh, values| {
-            Box::new(
-                VtpExhaustive::new(mesh)
-                    .with_threshold(threshold_width(mesh, values))
-                    .with_instructions(values.instructions()),
-            )
-        },
+        build: list_propagation!(VtpExhaustive),
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "vtp-trimming",
         family: "vtp-family",
         paper: "Qin et al. 2016, section 6.2",
-        exact: true,
         summary: "vtp with overlapping neighbours cut at their tie points",
-        complexity: "time O(n^2), space O(n)",
-        keeps: "the windows of the wavefront",
         choose: "to weigh trimming against pruning: some windows fewer, half as much time again",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
-        parameters: &[THRESHOLD],
-        build: |mesh, values| {
-            Box::new(
-                VtpTrimming::new(mesh)
-                    .with_threshold(threshold_width(mesh, values))
-                    .with_instructions(values.instructions()),
-            )
-        },
+        build: list_propagation!(VtpTrimming),
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "vtp-no-rule1",
         family: "vtp-family",
         paper: "Qin et al. 2016, section 6.2",
-        exact: true,
         summary: "vtp with every window tried on both exits",
-        complexity: "time O(n^2), space O(n)",
-        keeps: "the windows of the wavefront",
         choose: "to see what rule 1 does",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
-        parameters: &[THRESHOLD],
-        build: |mesh, values| {
-            Box::new(
-                VtpNoRule1::new(mesh)
-                    .with_threshold(threshold_width(mesh, values))
-                    .with_instructions(values.instructions()),
-            )
-        },
+        build: list_propagation!(VtpNoRule1),
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "vtp-no-rules23",
         family: "vtp-family",
         paper: "Qin et al. 2016, section 6.2",
-        exact: true,
         summary: "vtp without comparing windows with each other",
-        complexity: "time O(n^2), space O(n)",
         keeps: "the windows of the wavefront, half as many again as vtp",
         choose: "to see what rules 2 and 3 do",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
-        parameters: &[THRESHOLD],
-        build: |mesh, values| {
-            Box::new(
-                VtpNoRules23::new(mesh)
-                    .with_threshold(threshold_width(mesh, values))
-                    .with_instructions(values.instructions()),
-            )
-        },
+        build: list_propagation!(VtpNoRules23),
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "edge-based",
         family: "vtp-family",
         paper: "report that came before Qin et al. 2016, chapter 5",
-        exact: true,
         summary: "the earlier form of vtp: neighbours compared, then no ray past a shorter path across the face",
-        complexity: "time O(n^2), space O(n)",
         keeps: "the windows of the wavefront and one length for each half-edge",
         choose: "to repeat the report's comparison",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
-        parameters: &[THRESHOLD],
-        build: |mesh, values| {
-            Box::new(
-                EdgeBased::new(mesh)
-                    .with_threshold(threshold_width(mesh, values))
-                    .with_instructions(values.instructions()),
-            )
-        },
+        build: list_propagation!(EdgeBased),
+        ..Algorithm::EXACT
     },
 ];
 
@@ -229,32 +147,26 @@ pub(super) const FAST: &[Algorithm] = &[
         name: "vtp-fast",
         family: "vtp-family",
         paper: "Qin et al. 2016, with improvements of our own",
-        exact: true,
         summary: "vtp with every improvement that keeps it exact: vector instructions, vertices in buckets, fewer checks",
-        complexity: "time O(n^2), space O(n)",
         keeps: "the windows of the wavefront, in one list for each half-edge on it",
         choose: "for distances at vertices, always: it is the fastest, with little memory",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
         parameters: &[SIMD, PAIRS, BUCKET, SHADOW, REUNITE, RENUMBER],
         build: |mesh, values| Box::new(VtpFast::with_options(mesh, options(values))),
+        ..Algorithm::EXACT
     },
     Algorithm {
         name: "pvtp",
         family: "vtp-family",
         paper: "Qin et al. 2016, made parallel by us",
-        exact: true,
         summary: "vtp-fast on several threads: each takes a part of the wavefront; the same distances but for rounding",
-        complexity: "time O(n^2), space O(n)",
         keeps: "the windows of the wavefront, in one list for each half-edge on it",
         choose: "for large models on a machine with idle processors (--threads)",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
         parameters: &[THREADS, SIMD, PAIRS, BUCKET, SHADOW, REUNITE, RENUMBER],
         build: |mesh, values| {
             let options = options(values);
             Box::new(Pvtp::with_options(mesh, threads(values), options))
         },
+        ..Algorithm::EXACT
     },
 ];
 

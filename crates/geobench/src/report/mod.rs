@@ -43,7 +43,7 @@ use group::{Group, Setting};
 
 pub use files::{Form, write_files};
 pub use html::page;
-pub use papers::{Tables, UnknownTable};
+pub use papers::Tables;
 pub use picture::plot::{PictureError, Wanted};
 
 /// A result file that a report is made from.

@@ -6,7 +6,7 @@ use super::chart::{
 use super::document::{Plot, slug};
 use super::group::{Group, Setting, known};
 use super::scaling;
-use crate::schema::{Cell, ModelRecord, Phases, Status, WavefrontSample};
+use crate::schema::{Cell, ModelRecord, Phases, Status, WavefrontRecord};
 use crate::table::figures::{Figure, figures};
 
 /// All plots of a group.
@@ -205,7 +205,7 @@ struct CourseView {
     y: &'static str,
     caption: &'static str,
     /// A sample's place, given the windows that the whole run propagated, and its value.
-    point: fn(&WavefrontSample, f64) -> Option<(f64, f64)>,
+    point: fn(&WavefrontRecord, f64) -> Option<(f64, f64)>,
 }
 
 const COURSE_VIEWS: [CourseView; 3] = [
@@ -274,7 +274,7 @@ fn course_plot(
         }
         if view.key == "k" {
             let waiting =
-                |s: &WavefrontSample, all: f64| Some((s.parents as f64 / all, s.windows as f64));
+                |s: &WavefrontRecord, all: f64| Some((s.parents as f64 / all, s.windows as f64));
             series.push(line(format!("{name}: K"), false, points));
             let points = course_points(cell, waiting);
             series.push(line(format!("{name}: waiting"), true, points));
@@ -305,7 +305,7 @@ fn course_plot(
 
 fn course_points(
     cell: &Cell,
-    point: fn(&WavefrontSample, f64) -> Option<(f64, f64)>,
+    point: fn(&WavefrontRecord, f64) -> Option<(f64, f64)>,
 ) -> Vec<(f64, Value)> {
     let parents = cell
         .wavefront

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::registry;
-use crate::run::check::{self, Comparison};
+use crate::run::check::{self, Deviation};
 use crate::schema::Cell;
 
 /// The first answer of each cluster, except that of the reference.
@@ -82,7 +82,7 @@ impl Vote {
     }
 
     /// Adds the comparison with the reference.
-    pub(crate) fn compared(&mut self, comparison: &Comparison) {
+    pub(crate) fn compared(&mut self, comparison: &Deviation) {
         self.max_rel = Some(comparison.max_rel).filter(|size| size.is_finite());
         self.worst_vertex = comparison.worst.map(|worst| worst.vertex as u64);
     }

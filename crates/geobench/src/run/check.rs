@@ -2,9 +2,11 @@
 
 use std::fmt;
 
+use anyhow::ensure;
+
 /// How distances differ from a reference.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Comparison {
+pub struct Deviation {
     /// Largest absolute difference, in the units of the model; infinite where one side reaches a
     /// vertex and the other does not, or where a distance is not a number.
     pub max_abs: f64,
@@ -17,7 +19,7 @@ pub struct Comparison {
     pub compared: usize,
     /// Vertices that differ by more than the tolerance.
     pub disagreeing: usize,
-    /// The vertex with the largest relative difference beyond the tolerance.
+    /// The vertex of the largest relative difference beyond the tolerance.
     pub worst: Option<Disagreement>,
 }
 
@@ -32,17 +34,7 @@ pub struct Disagreement {
     pub expected: f64,
 }
 
-/// Why an answer cannot be compared at all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{found} distances where the reference has {expected}")]
-pub struct LengthMismatch {
-    /// Number of distances found.
-    pub found: usize,
-    /// Number of distances expected.
-    pub expected: usize,
-}
-
-impl Comparison {
+impl Deviation {
     /// Whether every compared vertex agrees.
     pub const fn agrees(&self) -> bool {
         self.disagreeing == 0
@@ -65,35 +57,33 @@ impl fmt::Display for Disagreement {
 ///
 /// # Errors
 ///
-/// When there are not as many distances on both sides.
-pub fn compare(
-    found: &[f64],
-    expected: &[f64],
-    tolerance: f64,
-) -> Result<Comparison, LengthMismatch> {
-    if found.len() != expected.len() {
-        return Err(LengthMismatch {
-            found: found.len(),
-            expected: expected.len(),
-        });
-    }
-    Ok(compare_some(
-        found,
-        expected.iter().copied().enumerate(),
-        tolerance,
-    ))
+/// When the numbers of distances differ.
+pub fn compare(found: &[f64], expected: &[f64], tolerance: f64) -> anyhow::Result<Deviation> {
+    check_length(found, expected.len())?;
+    let expected = expected.iter().copied().enumerate();
+    Ok(compare_some(found, expected, tolerance))
 }
 
-/// As [`compare`], but only at the vertices that `expected` names, all of which `found` has.
+/// Checks that there are `expected` distances.
+pub(super) fn check_length(found: &[f64], expected: usize) -> anyhow::Result<()> {
+    let found = found.len();
+    ensure!(
+        found == expected,
+        "{found} distances where the reference has {expected}"
+    );
+    Ok(())
+}
+
+/// As [`compare`], at the vertices of `expected` only, which must exist in `found`.
 pub fn compare_some(
     found: &[f64],
     expected: impl IntoIterator<Item = (usize, f64)>,
     tolerance: f64,
-) -> Comparison {
-    let mut result = Comparison {
+) -> Deviation {
+    let mut result = Deviation {
         max_abs: 0.0,
         max_rel: 0.0,
-        // Not a number counts as a wrong answer below, not as unreachable.
+        // NaN counts as a wrong answer below, not as unreachable.
         unreachable: found.iter().filter(|d| **d == f64::INFINITY).count(),
         compared: 0,
         disagreeing: 0,

@@ -1,10 +1,10 @@
 //! The journal of a benchmark: the outcome of every run, synced to disk before the next one starts,
 //! so that a killed benchmark loses at most the run under way.
 //!
-//! A journal is a file of JSON lines. The first is the [`Header`] with program and plan; only the
-//! same program with the same plan continues a journal. The others hold a session, a model, an
-//! instruction count or a run. An incomplete last line is cut off. Any other malformed line is an
-//! error, because the rest of the file cannot be trusted then.
+//! A journal is a file of JSON lines. The first is the [`JournalHeader`] with program and plan;
+//! only the same program with the same plan continues a journal. The others hold a session, a
+//! model, an instruction count or a run. An incomplete last line is cut off. Any other malformed
+//! line is an error, because the rest of the file cannot be trusted then.
 //!
 //! A run has one line, except warm-ups: a later process repeats them before its timed runs, and so
 //! the run of the reference, whose answer is needed for checks and too large to store.
@@ -16,11 +16,14 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use anyhow::{Context, anyhow, bail};
 use serde::{Deserialize, Serialize};
 
 use crate::exec::{Failure, Observation, Pass};
-use crate::schema::plan_record::{PlanRecord, first_difference};
-use crate::schema::{Check, InstructionCount, ModelRecord, SCHEMA, SessionRecord, Tool};
+use crate::plan::difference::first_difference;
+use crate::schema::{
+    Check, InstructionCount, ModelRecord, PlanRecord, SCHEMA, SessionRecord, Tool,
+};
 
 #[cfg(test)]
 mod tests;
@@ -69,61 +72,6 @@ pub struct Journal {
     instructions: HashMap<RunId, InstructionCount>,
 }
 
-/// Why a journal cannot be used.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum JournalError {
-    /// An error of the file system.
-    #[error("journal {}: cannot be {action}: {error}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What was tried.
-        action: &'static str,
-        /// What the system says.
-        error: io::Error,
-    },
-    /// It is a directory, a device or a pipe.
-    #[error("journal {}: not a regular file", path.display())]
-    NotAFile {
-        /// The path.
-        path: PathBuf,
-    },
-    /// Another process has it open.
-    #[error("journal {}: another process is writing it", path.display())]
-    Locked {
-        /// The file.
-        path: PathBuf,
-    },
-    /// It holds something else; it is left as it is.
-    #[error("journal {}: not a journal of geobench; name a file that does not exist to start a new one", path.display())]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-    },
-    /// It belongs to another program or plan.
-    #[error(
-        "journal {}: belongs to another run: {difference}; repeat that run or name another file",
-        path.display()
-    )]
-    Differs {
-        /// The file.
-        path: PathBuf,
-        /// What is different.
-        difference: String,
-    },
-    /// A line cannot be understood.
-    #[error("journal {}, line {line}: {problem}; take the line out, or name another file", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// The line, counted from 1.
-        line: usize,
-        /// What is wrong with it.
-        problem: String,
-    },
-}
-
 /// Time to wait for the lock.
 const LOCK_TIMEOUT: Duration = Duration::from_secs(1);
 
@@ -154,21 +102,14 @@ impl Journal {
     /// damaged. It is then as it was.
     pub fn open(
         path: &Path,
-        header: &Header,
+        header: &JournalHeader,
         session: &SessionRecord,
-    ) -> Result<Self, JournalError> {
-        let fail = |action| {
-            move |error| JournalError::Io {
-                path: path.to_owned(),
-                action,
-                error,
-            }
-        };
+    ) -> anyhow::Result<Self> {
+        let name = path.display();
+        let failed = |action| format!("journal {name}: cannot be {action}");
         let existed = path.exists();
         if existed && !path.is_file() {
-            return Err(JournalError::NotAFile {
-                path: path.to_owned(),
-            });
+            bail!("journal {name}: not a regular file");
         }
         let file = OpenOptions::new()
             .read(true)
@@ -176,15 +117,15 @@ impl Journal {
             .create(true)
             .truncate(false)
             .open(path)
-            .map_err(fail("opened for writing"))?;
+            .with_context(|| failed("opened for writing"))?;
         match lock(&file) {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
-                return Err(JournalError::Locked {
-                    path: path.to_owned(),
-                });
+                bail!("journal {name}: another process is writing it")
             }
-            Err(TryLockError::Error(error)) => return Err(fail("locked")(error)),
+            Err(TryLockError::Error(error)) => {
+                return Err(error).with_context(|| failed("locked"));
+            }
         }
         let mut journal = Self {
             path: path.to_owned(),
@@ -196,7 +137,8 @@ impl Journal {
             instructions: HashMap::new(),
         };
         let mut bytes = Vec::new();
-        journal.file.read_to_end(&mut bytes).map_err(fail("read"))?;
+        let read = journal.file.read_to_end(&mut bytes);
+        read.with_context(|| failed("read"))?;
         let first = header.line();
         let begun = if bytes.len() < first.len() && first.as_bytes().starts_with(&bytes) {
             // New, or the first line is incomplete.
@@ -205,14 +147,12 @@ impl Journal {
             journal.read(&bytes, header)?;
             journal.cut()
         };
-        let noted = begun.and_then(|()| journal.append(&Line::Session(session.clone())));
-        if let Err(error) = noted {
-            if !existed {
-                // It is empty, so a failure to remove it does no harm.
-                let _ = fs::remove_file(path);
-            }
-            return Err(fail("written")(error));
+        let noted = begun.and_then(|()| journal.append(&JournalLine::Session(session.clone())));
+        if noted.is_err() && !existed {
+            // It is empty, so a failure to remove it does no harm.
+            let _ = fs::remove_file(path);
         }
+        noted.with_context(|| failed("written"))?;
         journal.sessions.push(session.clone());
         Ok(journal)
     }
@@ -243,19 +183,19 @@ impl Journal {
     }
 
     /// Reads all complete lines.
-    fn read(&mut self, bytes: &[u8], header: &Header) -> Result<(), JournalError> {
+    fn read(&mut self, bytes: &[u8], header: &JournalHeader) -> anyhow::Result<()> {
+        let name = self.path.display().to_string();
         let mut lines = bytes.split_inclusive(|&byte| byte == b'\n');
         let first = lines.next().unwrap_or_default();
-        let Ok(found) = serde_json::from_slice::<Header>(first) else {
-            return Err(JournalError::Foreign {
-                path: self.path.clone(),
-            });
+        let Ok(found) = serde_json::from_slice::<JournalHeader>(first) else {
+            bail!(
+                "journal {name}: not a journal of geobench; name a file that does not exist to start a new one"
+            );
         };
         if let Some(difference) = found.difference(header) {
-            return Err(JournalError::Differs {
-                path: self.path.clone(),
-                difference,
-            });
+            bail!(
+                "journal {name}: belongs to another run: {difference}; repeat that run or name another file"
+            );
         }
         self.length = first.len() as u64;
         for (number, line) in (2..).zip(lines) {
@@ -264,31 +204,31 @@ impl Journal {
             }
             let taken = serde_json::from_slice(line)
                 .map_err(|error| format!("not a line of a journal: {error}"))
-                .and_then(|line| self.take_in(line, header));
-            taken.map_err(|problem| JournalError::Line {
-                path: self.path.clone(),
-                line: number,
-                problem,
-            })?;
+                .and_then(|line: JournalLine| {
+                    line.run().map_or(Ok(()), |run| header.check(run))?;
+                    self.take_in(line)
+                });
+            if let Err(problem) = taken {
+                bail!(
+                    "journal {name}, line {number}: {problem}; take the line out, or name another file"
+                );
+            }
             self.length += line.len() as u64;
         }
         Ok(())
     }
 
-    fn take_in(&mut self, line: Line, header: &Header) -> Result<(), String> {
+    /// Stores what a line holds.
+    fn take_in(&mut self, line: JournalLine) -> Result<(), String> {
         match line {
-            Line::Session(session) => self.sessions.push(session),
-            Line::Model(model) => {
+            JournalLine::Session(session) => self.sessions.push(session),
+            JournalLine::Model(model) => {
                 self.models.insert(model.name.clone(), model);
             }
-            Line::Instructions { id, found } => {
-                header.check(&id)?;
+            JournalLine::Instructions { id, found } => {
                 self.instructions.insert(id, found);
             }
-            Line::Run { id, found } => {
-                header.check(&id)?;
-                self.note(id, found)?;
-            }
+            JournalLine::Run { id, found } => self.note(id, found)?,
         }
         Ok(())
     }
@@ -317,7 +257,7 @@ impl Journal {
         Ok(())
     }
 
-    fn append(&mut self, line: &Line) -> io::Result<()> {
+    fn append(&mut self, line: &JournalLine) -> io::Result<()> {
         let mut text = serde_json::to_string(line)?;
         text.push('\n');
         self.append_text(&text)
@@ -337,17 +277,21 @@ impl Journal {
         written
     }
 
-    fn keep_line(&mut self, line: &Line) -> anyhow::Result<()> {
-        self.append(line).map_err(|error| {
-            anyhow::anyhow!(
+    /// Writes a line and stores what it holds.
+    ///
+    /// # Errors
+    ///
+    /// When the file cannot be written, which ends the benchmark.
+    pub(super) fn keep(&mut self, line: JournalLine) -> anyhow::Result<()> {
+        self.append(&line).map_err(|error| {
+            anyhow!(
                 "journal {}: cannot be written: {error}; it holds all runs up to here, so go on with --resume",
                 self.path.display()
             )
-        })
+        })?;
+        self.take_in(line).map_err(anyhow::Error::msg)
     }
-}
 
-impl Journal {
     /// The record of a model.
     pub(super) fn model(&self, name: &str) -> Option<&ModelRecord> {
         self.models.get(name)
@@ -362,54 +306,11 @@ impl Journal {
     pub(super) fn instructions(&self, run: &RunId) -> Option<&InstructionCount> {
         self.instructions.get(run)
     }
-
-    /// Writes the instruction count of a cell.
-    ///
-    /// # Errors
-    ///
-    /// When the file cannot be written, which ends the benchmark.
-    pub(super) fn keep_instructions(
-        &mut self,
-        id: RunId,
-        found: &InstructionCount,
-    ) -> anyhow::Result<()> {
-        self.keep_line(&Line::Instructions {
-            id: id.clone(),
-            found: found.clone(),
-        })?;
-        self.instructions.insert(id, found.clone());
-        Ok(())
-    }
-
-    /// Writes the record of a model.
-    ///
-    /// # Errors
-    ///
-    /// When the file cannot be written, which ends the benchmark.
-    pub(super) fn keep_model(&mut self, model: &ModelRecord) -> anyhow::Result<()> {
-        self.keep_line(&Line::Model(model.clone()))?;
-        self.models.insert(model.name.clone(), model.clone());
-        Ok(())
-    }
-
-    /// Writes the outcome of a run.
-    ///
-    /// # Errors
-    ///
-    /// When the file cannot be written, which ends the benchmark.
-    pub(super) fn keep(&mut self, id: RunId, outcome: &RunOutcome) -> anyhow::Result<()> {
-        let found = outcome.clone();
-        self.keep_line(&Line::Run {
-            id: id.clone(),
-            found: found.clone(),
-        })?;
-        self.note(id, found).map_err(anyhow::Error::msg)
-    }
 }
 
 /// Identifies the benchmark of a journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Header {
+pub struct JournalHeader {
     /// Always the schema of result files.
     journal: String,
     /// The program that measures.
@@ -418,7 +319,7 @@ pub struct Header {
     plan: PlanRecord,
 }
 
-impl Header {
+impl JournalHeader {
     /// The first line of a journal of `tool` running `plan`.
     pub fn new(tool: Tool, plan: PlanRecord) -> Self {
         Self {
@@ -480,7 +381,7 @@ impl Header {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[expect(clippy::large_enum_variant, reason = "there is but one at a time")]
-enum Line {
+pub(super) enum JournalLine {
     /// A process started.
     Session(SessionRecord),
     /// A model was loaded for the first time.
@@ -497,7 +398,17 @@ enum Line {
     Run {
         /// Which.
         id: RunId,
-        /// What came of it.
+        /// Its outcome.
         found: RunOutcome,
     },
+}
+
+impl JournalLine {
+    /// The run that the line is about.
+    const fn run(&self) -> Option<&RunId> {
+        match self {
+            Self::Session(_) | Self::Model(_) => None,
+            Self::Instructions { id, .. } | Self::Run { id, .. } => Some(id),
+        }
+    }
 }

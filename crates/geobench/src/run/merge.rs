@@ -1,94 +1,47 @@
-//! Joining the parts of one benchmark that ran on different machines, or one after the other.
+//! Merges the shards of one benchmark that ran on different machines, or one after the other.
 //!
-//! The cells of the whole come in the order of the run that was not split: by group, model, source
-//! and algorithm. Which part has which of them follows from the plan (`shard`), which every part
-//! holds whole; so a part that is missing, or that was interrupted, is found and named.
+//! Cells are merged in the order of an unsplit run: by group, model, source and algorithm. Every
+//! shard holds the whole plan, from which its cells follow; so missing and interrupted shards are
+//! detected and named.
 
+use anyhow::{anyhow, bail};
 use serde_json::json;
 
 use crate::measure::conditions;
+use crate::plan::difference::first_difference;
 use crate::plan::source::SourceSpec;
-use crate::schema::Shard;
-use crate::schema::plan_record::{PlanRecord, PlannedGroup, first_difference};
-use crate::schema::{Cell, Host, ModelRecord, ResultFile};
+use crate::schema::{Cell, ModelRecord, PlanRecord, PlannedGroup, ResultFile, Shard};
 
-/// Why parts cannot be joined.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MergeError {
-    /// There is none.
-    #[error("there are no parts to join")]
-    Nothing,
-    /// It was not made with `--shard`.
-    #[error("{part}: not a part of a benchmark: it was made without --shard")]
-    NotAPart {
-        /// The file.
-        part: String,
-    },
-    /// It is not of the benchmark that the first is of.
-    #[error("{part}: not a part of the same benchmark as {first}: {difference}")]
-    Differs {
-        /// The first part.
-        first: String,
-        /// The one that differs from it.
-        part: String,
-        /// In what.
-        difference: String,
-    },
-    /// Two files hold the same part.
-    #[error("{part}: holds part {shard}, as does {first}; give each part once")]
-    Twice {
-        /// The first file.
-        first: String,
-        /// The second one.
-        part: String,
-        /// The part.
-        shard: Shard,
-    },
-    /// Parts are missing.
-    #[error("of {count} parts, {missing} missing; give the files of all parts")]
-    Missing {
-        /// How many there should be.
-        count: u32,
-        /// Which are not there, and the verb.
-        missing: String,
-    },
-    /// A part does not have a cell that it should have.
-    #[error("{part}: has no cells of {unit}; it was interrupted, so run it again to its end")]
-    Incomplete {
-        /// The file.
-        part: String,
-        /// The model and the source.
-        unit: String,
-    },
-    /// A part has cells that are not its own.
-    #[error("{part}: has cells that its part of the plan does not have, such as {cell}")]
-    Surplus {
-        /// The file.
-        part: String,
-        /// One of them.
-        cell: String,
-    },
-}
-
-/// Most missing parts that are named.
+/// Greatest number of missing parts that are named.
 const MOST_NAMED: usize = 20;
 
-/// A part on its way into the whole.
-struct Part {
+/// The file of one shard.
+struct ShardFile {
     name: String,
+    /// The rest of the file.
     file: ResultFile,
+    plan: PlanRecord,
     shard: Shard,
     /// Its cells, the next one last.
     cells: Vec<Cell>,
+}
+
+impl ShardFile {
+    fn differs_from(&self, first: &Self, difference: &str) -> anyhow::Error {
+        anyhow!(
+            "{}: not a part of the same benchmark as {}: {difference}",
+            self.name,
+            first.name
+        )
+    }
 }
 
 /// Joins `parts`, each with the name of its file, in any order.
 ///
 /// # Errors
 ///
-/// When they are not all parts of one benchmark, each once and whole.
-pub fn merge(parts: Vec<(String, ResultFile)>) -> Result<ResultFile, MergeError> {
+/// When they are not the complete shards of one benchmark, each once.
+pub fn merge(parts: Vec<(String, ResultFile)>) -> anyhow::Result<ResultFile> {
     let mut parts = parts
         .into_iter()
         .map(|(name, file)| part(name, file))
@@ -96,22 +49,20 @@ pub fn merge(parts: Vec<(String, ResultFile)>) -> Result<ResultFile, MergeError>
     parts.sort_by_key(|part| part.shard.index);
     check_together(&parts)?;
     let Some(first) = parts.first() else {
-        return Err(MergeError::Nothing);
+        bail!("there are no parts to join");
     };
     let mut whole = first.file.clone();
-    let Some(mut plan) = whole.plan.take() else {
-        return Err(MergeError::NotAPart {
-            part: first.name.clone(),
-        });
-    };
+    let mut plan = first.plan.clone();
     plan.shard = None;
     whole.cells = cells(&plan, &mut parts)?;
-    for part in &parts {
-        if let Some(cell) = part.cells.last() {
-            return Err(MergeError::Surplus {
-                part: part.name.clone(),
-                cell: format!("{} of {}", cell.algorithm, cell.model),
-            });
+    for ShardFile { name, cells, .. } in &parts {
+        if let Some(Cell {
+            algorithm, model, ..
+        }) = cells.last()
+        {
+            bail!(
+                "{name}: has cells that its part of the plan does not have, such as {algorithm} of {model}"
+            );
         }
     }
     whole.models = models(&plan, &parts)?;
@@ -123,46 +74,43 @@ pub fn merge(parts: Vec<(String, ResultFile)>) -> Result<ResultFile, MergeError>
     Ok(whole)
 }
 
-/// Whether all sessions of `file` ran on one machine, as far as can be told.
+/// Whether all sessions of `file` ran on one machine, as far as the records tell.
 pub fn is_of_one_machine(file: &ResultFile) -> bool {
-    let machine = |host: &Host| (host.cpu.clone(), host.cores, host.memory_bytes);
-    let mut machines = file.sessions.iter().map(|session| machine(&session.host));
-    let first = machines.next();
-    machines.all(|other| Some(other) == first)
+    let mut pairs = file.sessions.windows(2);
+    pairs.all(|pair| pair[0].host.is_same_machine(&pair[1].host))
 }
 
-fn part(name: String, mut file: ResultFile) -> Result<Part, MergeError> {
-    let shard = file.plan.as_ref().and_then(|plan| plan.shard);
-    let Some(shard) = shard.filter(|shard| (1..=shard.count).contains(&shard.index)) else {
-        return Err(MergeError::NotAPart { part: name });
+fn part(name: String, mut file: ResultFile) -> anyhow::Result<ShardFile> {
+    let plan = file.plan.take();
+    let whole = |shard: &Shard| (1..=shard.count).contains(&shard.index);
+    let (Some(plan), Some(shard)) = (plan.clone(), plan.and_then(|p| p.shard).filter(whole)) else {
+        bail!("{name}: not a part of a benchmark: it was made without --shard");
     };
     let mut cells = std::mem::take(&mut file.cells);
     cells.reverse();
-    Ok(Part {
+    Ok(ShardFile {
         name,
         file,
+        plan,
         shard,
         cells,
     })
 }
 
-/// Makes sure that the parts, which are sorted, are those of one benchmark, each once.
-fn check_together(parts: &[Part]) -> Result<(), MergeError> {
+/// Checks that the sorted parts are those of one benchmark, each once.
+fn check_together(parts: &[ShardFile]) -> anyhow::Result<()> {
     for pair in parts.windows(2) {
         let (first, part) = (&parts[0], &pair[1]);
         if let Some(difference) = differs(first, part) {
-            return Err(MergeError::Differs {
-                first: first.name.clone(),
-                part: part.name.clone(),
-                difference,
-            });
+            return Err(part.differs_from(first, &difference));
         }
         if pair[0].shard == part.shard {
-            return Err(MergeError::Twice {
-                first: pair[0].name.clone(),
-                part: part.name.clone(),
-                shard: part.shard,
-            });
+            bail!(
+                "{}: holds part {}, as does {}; give each part once",
+                part.name,
+                part.shard,
+                pair[0].name
+            );
         }
     }
     let count = parts.first().map_or(0, |part| part.shard.count);
@@ -175,26 +123,25 @@ fn check_together(parts: &[Part]) -> Result<(), MergeError> {
         return Ok(());
     }
     let verb = if missing.len() == 1 { "is" } else { "are" };
-    Err(MergeError::Missing {
-        count,
-        missing: format!("{} {verb}", missing.join(", ")),
-    })
+    bail!(
+        "of {count} parts, {} {verb} missing; give the files of all parts",
+        missing.join(", ")
+    );
 }
 
-/// In what `part` is not of the benchmark that `first` is of.
-fn differs(first: &Part, part: &Part) -> Option<String> {
+/// The first difference between the benchmarks of `first` and `part`.
+fn differs(first: &ShardFile, part: &ShardFile) -> Option<String> {
     if first.shard.count != part.shard.count {
         return Some(format!(
             "there are {} parts and not {}",
             part.shard.count, first.shard.count
         ));
     }
-    let identity = |part: &Part| {
-        let plan = part.file.plan.clone();
-        let plan = plan.map(|plan| PlanRecord {
+    let identity = |part: &ShardFile| {
+        let plan = PlanRecord {
             shard: None,
-            ..plan
-        });
+            ..part.plan.clone()
+        };
         json!({"tool": part.file.tool, "plan": plan})
     };
     let found = first_difference(&identity(first), &identity(part))?;
@@ -205,7 +152,7 @@ fn differs(first: &Part, part: &Part) -> Option<String> {
 }
 
 /// The cells of all parts in the order of the plan.
-fn cells(plan: &PlanRecord, parts: &mut [Part]) -> Result<Vec<Cell>, MergeError> {
+fn cells(plan: &PlanRecord, parts: &mut [ShardFile]) -> anyhow::Result<Vec<Cell>> {
     let mut all = Vec::new();
     let mut first_unit = 0_u128;
     for group in &plan.groups {
@@ -219,15 +166,17 @@ fn cells(plan: &PlanRecord, parts: &mut [Part]) -> Result<Vec<Cell>, MergeError>
                 let holder = parts.iter_mut().find(|part| part.shard.holds(unit));
                 let Some(part) = holder else { continue };
                 let taken = take_unit(group, &model.name, part, &mut all);
-                // Random sources of a model that was refused have one cell together, the first.
+                // The random sources of a refused model share one cell for each algorithm.
                 if taken == Some(Taken::AllSources) {
                     break;
                 }
                 if taken.is_none() {
-                    return Err(MergeError::Incomplete {
-                        part: part.name.clone(),
-                        unit: format!("{}, source {} of {sources}", model.name, source + 1),
-                    });
+                    bail!(
+                        "{}: has no cells of {}, source {} of {sources}; it was interrupted, so run it again to its end",
+                        part.name,
+                        model.name,
+                        source + 1
+                    );
                 }
             }
             first_unit += sources;
@@ -236,18 +185,18 @@ fn cells(plan: &PlanRecord, parts: &mut [Part]) -> Result<Vec<Cell>, MergeError>
     Ok(all)
 }
 
-/// What the next cells of a part stand for.
+/// The sources of the next cells of a part.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Taken {
     OneSource,
     AllSources,
 }
 
-/// Moves the cells of a model and one source, if they come next; there is one for each algorithm.
+/// Moves the cells of a model and one source, one for each algorithm, if they come next.
 fn take_unit(
     group: &PlannedGroup,
     model: &str,
-    part: &mut Part,
+    part: &mut ShardFile,
     all: &mut Vec<Cell>,
 ) -> Option<Taken> {
     let source = part.cells.last()?.source;
@@ -270,7 +219,7 @@ fn take_unit(
 }
 
 /// The models of all parts in the order of the plan, each once.
-fn models(plan: &PlanRecord, parts: &[Part]) -> Result<Vec<ModelRecord>, MergeError> {
+fn models(plan: &PlanRecord, parts: &[ShardFile]) -> anyhow::Result<Vec<ModelRecord>> {
     let mut models: Vec<ModelRecord> = Vec::new();
     for name in plan
         .groups
@@ -293,15 +242,9 @@ fn models(plan: &PlanRecord, parts: &[Part]) -> Result<Vec<ModelRecord>, MergeEr
                 Some(hash) => format!("`{hash}`"),
                 None => "not known".to_owned(),
             };
-            return Err(MergeError::Differs {
-                first: first.name.clone(),
-                part: part.name.clone(),
-                difference: format!(
-                    "the SHA-256 of {name} is {} and not {}",
-                    hash(other),
-                    hash(model)
-                ),
-            });
+            let (there, here) = (hash(other), hash(model));
+            let difference = format!("the SHA-256 of {name} is {there} and not {here}");
+            return Err(part.differs_from(first, &difference));
         }
         models.push(model.clone());
     }
@@ -310,7 +253,7 @@ fn models(plan: &PlanRecord, parts: &[Part]) -> Result<Vec<ModelRecord>, MergeEr
 
 /// The first or the last of the times of all parts, which sort as text.
 fn extreme(
-    parts: &[Part],
+    parts: &[ShardFile],
     of: fn(&ResultFile) -> &String,
     choose: fn(String, String) -> String,
 ) -> String {

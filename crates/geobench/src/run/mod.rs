@@ -1,8 +1,7 @@
-//! Carries out a [`Plan`], model by model. `group` runs the cells of one model and source.
+//! Carries out a [`Plan`], model by model. `unit` runs the cells of one model and source.
 
 pub mod agreement;
 pub mod check;
-mod group;
 pub mod journal;
 pub mod merge;
 #[cfg(test)]
@@ -10,15 +9,17 @@ pub(crate) mod mock;
 mod reference_check;
 #[cfg(test)]
 mod tests;
+mod unit;
 
 use anyhow::bail;
 use geobench_mesh::VertexId;
 
+use crate::UsageError;
 use crate::exec::{Backend, Listener, Pass, Session};
 use crate::plan::Plan;
-use crate::plan::source::{SourceError, SourceSpec};
-use crate::run::group::Group;
-use crate::run::journal::{Journal, RunId};
+use crate::plan::source::SourceSpec;
+use crate::run::journal::{Journal, JournalLine, RunId};
+use crate::run::unit::Unit;
 use crate::schema::{Cell, ModelRecord, Status};
 
 /// Records of the models and cells of a benchmark.
@@ -129,7 +130,8 @@ impl Benchmark<'_> {
         if found.is_none() && !self.listener.interrupted() {
             found = self.listener.count_instructions(model, cell);
             if let (Some(found), Some(journal)) = (&found, &mut self.journal) {
-                journal.keep_instructions(run, found)?;
+                let found = found.clone();
+                journal.keep(JournalLine::Instructions { id: run, found })?;
             }
         }
         if let Some(found) = found {
@@ -143,14 +145,14 @@ impl Benchmark<'_> {
     fn known(&self) -> Option<(ModelRecord, Vec<Cell>)> {
         let journal = self.journal.as_deref()?;
         let model = journal.model(&self.plan.models[self.place].name)?;
-        let groups: Vec<Group<'_>> = self
+        let units: Vec<Unit<'_>> = self
             .sources(model)
             .ok()?
             .into_iter()
-            .map(|source| Group::new(self.plan, model, source, Some(journal)))
+            .map(|source| Unit::new(self.plan, model, source, Some(journal)))
             .collect();
-        groups.iter().all(Group::is_complete).then(|| {
-            let cells = groups.into_iter().flat_map(Group::cells).collect();
+        units.iter().all(Unit::is_complete).then(|| {
+            let cells = units.into_iter().flat_map(Unit::cells).collect();
             (model.clone(), cells)
         })
     }
@@ -171,7 +173,7 @@ impl Benchmark<'_> {
             Some(known) => known.clone(),
             None => {
                 if let Some(journal) = &mut self.journal {
-                    journal.keep_model(found)?;
+                    journal.keep(JournalLine::Model(found.clone()))?;
                 }
                 found.clone()
             }
@@ -180,9 +182,9 @@ impl Benchmark<'_> {
         match self.sources(&model) {
             Ok(sources) => {
                 for source in sources {
-                    let mut group = Group::new(self.plan, &model, source, self.journal.as_deref());
-                    group.run(session, self.journal.as_deref_mut(), self.listener)?;
-                    cells.extend(group.cells());
+                    let mut unit = Unit::new(self.plan, &model, source, self.journal.as_deref());
+                    unit.run(session, self.journal.as_deref_mut(), self.listener)?;
+                    cells.extend(unit.cells());
                 }
             }
             Err(error) => cells = self.refused(&format!("{}: {error}", model.path)),
@@ -191,7 +193,7 @@ impl Benchmark<'_> {
     }
 
     /// The sources of this shard.
-    fn sources(&self, model: &ModelRecord) -> Result<Vec<VertexId>, SourceError> {
+    fn sources(&self, model: &ModelRecord) -> Result<Vec<VertexId>, UsageError> {
         let vertices = model.vertices.unwrap_or(0) as usize;
         let all = self.plan.sources.resolve(vertices)?.into_iter().enumerate();
         let mine = |&(number, _): &(usize, VertexId)| self.plan.has_unit(self.place, number);

@@ -2,7 +2,7 @@
 
 use crate::exec::Failure;
 use crate::run::agreement::{self, Clusters};
-use crate::run::check::{self, Comparison, LengthMismatch};
+use crate::run::check::{self, Deviation};
 use crate::schema::{Check, Status};
 
 /// The reference answer, or why there is none.
@@ -61,14 +61,10 @@ impl ReferenceCheck {
             message,
         };
         let comparison = match &self.answer {
-            Some(answer) if answer.vertices != distances.len() => {
-                let mismatch = LengthMismatch {
-                    found: distances.len(),
-                    expected: answer.vertices,
-                };
-                return (Check::default(), Some(wrong(mismatch.to_string())));
-            }
             Some(answer) => {
+                if let Err(error) = check::check_length(distances, answer.vertices) {
+                    return (Check::default(), Some(wrong(error.to_string())));
+                }
                 check::compare_some(distances, answer.distances.iter().copied(), tolerance)
             }
             // No reference; NaN is wrong all the same.
@@ -95,7 +91,7 @@ impl ReferenceCheck {
     }
 }
 
-fn record(reference: Option<&str>, comparison: &Comparison) -> Check {
+fn record(reference: Option<&str>, comparison: &Deviation) -> Check {
     let finite = |x: f64| Some(x).filter(|x| reference.is_some() && x.is_finite());
     Check {
         reference: reference.map(str::to_owned),

@@ -2,7 +2,7 @@
 //! model's own units, and numbers are stored unrounded. A figure that does not exist is `null`,
 //! never 0.
 
-pub mod plan_record;
+mod plan_record;
 pub mod result_file;
 
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use geobench_window::{Counter, Counters};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-pub use self::plan_record::{PlanRecord, Shard, ShardError};
+pub use self::plan_record::{PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel, Shard};
 
 /// The schema that this version writes.
 pub const SCHEMA: &str = "geobench/1";
@@ -29,31 +29,30 @@ pub struct ResultFile {
     pub command: Vec<String>,
     /// When it started, RFC 3339 in UTC.
     pub started: String,
-    /// When it finished, RFC 3339 in UTC; in a file written on the way, when that was written.
+    /// When it finished, RFC 3339 in UTC; in an intermediate file, when that was written.
     pub finished: String,
-    /// Where the cells ran; null in files of versions that had no choice.
+    /// Where the cells ran; null in files of older programs.
     #[serde(default)]
     pub isolation: Option<IsolationRecord>,
-    /// The groups of cells, in the order of the run; one without a name unless a suite file says
-    /// otherwise.
+    /// The groups of cells, in the order of the run; a single one without a name unless a suite
+    /// file defines groups.
     #[serde(default)]
     pub groups: Vec<GroupRecord>,
     /// The models, in the order of the run, each once.
     pub models: Vec<ModelRecord>,
-    /// What was measured, in the order of the run.
+    /// The cells, in the order of the run.
     pub cells: Vec<Cell>,
-    /// The same in files whose runs took turns: sample i of a cell in one of them was taken next to
-    /// sample i of that cell in the other. Null if there is no such other file.
+    /// Identifier shared by files whose runs alternated: sample i of a cell in one file was taken
+    /// next to sample i of that cell in the other. Null otherwise.
     #[serde(default)]
     pub pairing: Option<String>,
-    /// What the machine did besides; null in files written on the way.
+    /// Disturbances during the run; null in intermediate files.
     #[serde(default)]
     pub conditions: Option<Conditions>,
-    /// What was to be run, with all parameters.
+    /// The plan, with all parameters.
     #[serde(default)]
     pub plan: Option<PlanRecord>,
-    /// The processes that measured, in order: one, unless a run was interrupted and resumed, or the
-    /// parts of one were merged.
+    /// The processes that measured, in order; several if a run was resumed or shards were merged.
     #[serde(default)]
     pub sessions: Vec<SessionRecord>,
 }
@@ -61,7 +60,7 @@ pub struct ResultFile {
 /// A process that measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SessionRecord {
-    /// The part of the plan that it worked on; null if all of it.
+    /// Its part of the plan; null for the whole plan.
     pub shard: Option<Shard>,
     /// The machine.
     pub host: Host,
@@ -69,7 +68,7 @@ pub struct SessionRecord {
     pub command: Vec<String>,
     /// When it started, RFC 3339 in UTC.
     pub started: String,
-    /// When it finished, RFC 3339 in UTC; null if it was stopped and another one went on.
+    /// When it finished, RFC 3339 in UTC; null if it was stopped and a later one resumed.
     pub finished: Option<String>,
 }
 
@@ -82,8 +81,8 @@ pub struct Tool {
     pub commit: Option<String>,
     /// Compiler it was built with.
     pub rustc: Option<String>,
-    /// Flags that it was given from outside, as by `RUSTFLAGS`; empty if none were, absent in files
-    /// of older programs.
+    /// Compiler flags from outside, as by `RUSTFLAGS`; empty if none, absent in files of older
+    /// programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rustflags: Option<String>,
     /// `release` or `debug`.
@@ -114,6 +113,14 @@ pub struct Host {
     pub simd: Option<String>,
 }
 
+impl Host {
+    /// Whether this may be the same machine as `other`: processor, cores and memory are equal.
+    pub fn is_same_machine(&self, other: &Self) -> bool {
+        let machine = |host: &Self| (host.cpu.clone(), host.cores, host.memory_bytes);
+        machine(self) == machine(other)
+    }
+}
+
 /// Where cells ran.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct IsolationRecord {
@@ -126,27 +133,27 @@ pub struct IsolationRecord {
 /// A group of cells that are shown together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GroupRecord {
-    /// Its name, unique within the file; null if there is but one group and it has none.
+    /// Its name, unique within the file; null for the only group of a run without a suite.
     pub name: Option<String>,
-    /// What it is to show.
+    /// What its table shows.
     pub shows: Option<String>,
-    /// The rows of its tables, by name; the usual ones if empty.
+    /// The rows of its tables, by name; the default rows if empty.
     pub rows: Vec<String>,
-    /// The algorithm to which the others are compared in a table of ratios, if there is to be one.
+    /// The base of its table of ratios; null for no such table.
     pub ratios_to: Option<String>,
-    /// Seconds that each run was allowed; null if any number.
+    /// Time limit of each run in seconds; null for none.
     #[serde(default)]
     pub timeout: Option<f64>,
-    /// Bytes that the process of each cell was allowed; null if any number.
+    /// Memory limit of the process of each cell in bytes; null for none.
     #[serde(default)]
     pub memory_limit: Option<u64>,
-    /// Whether its cells hold their wavefronts.
+    /// Whether its cells hold samples of the wavefront.
     #[serde(default)]
     pub wavefront: bool,
 }
 
 impl GroupRecord {
-    /// The group of a run that was not asked for groups.
+    /// The group of a run without a suite.
     pub const fn unnamed() -> Self {
         Self {
             name: None,
@@ -160,7 +167,7 @@ impl GroupRecord {
     }
 }
 
-/// A model. One that could not be used has its name and path, and little else.
+/// A model. A refused one has its name and path, and little else.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModelRecord {
     /// Name in tables and cells, unique within the file.
@@ -197,7 +204,7 @@ pub struct ModelRecord {
 }
 
 /// One algorithm on one model from one source.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     /// Name of the model.
     pub model: String,
@@ -208,13 +215,13 @@ pub struct Cell {
     pub source: Option<u32>,
     /// Threads that the algorithm used.
     pub threads: usize,
-    /// How it ended.
+    /// Outcome.
     pub status: Status,
-    /// Why, if not well; one line.
+    /// Reason of a failure, or a note; one line.
     pub message: Option<String>,
     /// Times of the solve alone.
     pub time: Time,
-    /// What was counted, in a run apart from the timed ones.
+    /// Counters, of a run apart from the timed ones.
     #[serde(with = "counters_as_map")]
     pub counters: Counters,
     /// Memory, of the run that counted.
@@ -226,74 +233,62 @@ pub struct Cell {
     /// Name of the group; null if that has none.
     #[serde(default)]
     pub group: Option<String>,
-    /// Instructions of the solve, the first after the set-up, as Valgrind's callgrind counts them;
-    /// null unless they were asked for.
+    /// Instructions of the first solve after set-up, counted by callgrind; null without
+    /// `--instructions`.
     #[serde(default)]
     pub instructions: Option<u64>,
-    /// The widest vector instructions that the counted solve may have used, `avx512`, `avx2` or
-    /// `scalar`: narrower than in the timed runs where Valgrind does not know those. Null if
-    /// nothing was counted, and in files of older programs.
+    /// The widest vector instructions of the solve whose instructions were counted, `avx512`,
+    /// `avx2` or `scalar`: narrower than in the timed runs where Valgrind does not support those.
+    /// Null if nothing was counted, and in files of older programs.
     #[serde(default)]
     pub instructions_simd: Option<String>,
-    /// The part of the plan that it belongs to; null if the plan was not split.
+    /// Index of its shard; null if the plan was not split.
     #[serde(default)]
     pub shard: Option<u32>,
-    /// The wavefront at even intervals of the counted run; absent unless it was asked for, or if
-    /// the algorithm does not show it.
+    /// Samples of the wavefront at even intervals of the counted run; absent without `--wavefront`
+    /// and for algorithms without one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub wavefront: Vec<WavefrontSample>,
+    pub wavefront: Vec<WavefrontRecord>,
 }
 
 impl Cell {
-    /// A cell of which nothing is known yet.
+    /// A cell without results.
     pub fn new(model: &str, algorithm: &str) -> Self {
         Self {
             model: model.to_owned(),
             algorithm: algorithm.to_owned(),
-            source: None,
             threads: 1,
-            status: Status::Ok,
-            message: None,
-            time: Time::default(),
-            counters: Counters::default(),
-            memory: Memory::default(),
-            phases: Phases::default(),
-            check: Check::default(),
-            group: None,
-            instructions: None,
-            instructions_simd: None,
-            shard: None,
-            wavefront: Vec::new(),
+            ..Self::default()
         }
     }
 }
 
-/// How many instructions a solve takes.
+/// Instruction count of a solve.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InstructionCount {
-    /// How many.
+    /// The count.
     pub count: u64,
     /// The widest vector instructions among them; null if that is not known.
     #[serde(default)]
     pub simd: Option<String>,
 }
 
-/// The wavefront at one moment of a run; distances are the windows' least ones.
+/// A sample of the wavefront; the distance of a window is its least one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct WavefrontSample {
+pub struct WavefrontRecord {
     /// Windows propagated until then.
     pub parents: u64,
-    /// Windows that wait to be propagated.
+    /// Windows in the queue.
     pub windows: u64,
     /// Mean of their distances.
     pub distance: f64,
     /// Standard deviation of their distances.
     pub deviation: f64,
-    /// How many windows the round at that moment was told to take; null if the queue has no rounds.
+    /// Batch size of the current round; null for a queue without rounds.
     pub k: Option<u64>,
 }
 
-impl From<geobench_window::WavefrontSample> for WavefrontSample {
+impl From<geobench_window::WavefrontSample> for WavefrontRecord {
     fn from(sample: geobench_window::WavefrontSample) -> Self {
         Self {
             parents: sample.parents,
@@ -305,17 +300,18 @@ impl From<geobench_window::WavefrontSample> for WavefrontSample {
     }
 }
 
-/// How a cell ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// Outcome of a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// Done, and the check, if there was one, passed.
+    /// Done; the check, if any, passed.
+    #[default]
     Ok,
-    /// Ran longer than it may.
+    /// Time limit exceeded.
     Timeout,
-    /// Needed more memory than it may have.
+    /// Memory limit exceeded.
     OutOfMemory,
-    /// Ended unasked.
+    /// The process ended early, or the solver panicked.
     Crashed,
     /// The answer differs from the reference.
     Wrong,
@@ -336,7 +332,7 @@ impl Status {
         }
     }
 
-    /// The same for people, without underscores.
+    /// The same without underscores.
     pub fn in_words(self) -> String {
         self.name().replace('_', " ")
     }
@@ -355,22 +351,20 @@ pub struct Time {
     pub mad: Option<f64>,
     /// 95 % bootstrap interval of the median; null from fewer than five samples.
     pub ci95: Option<[f64; 2]>,
-    /// Why there is no interval.
+    /// Reason for a missing interval.
     pub note: Option<String>,
-    /// Time to set the algorithm up for the mesh, which the samples do not include.
+    /// Set-up time of the solver, not included in the samples.
     pub setup: Option<f64>,
-    /// How many samples lie far from all others: more than ten times the standard deviation, as the
-    /// MAD estimates it, from the median. They count in all figures. Null from fewer than five
-    /// samples.
+    /// Number of outliers: samples more than ten standard deviations, estimated from the MAD, from
+    /// the median. All figures include them. Null from fewer than five samples.
     #[serde(default)]
     pub outliers: Option<usize>,
-    /// For each sample, how many algorithms had run before in its round, failed ones included: the
-    /// order of the runs.
+    /// For each sample, its position in the order of its round, failed algorithms included.
     #[serde(default)]
     pub places: Vec<usize>,
 }
 
-/// What happened on the machine between the start and the end of a run.
+/// Conditions of the machine between the start and the end of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Conditions {
     /// The governors of the processors' frequencies at the end, each once.
@@ -383,22 +377,22 @@ pub struct Conditions {
     pub frequency_max: Option<u64>,
     /// Load average over one minute at the end; that of the start is in `host`.
     pub load_end: Option<f64>,
-    /// Processors that other processes kept busy, on average; null for runs of less than a second.
+    /// Mean number of processors busy with other processes; null for runs of less than a second.
     pub other_load: Option<f64>,
-    /// Share of the time of all processors that the host of a virtual machine gave to others; null
-    /// for runs of less than a second.
+    /// Share of processor time that the host of a virtual machine gave to others; null for runs of
+    /// less than a second.
     pub stolen: Option<f64>,
     /// Swap space in use at the end, in bytes.
     pub swap_used_bytes: Option<u64>,
-    /// Pages that the whole system moved to and from swap space meanwhile.
+    /// Pages that the system moved to and from swap space.
     pub swapped_pages: Option<u64>,
-    /// How many times a processor slowed itself down because it was too hot.
+    /// Number of thermal throttles.
     pub thermal_throttles: Option<u64>,
-    /// How many times the control group had used up its share of the processors.
+    /// Number of times that the control group exceeded its share of the processors.
     pub cgroup_throttles: Option<u64>,
-    /// Seconds that its tasks waited for that reason.
+    /// Seconds that its tasks were throttled.
     pub cgroup_throttled_seconds: Option<f64>,
-    /// What of this makes the times doubtful, in words.
+    /// Warnings on disturbances that make the times doubtful.
     pub warnings: Vec<String>,
 }
 
@@ -408,13 +402,12 @@ pub struct Memory {
     /// The papers' figure: 80 bytes for each window stored at the end (algorithms that keep every
     /// window) or alive at the peak (the others).
     pub papers_bytes: Option<u64>,
-    /// Bytes of our windows at their peak.
+    /// Peak bytes of the windows as stored here.
     pub windows_peak_bytes: Option<u64>,
-    /// Most bytes on the heap at one time that belong to the algorithm: its set-up, its run and
-    /// its answer, without the mesh.
+    /// Peak heap bytes of the algorithm: set-up, run and answer, without the mesh.
     pub heap_peak_bytes: Option<u64>,
-    /// Most memory that the whole process occupied meanwhile, the mesh and every other algorithm
-    /// that is set up included (Linux).
+    /// Peak RSS of the process during the run: mesh, solver and code pages touched. Loading is
+    /// excluded. Linux only.
     pub rss_peak_bytes: Option<u64>,
 }
 
@@ -425,7 +418,7 @@ pub struct Phases {
     pub propagation: Option<f64>,
     /// Filters, trims and checks between windows.
     pub pruning: Option<f64>,
-    /// Queues, lists, storage and everything else.
+    /// Queues, lists, storage and all else.
     pub management: Option<f64>,
 }
 
@@ -434,26 +427,26 @@ pub struct Phases {
 pub struct Check {
     /// The algorithm, or the file, whose answer it is; null if nothing was compared.
     pub reference: Option<String>,
-    /// Largest absolute difference; null if not finite (the message then says which vertex).
+    /// Largest absolute difference; null if not finite (the message names the vertex).
     pub max_abs: Option<f64>,
     /// Largest relative difference; null if not finite.
     pub max_rel: Option<f64>,
-    /// Vertices that no path reaches.
+    /// Unreachable vertices.
     pub unreachable: Option<u64>,
-    /// Vertices that were compared, which are not all if the reference is a file that holds some
-    /// only; null if nothing was compared.
+    /// Vertices that were compared, fewer than all if the reference is a file of some; null if
+    /// nothing was compared.
     #[serde(default)]
     pub compared: Option<u64>,
     /// The vertex with the largest relative difference; null if the answer agrees with the
     /// reference.
     #[serde(default)]
     pub worst_vertex: Option<u64>,
-    /// How far a distance may be off because edges are too long for the distances around them, in
-    /// the units of the model; null where no edge is, as on nearly all models.
+    /// Bound on the error of a distance next to edges too long for `f64` to place a path on them,
+    /// in the units of the model; null without such edges, as on nearly all models.
     #[serde(default)]
     pub doubt: Option<f64>,
-    /// Answers to the same model and source with the same number agree with each other; 0 is the
-    /// reference's. Null if there is no answer, or one that is not held to the tolerance.
+    /// Number of the cluster of answers that agree, for this model and source; 0 is that of the
+    /// reference. Null without an answer, and for approximate algorithms.
     #[serde(default)]
     pub cluster: Option<u32>,
 }
@@ -477,7 +470,7 @@ pub(crate) mod counters_as_map {
         map.end()
     }
 
-    /// What stands for a counter in a file.
+    /// The value of a counter in a file.
     #[derive(Clone, Copy, Deserialize)]
     #[serde(untagged)]
     enum Figure {

@@ -1,61 +1,20 @@
 //! Reading result files back.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use anyhow::{Context, anyhow, bail};
 use serde::Deserialize;
 
 use crate::schema::{ResultFile, SCHEMA};
-
-/// Why a result file cannot be used.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReadError {
-    /// It cannot be read.
-    #[error("{}: cannot be read: {error}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        error: std::io::Error,
-    },
-    /// It is not JSON, or not an object that says what it is.
-    #[error("{}: not a result file: {problem}; give a .json file that `geobench run -o` wrote", path.display())]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-        /// Why it is not.
-        problem: String,
-    },
-    /// It has another schema.
-    #[error("{}: `schema` is `{found}`, but this version of geobench reads `{SCHEMA}`", path.display())]
-    Schema {
-        /// The file.
-        path: PathBuf,
-        /// Its schema.
-        found: String,
-    },
-    /// A field is missing or is not what it should be.
-    #[error("{}: field `{field}`: {problem}", path.display())]
-    Field {
-        /// The file.
-        path: PathBuf,
-        /// Where, such as `cells[3].time.samples[0]`.
-        field: String,
-        /// What is wrong with it, and in which line.
-        problem: String,
-    },
-}
 
 /// Reads a result file in JSON.
 ///
 /// # Errors
 ///
-/// Names the file and, if one is to blame, the field.
-pub fn read(path: &Path) -> Result<ResultFile, ReadError> {
-    let text = std::fs::read_to_string(path).map_err(|error| ReadError::Io {
-        path: path.to_owned(),
-        error,
-    })?;
+/// Names the file and the field.
+pub fn read(path: &Path) -> anyhow::Result<ResultFile> {
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("{}: cannot be read", path.display()))?;
     parse(path, &text)
 }
 
@@ -64,49 +23,34 @@ pub fn read(path: &Path) -> Result<ResultFile, ReadError> {
 /// # Errors
 ///
 /// As [`read`], apart from those of the system.
-pub fn parse(path: &Path, text: &str) -> Result<ResultFile, ReadError> {
+pub fn parse(path: &Path, text: &str) -> anyhow::Result<ResultFile> {
     /// The one field that every version has.
     #[derive(Deserialize)]
     struct Head {
         schema: Option<serde_json::Value>,
     }
 
-    let path = path.to_owned();
-    let head: Head = match serde_json::from_str(text) {
-        Ok(head) => head,
-        Err(error) => {
-            let problem = error.to_string();
-            return Err(ReadError::Foreign { path, problem });
-        }
+    let path = path.display();
+    let foreign = |problem: &str| {
+        anyhow!(
+            "{path}: not a result file: {problem}; give a .json file that `geobench run -o` wrote"
+        )
     };
+    let head: Head = serde_json::from_str(text).map_err(|error| foreign(&error.to_string()))?;
     match head.schema {
         Some(schema) if schema == SCHEMA => {}
         Some(schema) => {
-            let found = schema
-                .as_str()
-                .map_or_else(|| schema.to_string(), str::to_owned);
-            return Err(ReadError::Schema { path, found });
+            let found = schema.as_str().map_or(schema.to_string(), str::to_owned);
+            bail!("{path}: `schema` is `{found}`, but this version of geobench reads `{SCHEMA}`");
         }
-        None => {
-            let problem = "it has no field `schema`".to_owned();
-            return Err(ReadError::Foreign { path, problem });
-        }
+        None => return Err(foreign("it has no field `schema`")),
     }
     let mut json = serde_json::Deserializer::from_str(text);
-    match serde_path_to_error::deserialize(&mut json) {
-        Ok(file) => match negative_time(&file) {
-            Some((field, problem)) => Err(ReadError::Field {
-                path,
-                field,
-                problem,
-            }),
-            None => Ok(file),
-        },
-        Err(error) => Err(ReadError::Field {
-            path,
-            field: error.path().to_string(),
-            problem: error.into_inner().to_string(),
-        }),
+    let file: ResultFile = serde_path_to_error::deserialize(&mut json)
+        .map_err(|error| anyhow!("{path}: field `{}`: {}", error.path(), error.inner()))?;
+    match negative_time(&file) {
+        Some((field, problem)) => bail!("{path}: field `{field}`: {problem}"),
+        None => Ok(file),
     }
 }
 
@@ -127,8 +71,7 @@ fn negative_time(file: &ResultFile) -> Option<(String, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exec::mock::MockBackend;
-    use crate::run::mock::{self};
+    use crate::schema::Cell;
 
     fn refused(text: &str) -> String {
         parse(Path::new("r.json"), text).unwrap_err().to_string()
@@ -136,7 +79,7 @@ mod tests {
 
     #[test]
     fn what_is_no_result_file_is_refused() {
-        let error = read(Path::new("/no/such.json")).unwrap_err().to_string();
+        let error = format!("{:#}", read(Path::new("/no/such.json")).unwrap_err());
         assert!(error.starts_with("/no/such.json: cannot be read: "));
         assert!(refused("").starts_with("r.json: not a result file: EOF"));
         assert!(refused("[]").starts_with("r.json: not a result file: invalid"));
@@ -151,13 +94,6 @@ mod tests {
         }
     }
 
-    /// The text of a made-up result file.
-    fn mock_result() -> String {
-        let plan = mock::plan(&["cow"], "mmp,vtp", "0");
-        let file = mock::result(mock::run_mock(&plan, &mut MockBackend::default()));
-        serde_json::to_string(&file).unwrap()
-    }
-
     #[test]
     fn a_bad_field_is_named() {
         let error = refused(
@@ -167,8 +103,15 @@ mod tests {
             error.starts_with("r.json: field `tool.commit`: invalid type: integer `3`"),
             "{error}"
         );
-        let mut file: serde_json::Value = serde_json::from_str(&mock_result()).unwrap();
-        file["cells"][1]["time"]["samples"][2] = (-0.5).into();
+        let mut cell = Cell::new("cow", "vtp");
+        cell.time.samples = vec![1.0, 2.0, -0.5];
+        let file = serde_json::json!({
+            "schema": SCHEMA,
+            "tool": {"version": "1", "profile": "release", "features": []},
+            "host": {"cores": 2, "os": "some system"},
+            "command": [], "started": "", "finished": "", "models": [],
+            "cells": [Cell::new("cow", "mmp"), cell],
+        });
         assert_eq!(
             refused(&file.to_string()),
             "r.json: field `cells[1].time.samples[2]`: -0.5 is no time: it is below 0"

@@ -2,9 +2,9 @@
 
 use std::sync::LazyLock;
 
+use geobench_mesh::did_you_mean;
 use geobench_window::{Counter, Counters};
 
-use crate::registry::nearest;
 use crate::schema::Cell;
 
 /// A figure of a cell: a row of a table.
@@ -48,14 +48,9 @@ pub(crate) const USUAL: [&str; 4] = ["time", "propagated", "papers_memory", "hea
 
 /// A name that is not that of a figure.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no row `{name}`{}; known are {}", did_you_mean(suggestion.as_deref()), known().join(", "))]
+#[error("there is no row `{name}`{}; known are {}", did_you_mean(name, &known()), known().join(", "))]
 pub struct UnknownFigure {
     name: String,
-    suggestion: Option<String>,
-}
-
-fn did_you_mean(suggestion: Option<&str>) -> String {
-    suggestion.map_or_else(String::new, |name| format!(", did you mean `{name}`?"))
 }
 
 fn known() -> Vec<&'static str> {
@@ -72,10 +67,7 @@ pub fn figure(name: &str) -> Result<&'static Figure, UnknownFigure> {
     all()
         .iter()
         .find(|figure| figure.key == name)
-        .ok_or_else(|| UnknownFigure {
-            suggestion: nearest(&name, &known()),
-            name,
-        })
+        .ok_or(UnknownFigure { name })
 }
 
 /// The figures of these names, as far as there are any; the usual ones if none are named.

@@ -6,6 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
+use geobench_mesh::SplitMix64;
 use serde_json::{Value, json};
 
 use crate::support::Sandbox;
@@ -32,18 +33,6 @@ source = [4, 7]
 /// Of every run in the suite: 9 sources with 3 algorithms, 4 with 2, a warm-up, 4 timed runs and 2
 /// others each; and the reference of the second group.
 const RUNS: usize = (9 * 3 + 4 * 2) * 7 + 4;
-
-/// A small generator of random numbers (Marsaglia's xorshift).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: u64) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0 % n
-    }
-}
 
 fn start(sandbox: &Sandbox, arguments: &str) -> Child {
     Command::new(env!("CARGO_BIN_EXE_geobench"))
@@ -102,15 +91,15 @@ fn kill_again_and_again(arguments: &str, runs: usize, least: usize) {
     sandbox.succeed(&format!("{run} -o undisturbed.json"));
 
     let run = &format!("{run} --resume j.jsonl -o killed.json");
-    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let mut random = SplitMix64::new(1);
     let mut kills = 0;
     let mut known = String::new();
     loop {
         let mut child = start(&sandbox, run);
         // Either at any time from the start on, or after so many bytes of the journal: whatever the
         // speed of the machine, some are killed early and some make progress.
-        let wanted = known.len() as u64 + random.below(4000);
-        let delay = Duration::from_micros(random.below(40_000));
+        let wanted = known.len() as u64 + random.below(4000) as u64;
+        let delay = Duration::from_micros(random.below(40_000) as u64);
         let early = random.below(3) == 0;
         let size = || fs::metadata(sandbox.path("j.jsonl")).map_or(0, |m| m.len());
         if early {

@@ -7,24 +7,24 @@ use super::MAX_FACES;
 #[non_exhaustive]
 pub enum GenerateError {
     /// There is no family of this name.
-    #[error("unknown model family `{name}`{}; there are {known}", suggest(.nearest.as_ref()))]
+    #[error("unknown model family `{name}`{hint}; there are {known}")]
     UnknownFamily {
         /// What was asked for.
         name: String,
-        /// The most similar name, if one is similar.
-        nearest: Option<&'static str>,
+        /// The most similar name as a question, if one is similar.
+        hint: String,
         /// All names, separated by commas.
         known: String,
     },
     /// The family has no such key.
-    #[error("`{family}` has no key `{key}`{}; it takes {known}", suggest(.nearest.as_ref()))]
+    #[error("`{family}` has no key `{key}`{hint}; it takes {known}")]
     UnknownKey {
         /// The family's name.
         family: &'static str,
         /// What was asked for.
         key: String,
-        /// The most similar key, if one is similar.
-        nearest: Option<&'static str>,
+        /// The most similar key as a question, if one is similar.
+        hint: String,
         /// All keys, separated by commas.
         known: String,
     },
@@ -92,41 +92,4 @@ pub enum GenerateError {
         /// The file's path.
         path: String,
     },
-}
-
-fn suggest(nearest: Option<&&'static str>) -> String {
-    nearest.map_or_else(String::new, |name| format!(", did you mean `{name}`?"))
-}
-
-/// The name among `known` that a user most likely meant by `given`.
-pub(super) fn nearest(
-    given: &str,
-    known: impl Iterator<Item = &'static str>,
-) -> Option<&'static str> {
-    // Names are short: a much longer word is no misspelling of one.
-    if given.len() > 40 {
-        return None;
-    }
-    let given = given.to_ascii_lowercase();
-    known
-        .map(|name| (strsim::jaro_winkler(&given, name), name))
-        .filter(|(similarity, _)| *similarity > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, name)| name)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::nearest;
-
-    #[test]
-    fn nearest_finds_misspellings_and_nothing_else() {
-        let known = || ["sphere", "uvsphere", "torus", "tetrahedron"].into_iter();
-        assert_eq!(nearest("shpere", known()), Some("sphere"));
-        assert_eq!(nearest("Tours", known()), Some("torus"));
-        assert_eq!(nearest("tetraeder", known()), Some("tetrahedron"));
-        assert_eq!(nearest("xyz", known()), None);
-        assert_eq!(nearest("", known()), None);
-        assert_eq!(nearest(&"sphere".repeat(9), known()), None);
-    }
 }

@@ -41,7 +41,6 @@ mod modifiers;
 mod noise;
 mod parts;
 mod plate;
-mod random;
 mod revolve;
 mod solid;
 mod spec;

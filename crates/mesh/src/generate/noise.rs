@@ -1,6 +1,6 @@
 //! Random displacement of vertices along their normals.
 
-use super::random::Random;
+use crate::random::SplitMix64;
 use crate::soup::TriangleSoup;
 
 /// Moves every vertex along its normal by a random distance, evenly spread between minus and plus
@@ -40,7 +40,7 @@ pub fn add_noise(soup: &mut TriangleSoup, amplitude: f64, seed: u64) {
             }
         }
     }
-    let random = Random::new(seed, 3);
+    let random = SplitMix64::for_use(seed, 3);
     for (i, (position, normal)) in soup.positions.iter_mut().zip(&normals).enumerate() {
         let length = norm(*normal);
         if length > 0.0 && length.is_finite() {

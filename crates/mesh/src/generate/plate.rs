@@ -1,7 +1,7 @@
 //! Flat models: the plane grid, the plate with holes, the strip of needles.
 
 use super::keys::{Key, Params};
-use super::random::Random;
+use crate::random::SplitMix64;
 use crate::soup::TriangleSoup;
 
 /// Largest number of cells along one side.
@@ -100,7 +100,7 @@ fn plate(
 ) -> TriangleSoup {
     let alternating = params.is("diagonal", "alternating");
     let jitter = params.real("jitter");
-    let mut random = Random::new(params.seed, 1);
+    let mut random = SplitMix64::for_use(params.seed, 1);
     // Numbers wrap below 0 to what lies beyond the rectangle on the other side: not kept either.
     let kept = |x: usize, y: usize| x < nx && y < ny && keep(x, y);
     let mut soup = TriangleSoup::default();

@@ -3,12 +3,12 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::error::nearest;
 use super::families::{FAMILIES, Family, Seeding};
 use super::keys::{Key, Kind, Params, Value};
 use super::modifiers::{MODIFIER_KEYS, Modifiers};
 use super::{GenerateError, MAX_FACES};
 use crate::soup::TriangleSoup;
+use crate::suggestion::did_you_mean;
 
 /// A spec that was read and found to name a model that can be made.
 ///
@@ -157,7 +157,7 @@ fn find_family(name: &str) -> Result<&'static Family, GenerateError> {
         .find(|family| names(family).any(|known| known.eq_ignore_ascii_case(name)))
         .ok_or_else(|| GenerateError::UnknownFamily {
             name: name.to_owned(),
-            nearest: nearest(name, FAMILIES.iter().flat_map(names)),
+            hint: did_you_mean(name, &FAMILIES.iter().flat_map(names).collect::<Vec<_>>()),
             known: join(FAMILIES.iter().map(|family| family.name)),
         })
 }
@@ -169,7 +169,7 @@ fn find_keys(family: &'static Family, name: &str) -> Result<Vec<&'static Key>, G
     let key = find(name).ok_or_else(|| GenerateError::UnknownKey {
         family: family.name,
         key: name.to_owned(),
-        nearest: nearest(name, known().map(|key| key.name)),
+        hint: did_you_mean(name, &known().map(|key| key.name).collect::<Vec<_>>()),
         known: join(known().map(|key| key.name)),
     })?;
     Ok(match key.kind {

@@ -2,7 +2,7 @@
 
 use super::keys::{Key, Params};
 use super::plate::cut;
-use super::random::Random;
+use crate::random::SplitMix64;
 use crate::soup::TriangleSoup;
 
 pub(super) const KEYS: &[Key] = &[
@@ -57,7 +57,7 @@ fn heights(params: &Params<'_>, n: usize) -> Vec<f64> {
         if octave > 0 && cells as usize > n || weight == 0.0 {
             break;
         }
-        let random = Random::new(params.seed, 0x100 + octave);
+        let random = SplitMix64::for_use(params.seed, 0x100 + octave);
         let value = |x: u64, y: u64| random.signed_at(x * (cells + 1) + y);
         for (y, row) in heights.chunks_exact_mut(n + 1).enumerate() {
             let (cell_y, t_y) = place(y, n, cells);

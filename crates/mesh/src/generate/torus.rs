@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use super::keys::{Key, Params};
 use super::lattice::wrapped;
-use super::random::Random;
 use super::turn::turn;
+use crate::random::SplitMix64;
 use crate::soup::TriangleSoup;
 
 pub(super) const KEYS: &[Key] = &[
@@ -96,7 +96,7 @@ struct Bumps {
 
 impl Bumps {
     fn new(seed: u64, height: f64) -> Self {
-        let mut random = Random::new(seed, 2);
+        let mut random = SplitMix64::for_use(seed, 2);
         let waves =
             [(1, 2), (2, -1), (3, 1), (4, -2), (5, 0), (0, 3)].map(|(along, around): (i8, i8)| {
                 [

@@ -1,6 +1,7 @@
 //! The algorithms of the registry, each with the values of its parameters that keep it exact.
 
-use geobench::registry::{Algorithm, Numbers, Parameter, SelectError, Selection, Value, select};
+use geobench::UsageError;
+use geobench::registry::{Algorithm, Numbers, Parameter, Selection, Value, select};
 
 /// Most faces that `ch` is given: its windows grow exponentially with the faces it can go around.
 const MOST_FACES_OF_CH: usize = 40;
@@ -11,7 +12,7 @@ const APPROXIMATE: &str = "threshold";
 /// What a list of the command line asks for: an item with parameters asks for itself; a name or a
 /// family asks for the algorithms with all [`variants`], unless `plain`. What does not claim to be
 /// exact is left out.
-pub(crate) fn selected(list: &str, plain: bool) -> Result<Vec<Selection>, SelectError> {
+pub(crate) fn selected(list: &str, plain: bool) -> Result<Vec<Selection>, UsageError> {
     let mut all: Vec<Selection> = Vec::new();
     for selection in select(list)? {
         let algorithm = *selection.algorithm();
@@ -67,7 +68,7 @@ fn variants(algorithm: &Algorithm) -> Vec<Selection> {
     let parsed = specs.iter().filter_map(|spec| match select(spec) {
         Ok(selected) => Some(selected),
         // A parameter that goes only with another value of a second one.
-        Err(SelectError::Idle { .. }) => None,
+        Err(error) if error.to_string().contains("` does nothing without `") => None,
         Err(error) => panic!("{spec}: {error}"),
     });
     parsed.flatten().collect()

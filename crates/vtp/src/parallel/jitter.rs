@@ -13,23 +13,21 @@ pub(super) fn jitter() {}
 /// then, and a quarter of a millisecond at most once in two thousand times.
 #[cfg(test)]
 pub(super) fn jitter() {
-    use std::cell::Cell;
+    use std::cell::RefCell;
     use std::hint::spin_loop;
     use std::sync::atomic::AtomicU64;
     use std::sync::atomic::Ordering::Relaxed;
     use std::thread;
     use std::time::Duration;
 
+    use geobench_mesh::SplitMix64;
+
     static SEEDS: AtomicU64 = AtomicU64::new(1);
     thread_local! {
-        static STATE: Cell<u64> = Cell::new(SEEDS.fetch_add(0x9E37_79B9_7F4A_7C16, Relaxed));
+        static RANDOM: RefCell<SplitMix64> =
+            RefCell::new(SplitMix64::new(SEEDS.fetch_add(1, Relaxed)));
     }
-    // The generator xorshift64 of Marsaglia.
-    let mut x = STATE.get();
-    x ^= x << 13;
-    x ^= x >> 7;
-    x ^= x << 17;
-    STATE.set(x);
+    let x = RANDOM.with_borrow_mut(SplitMix64::next);
     let (choice, length) = (x >> 52, x >> 20 & 0xFF);
     match choice {
         0..2 => thread::sleep(Duration::from_micros(length)),

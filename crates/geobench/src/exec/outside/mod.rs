@@ -22,7 +22,7 @@ use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
 use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::host::kibibytes;
-use crate::registry::{Keeping, Program};
+use crate::registry::{ProcessLifetime, Program};
 use crate::schema::{ModelRecord, Status};
 
 mod process;
@@ -176,7 +176,7 @@ impl ProgramSession<'_> {
             ProgramProcess::start(program, output, &task)?
         };
         let done = process.solve(&task)?;
-        if program.keeping == Keeping::Session && self.has_room_for(&process) {
+        if program.lifetime == ProcessLifetime::Session && self.has_room_for(&process) {
             self.processes.insert(name.clone(), process);
         }
         self.last.insert(name.clone(), done.clone());

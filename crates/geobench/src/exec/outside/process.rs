@@ -16,7 +16,7 @@ use crate::exec::isolate::{ChildError, ChildProcess};
 use crate::exec::limits::Limits;
 use crate::exec::{Failure, Observation, expected, protocol};
 use crate::measure::memory::Peaks;
-use crate::registry::{Call, Keeping, Program};
+use crate::registry::{Call, ProcessLifetime, Program};
 use crate::schema::Status;
 
 /// Most bytes of a line.
@@ -80,7 +80,7 @@ impl ProgramProcess {
             program: program.clone(),
             output,
         };
-        if program.keeping == Keeping::Session {
+        if program.lifetime == ProcessLifetime::Session {
             let line = process.ask(b"", task, DOING)?;
             if !line.ready {
                 return Err(failure(&ChildError::Garbage("not \"ready\": true".into())));
@@ -98,16 +98,16 @@ impl ProgramProcess {
             .timeout
             .0
             .and_then(|time| start.checked_add(time));
-        let request = match self.program.keeping {
-            Keeping::Session => {
+        let request = match self.program.lifetime {
+            ProcessLifetime::Session => {
                 forget(&self.output);
                 SOLVE
             }
             // With protocol `once`, the program solves from its start.
-            Keeping::Once => b"",
+            ProcessLifetime::Once => b"",
         };
         let mut line = self.ask(request, task, DOING)?;
-        if line.ready && self.program.keeping == Keeping::Once {
+        if line.ready && self.program.lifetime == ProcessLifetime::Once {
             line = self.ask(b"", task, DOING)?;
         }
         if line.seconds.is_none() {

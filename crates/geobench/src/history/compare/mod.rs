@@ -29,7 +29,7 @@ mod rules;
 #[cfg(test)]
 mod tests;
 
-pub use rules::{Rule, RuleError, Rules, Subject};
+pub use rules::{Rule, Rules, Subject};
 
 /// The schema of a comparison in JSON.
 pub const SCHEMA: &str = "geobench-comparison/1";

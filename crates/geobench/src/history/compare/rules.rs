@@ -3,8 +3,10 @@
 use std::fmt;
 use std::str::FromStr;
 
+use geobench_mesh::did_you_mean;
+
 use super::Measure;
-use crate::registry::nearest;
+use crate::UsageError;
 
 /// What a rule is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,42 +60,6 @@ pub struct Rule {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rules(Vec<Rule>);
 
-/// Why rules were not understood.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RuleError {
-    /// Not of the form `NAME=LIMIT`.
-    #[error("`{0}` is not a rule; write NAME=LIMIT, such as time=10%")]
-    Form(String),
-    /// No such figure.
-    #[error("there is no rule `{name}`{}; known are {known}", did_you_mean(suggestion.as_deref()))]
-    Unknown {
-        /// The name.
-        name: String,
-        /// The nearest known one, if one is near.
-        suggestion: Option<String>,
-        /// All of them.
-        known: String,
-    },
-    /// The limit is no percentage.
-    #[error(
-        "`{name}={limit}`: a limit is 0 or a percentage such as 5%; +5% lets any decrease pass"
-    )]
-    Limit {
-        /// The name.
-        name: String,
-        /// The limit as it was given.
-        limit: String,
-    },
-    /// Two rules are on the same.
-    #[error("there are two rules for `{0}`")]
-    Twice(String),
-}
-
-fn did_you_mean(suggestion: Option<&str>) -> String {
-    suggestion.map_or_else(String::new, |name| format!(", did you mean `{name}`?"))
-}
-
 impl Rule {
     /// Whether a change from `old` to `new` of a figure that is compared as it is breaks the rule.
     pub fn is_broken(&self, old: f64, new: f64) -> bool {
@@ -116,14 +82,15 @@ impl Rules {
 }
 
 impl FromStr for Rules {
-    type Err = RuleError;
+    type Err = UsageError;
 
-    fn from_str(text: &str) -> Result<Self, RuleError> {
+    fn from_str(text: &str) -> Result<Self, UsageError> {
         let mut rules: Vec<Rule> = Vec::new();
         for item in text.split(',') {
             let rule: Rule = item.parse()?;
             if rules.iter().any(|other| other.subject == rule.subject) {
-                return Err(RuleError::Twice(rule.subject.name().to_owned()));
+                let name = rule.subject.name();
+                return Err(UsageError(format!("there are two rules for `{name}`")));
             }
             rules.push(rule);
         }
@@ -132,15 +99,18 @@ impl FromStr for Rules {
 }
 
 impl FromStr for Rule {
-    type Err = RuleError;
+    type Err = UsageError;
 
-    fn from_str(item: &str) -> Result<Self, RuleError> {
-        let (name, limit) = item
-            .split_once('=')
-            .ok_or_else(|| RuleError::Form(item.trim().to_owned()))?;
+    fn from_str(item: &str) -> Result<Self, UsageError> {
+        let (name, limit) = item.split_once('=').ok_or_else(|| {
+            let item = item.trim();
+            UsageError(format!(
+                "`{item}` is not a rule; write NAME=LIMIT, such as time=10%"
+            ))
+        })?;
         let name = name.trim().to_lowercase();
         let Some(subject) = Subject::all().find(|subject| subject.name() == name) else {
-            return Err(unknown(name));
+            return Err(unknown(&name));
         };
         let (sign, size) = match limit.trim().strip_prefix('+') {
             Some(size) => (true, size),
@@ -156,21 +126,21 @@ impl FromStr for Rule {
                 limit: percent / 100.0,
                 only_more: sign || subject.is_cost(),
             }),
-            None => Err(RuleError::Limit {
-                name,
-                limit: limit.trim().to_owned(),
-            }),
+            None => Err(UsageError(format!(
+                "`{name}={}`: a limit is 0 or a percentage such as 5%; +5% lets any decrease pass",
+                limit.trim()
+            ))),
         }
     }
 }
 
-fn unknown(name: String) -> RuleError {
+fn unknown(name: &str) -> UsageError {
     let known: Vec<&str> = Subject::all().map(Subject::name).collect();
-    RuleError::Unknown {
-        suggestion: nearest(&name, &known),
-        name,
-        known: known.join(", "),
-    }
+    UsageError(format!(
+        "there is no rule `{name}`{}; known are {}",
+        did_you_mean(name, &known),
+        known.join(", ")
+    ))
 }
 
 impl fmt::Display for Rule {

@@ -1,22 +1,28 @@
-//! TOML values with the lines that they stand on.
+//! Reads TOML into types of serde; errors name the file, the line and the key.
 
+use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use geobench_mesh::did_you_mean;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeOwned, Error, IgnoredAny, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use serde_path_to_error::Segment;
 use toml::Spanned;
-use toml::de::{DeString, DeTable, DeValue};
+use toml::de::{DeTable, DeValue};
 
-use crate::registry::nearest;
+use super::Settings;
 
-/// What is wrong with a suite file.
+/// An error in a suite file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{}: {problem}", path.display(), at(*line))]
 pub struct SuiteError {
     /// The file.
     pub path: PathBuf,
-    /// The line, counted from 1, if it is about one.
+    /// The line, counted from 1, if there is one.
     pub line: Option<usize>,
-    /// What is wrong there and what would be right.
+    /// The error, and the values that are allowed.
     pub problem: String,
 }
 
@@ -24,27 +30,110 @@ fn at(line: Option<usize>) -> String {
     line.map_or_else(String::new, |line| format!(", line {line}"))
 }
 
-/// A suite file while it is read.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Document<'t> {
-    pub(crate) path: &'t Path,
-    pub(crate) text: &'t str,
+/// The path and the text of a TOML file.
+#[derive(Clone, Debug)]
+pub(crate) struct Document<'p> {
+    path: &'p Path,
+    text: String,
 }
 
-/// A value with its key and its place.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Entry<'t> {
-    pub(crate) document: Document<'t>,
-    pub(crate) key: &'t str,
-    pub(crate) value: &'t Spanned<DeValue<'t>>,
-}
+impl<'p> Document<'p> {
+    pub(crate) fn new(path: &'p Path, text: &str) -> Self {
+        let text = text.to_owned();
+        Self { path, text }
+    }
 
-impl<'t> Document<'t> {
-    pub(crate) fn parse(&self) -> Result<DeTable<'t>, SuiteError> {
-        match DeTable::parse(self.text) {
-            Ok(table) => Ok(table.into_inner()),
-            Err(error) => Err(self.error(error.span(), error.message())),
-        }
+    pub(crate) fn open(path: &'p Path) -> Result<Self, SuiteError> {
+        let text = std::fs::read_to_string(path).map_err(|error| SuiteError {
+            path: path.to_owned(),
+            line: None,
+            problem: error.to_string(),
+        })?;
+        Ok(Self { path, text })
+    }
+
+    /// The directory that paths in the file are relative to.
+    pub(crate) fn directory(&self) -> &'p Path {
+        self.path.parent().unwrap_or(Path::new(""))
+    }
+
+    /// Parses the file as TOML.
+    pub(super) fn parse(&self) -> Result<Spanned<DeTable<'_>>, SuiteError> {
+        DeTable::parse(&self.text).map_err(|error| self.error(error.span(), error.message()))
+    }
+
+    /// Takes the array of tables of `key` out of `table`.
+    pub(super) fn take_tables<'t>(
+        &self,
+        table: &mut Spanned<DeTable<'t>>,
+        key: &str,
+    ) -> Result<Vec<Spanned<DeTable<'t>>>, SuiteError> {
+        let Some(value) = table.get_mut().remove(key) else {
+            return Ok(Vec::new());
+        };
+        let span = value.span();
+        let DeValue::Array(tables) = value.into_inner() else {
+            return Err(self.error_at(key, Some(span), "a list in [] is expected"));
+        };
+        let tables = tables.into_iter().map(|value| {
+            let span = value.span();
+            match value.into_inner() {
+                DeValue::Table(table) => Ok(Spanned::new(span, table)),
+                _ => Err(self.error_at(key, Some(span), "a table is expected")),
+            }
+        });
+        tables.collect()
+    }
+
+    /// Deserializes a table of these keys and of settings. The `flatten` of serde would lose the
+    /// lines of errors.
+    pub(super) fn read_with_settings<T: DeserializeOwned>(
+        &self,
+        table: Spanned<DeTable<'_>>,
+        keys: &[&str],
+    ) -> Result<(T, Settings), SuiteError> {
+        let span = table.span();
+        let (own, rest) = (table.into_inner().into_iter())
+            .partition(|(key, _)| keys.contains(&key.get_ref().as_ref()));
+        let own = self.read(Spanned::new(span.clone(), own), &[])?;
+        let mut settings: Settings = self.read(Spanned::new(span, rest), keys)?;
+        settings.resolve(self)?;
+        Ok((own, settings))
+    }
+
+    /// Deserializes a table. `more` are keys that `T` does not know and that are allowed beside its
+    /// own, for the suggestion in the error for another one.
+    pub(super) fn read<T: DeserializeOwned>(
+        &self,
+        table: Spanned<DeTable<'_>>,
+        more: &[&str],
+    ) -> Result<T, SuiteError> {
+        let toml = toml::Deserializer::from(table);
+        serde_path_to_error::deserialize(toml).map_err(|error| {
+            let last_key = error.path().iter().rev().find_map(|segment| match segment {
+                // `Spanned` adds keys of its own.
+                Segment::Map { key } if !key.starts_with("$__serde_spanned") => Some(key.clone()),
+                _ => None,
+            });
+            let is_nested = error.path().iter().len() > 1;
+            let more = if is_nested { &[] } else { more };
+            let error = error.into_inner();
+            match (unknown_key(error.message(), more), last_key) {
+                (None, Some(key)) => self.error_at(&key, error.span(), &plain(error.message())),
+                (Some(problem), _) => self.error(error.span(), &problem),
+                (None, None) => self.error(error.span(), &plain(error.message())),
+            }
+        })
+    }
+
+    /// An error in the value of `key`.
+    pub(crate) fn error_at(
+        &self,
+        key: &str,
+        span: Option<Range<usize>>,
+        problem: &str,
+    ) -> SuiteError {
+        self.error(span, &format!("`{key}`: {problem}"))
     }
 
     pub(crate) fn error(&self, span: Option<Range<usize>>, problem: &str) -> SuiteError {
@@ -55,100 +144,79 @@ impl<'t> Document<'t> {
         }
     }
 
-    fn line(&self, span: &Range<usize>) -> usize {
+    /// The line on which `span` starts.
+    pub(crate) fn line(&self, span: &Range<usize>) -> usize {
         let before = self.text.as_bytes().iter().take(span.start);
         1 + before.filter(|byte| **byte == b'\n').count()
     }
-
-    /// Complains about a key that is none of `known`.
-    pub(crate) fn unknown_key(&self, key: &Spanned<DeString<'_>>, known: &[&str]) -> SuiteError {
-        let name = key.get_ref();
-        let suggestion = nearest(&name.to_lowercase(), known)
-            .map_or_else(String::new, |known| format!(", did you mean `{known}`?"));
-        self.error(
-            Some(key.span()),
-            &format!(
-                "there is no key `{name}` here{suggestion}; known are {}",
-                known.join(", ")
-            ),
-        )
-    }
 }
 
-impl<'t> Entry<'t> {
-    pub(crate) fn error(&self, problem: &str) -> SuiteError {
-        let problem = format!("`{}`: {problem}", self.key);
-        self.document.error(Some(self.value.span()), &problem)
-    }
+/// The message for a key that serde does not know. Serde names it, and then those that it knows,
+/// between backticks.
+fn unknown_key(message: &str, more: &[&str]) -> Option<String> {
+    let mut names = message.strip_prefix("unknown field")?.split('`').skip(1);
+    let name = names.next()?;
+    let known = more.iter().copied().chain(names.skip(1).step_by(2));
+    let known: Vec<&str> = known.collect();
+    Some(format!(
+        "there is no key `{name}` here{}; known are {}",
+        did_you_mean(name, &known),
+        known.join(", ")
+    ))
+}
 
-    pub(crate) fn line(&self) -> usize {
-        self.document.line(&self.value.span())
-    }
+/// A message of serde on a value of the wrong type in the words of TOML. Other messages are ours
+/// and stay.
+fn plain(message: &str) -> String {
+    let wrong_type = message.strip_prefix("invalid type: ");
+    let Some((_, expected)) = wrong_type.and_then(|rest| rest.rsplit_once(", expected ")) else {
+        return message.to_owned();
+    };
+    let expected = match expected {
+        "a string" => "a text in quotes",
+        "a boolean" => "true or false",
+        "a sequence" => "a list in []",
+        "a map" => "a table",
+        other => other,
+    };
+    format!("{expected} is expected")
+}
 
-    /// A text.
-    pub(crate) fn text(&self) -> Result<&'t str, SuiteError> {
-        match self.value.get_ref() {
-            DeValue::String(text) => Ok(text),
-            _ => Err(self.error("a text in quotes is expected")),
+/// Deserializes a text with `text`, or a table of type `T` with `table`. Errors of a visitor get
+/// the line of the value; those of `#[serde(try_from)]` in a list get that of the list.
+pub(super) fn text_or_table<'de, D: Deserializer<'de>, T: Deserialize<'de>, V>(
+    deserializer: D,
+    text: fn(&str) -> Result<V, String>,
+    table: fn(T) -> Result<V, String>,
+) -> Result<V, D::Error> {
+    struct TextOrTable<T, V> {
+        text: fn(&str) -> Result<V, String>,
+        table: fn(T) -> Result<V, String>,
+    }
+    impl<'de, T: Deserialize<'de>, V> Visitor<'de> for TextOrTable<T, V> {
+        type Value = V;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a string")
+        }
+
+        fn visit_str<E: Error>(self, text: &str) -> Result<V, E> {
+            (self.text)(text).map_err(E::custom)
+        }
+
+        fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<V, M::Error> {
+            let table = T::deserialize(MapAccessDeserializer::new(map))?;
+            (self.table)(table).map_err(M::Error::custom)
         }
     }
+    deserializer.deserialize_any(TextOrTable { text, table })
+}
 
-    pub(crate) fn boolean(&self) -> Result<bool, SuiteError> {
-        match self.value.get_ref() {
-            DeValue::Boolean(value) => Ok(*value),
-            _ => Err(self.error("true or false is expected")),
-        }
-    }
-
-    /// A whole number in `range`.
-    pub(crate) fn whole(&self, range: Range<u32>) -> Result<u32, SuiteError> {
-        let number = match self.value.get_ref() {
-            DeValue::Integer(n) => u32::from_str_radix(n.as_str(), n.radix()).ok(),
-            _ => None,
-        };
-        number.filter(|n| range.contains(n)).ok_or_else(|| {
-            let (least, most) = (range.start, range.end.saturating_sub(1));
-            self.error(&format!(
-                "a whole number from {least} to {most} is expected"
-            ))
-        })
-    }
-
-    /// A number.
-    pub(crate) fn number(&self) -> Option<f64> {
-        match self.value.get_ref() {
-            DeValue::Float(x) => x.as_str().parse().ok(),
-            DeValue::Integer(n) if n.radix() == 10 => n.as_str().parse().ok(),
-            _ => None,
-        }
-    }
-
-    /// The text, or the number as it is written.
-    pub(crate) fn word(&self) -> Result<String, SuiteError> {
-        match self.value.get_ref() {
-            DeValue::String(text) => Ok(text.clone().into_owned()),
-            DeValue::Integer(n) => Ok(n.to_string()),
-            DeValue::Float(x) => Ok(x.to_string()),
-            _ => Err(self.error("a number or a word is expected")),
-        }
-    }
-
-    /// The elements of a list that is not empty.
-    pub(crate) fn list(&self) -> Result<Vec<Entry<'t>>, SuiteError> {
-        match self.value.get_ref() {
-            DeValue::Array(array) if !array.is_empty() => {
-                Ok(array.iter().map(|value| Entry { value, ..*self }).collect())
-            }
-            DeValue::Array(_) => Err(self.error("the list is empty")),
-            _ => Err(self.error("a list in [] is expected")),
-        }
-    }
-
-    /// The keys and values of a table.
-    pub(crate) fn table(&self) -> Result<&'t DeTable<'t>, SuiteError> {
-        match self.value.get_ref() {
-            DeValue::Table(table) => Ok(table),
-            _ => Err(self.error("a table is expected")),
-        }
-    }
+/// Deserializes a text with `text`.
+pub(super) fn parsed<'de, D: Deserializer<'de>, V>(
+    deserializer: D,
+    text: fn(&str) -> Result<V, String>,
+) -> Result<V, D::Error> {
+    let no_table = |_: IgnoredAny| Err("a text in quotes is expected".to_owned());
+    text_or_table(deserializer, text, no_table)
 }

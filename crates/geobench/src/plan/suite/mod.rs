@@ -1,5 +1,4 @@
-//! What a benchmark is made of before it is a plan: settings from the command line, from a suite
-//! file, or the usual ones.
+//! Suites: settings from the command line, from a suite file and by default become plans.
 //!
 //! A suite file (`geobench run --config SUITE.toml`) has one or more groups, each with models,
 //! algorithms and a text on what it is to show; settings above the first group hold for all
@@ -8,166 +7,61 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use crate::exec::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
+use toml::Spanned;
+
+use crate::UsageError;
+use crate::exec::limits::{Limits, Timeout};
 use crate::exec::model::{self, ModelError, ModelRef};
 use crate::plan::source::SourceSpec;
-use crate::plan::{OneFileForMore, Plan, Reference};
+use crate::plan::{Plan, Reference};
 use crate::registry::{self, Selection};
 use crate::schema::GroupRecord;
 
 mod document;
 mod file;
 mod programs;
+mod settings;
 
 pub use document::SuiteError;
 pub use file::{Suite, SuiteGroup};
 pub use programs::read_programs;
+pub use settings::{Settings, WantedModel, tolerance};
 
-/// Most runs of one cell that can be asked for.
+/// Greatest number of timed runs or warm-ups of a cell.
 pub const MOST_RUNS: u32 = 1_000_000;
 
-/// What the order of the runs is drawn from where nothing else is said.
+/// Default seed of the order of the runs.
 pub const DEFAULT_SEED: u64 = 1;
 
-/// What is known of a benchmark in one place; what is `None` is decided in another.
-#[derive(Clone, Debug, Default)]
-pub struct Settings {
-    /// The models.
-    pub models: Option<Vec<WantedModel>>,
-    /// The algorithms.
-    pub algorithms: Option<Vec<Selection>>,
-    /// The sources in each model.
-    pub sources: Option<SourceSpec>,
-    /// Timed runs of each cell; at least 1.
-    pub repeat: Option<u32>,
-    /// Untimed runs of each cell before those.
-    pub warmup: Option<u32>,
-    /// Largest relative difference that passes.
-    pub tolerance: Option<f64>,
-    /// What the order of the runs is drawn from.
-    pub seed: Option<u64>,
-    /// Threads of the parallel algorithms.
-    pub threads: Option<u32>,
-    /// Time that each run may take.
-    pub timeout: Option<Timeout>,
-    /// Memory that the process of each cell may occupy.
-    pub memory_limit: Option<MemoryLimit>,
-    /// Bytes that a compressed model may decompress to.
-    pub max_decompressed: Option<DecompressionLimit>,
-    /// What answers must agree with.
-    pub reference: Option<Reference>,
-    /// Names of the rows of tables.
-    pub rows: Option<Vec<String>>,
-    /// Label of the algorithm to which the others are compared in a table of ratios.
-    pub ratios_to: Option<String>,
-    /// Whether results hold the wavefronts of the runs.
-    pub wavefront: Option<bool>,
-}
-
-/// A model or a directory of models, as someone asked for it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct WantedModel {
-    /// A file, a directory or a generator's spec.
-    pub argument: String,
-    /// Whether it is left out, with a word about it, where there is no such file.
-    pub optional: bool,
-    /// Names of the model that it stands for, which takes its place where somebody has it.
-    pub real: Vec<String>,
-    /// How many times each of its faces is then split into four.
-    pub subdivide: u32,
-    /// Line of the suite file that names it.
-    pub line: Option<usize>,
-}
-
-impl WantedModel {
-    /// A model that must be there, named on the command line.
-    pub fn new(argument: &str) -> Self {
-        Self {
-            argument: argument.to_owned(),
-            optional: false,
-            real: Vec::new(),
-            subdivide: 0,
-            line: None,
-        }
-    }
-}
-
-impl Settings {
-    /// These settings, and where they leave something open, those of `other`.
-    #[must_use]
-    pub fn or(&self, other: &Self) -> Self {
-        let (a, b) = (self.clone(), other.clone());
-        Self {
-            models: a.models.or(b.models),
-            algorithms: a.algorithms.or(b.algorithms),
-            sources: a.sources.or(b.sources),
-            repeat: a.repeat.or(b.repeat),
-            warmup: a.warmup.or(b.warmup),
-            tolerance: a.tolerance.or(b.tolerance),
-            seed: a.seed.or(b.seed),
-            threads: a.threads.or(b.threads),
-            timeout: a.timeout.or(b.timeout),
-            memory_limit: a.memory_limit.or(b.memory_limit),
-            max_decompressed: a.max_decompressed.or(b.max_decompressed),
-            reference: a.reference.or(b.reference),
-            rows: a.rows.or(b.rows),
-            ratios_to: a.ratios_to.or(b.ratios_to),
-            wavefront: a.wavefront.or(b.wavefront),
-        }
-    }
-}
-
-/// Reads a tolerance.
-///
-/// # Errors
-///
-/// When it is not a finite number that is 0 or more.
-pub fn tolerance(value: Option<f64>) -> Result<f64, String> {
-    value
-        .filter(|value| value.is_finite() && *value >= 0.0)
-        .ok_or_else(|| "a tolerance is a number, 0 or more, such as 1e-9".to_owned())
-}
-
-/// What is to be run.
+/// The plans of a benchmark.
 #[derive(Clone, Debug)]
 pub struct Plans {
     /// One for each group, in order. A model has the same name in all of them.
     pub plans: Vec<Plan>,
-    /// What is left out, and why, each in one line.
+    /// Warnings on what is left out, one line each.
     pub notes: Vec<String>,
 }
 
-/// Why there is no plan.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PlanError {
-    /// A model of the command line.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// The suite file.
-    #[error(transparent)]
-    Suite(#[from] SuiteError),
-    /// The reference.
-    #[error(transparent)]
-    Reference(#[from] OneFileForMore),
-}
-
-/// Which models a suite is run on, of those that it has to offer.
+/// Which of its models a suite runs on.
 #[derive(Clone, Debug, Default)]
-pub struct Scale {
-    /// Whether in the sizes of the paper, not in those for a small machine.
+pub struct ModelChoice {
+    /// Whether to use the sizes of the paper instead of those for a small machine.
     pub full: bool,
-    /// The models that take the place of those that stand for them.
+    /// Real models, used instead of their substitutes.
     pub library: Option<Library>,
 }
 
-/// The plans of `suite` in this `scale`, or a single one without it. What `asked` says holds for
-/// all groups, whatever the suite says.
+/// The plans of `suite`, or a single plan without one. The settings `asked` override those of the
+/// suite in all groups.
 ///
 /// # Errors
 ///
-/// When a model does not exist that must, or a group has nothing to compare with.
-pub fn plans(suite: Option<&Suite>, asked: &Settings, scale: &Scale) -> Result<Plans, PlanError> {
+/// When a model is missing that is not optional, or the reference does not fit the plan.
+pub fn plans(
+    suite: Option<&Suite>,
+    asked: &Settings,
+    scale: &ModelChoice,
+) -> anyhow::Result<Plans> {
     let mut done = Plans {
         plans: Vec::new(),
         notes: Vec::new(),
@@ -175,7 +69,8 @@ pub fn plans(suite: Option<&Suite>, asked: &Settings, scale: &Scale) -> Result<P
     let Some(suite) = suite else {
         let models = match &asked.models {
             Some(models) => {
-                let arguments: Vec<&str> = models.iter().map(|m| m.argument.as_str()).collect();
+                let arguments = models.iter().map(|model| &model.get_ref().path);
+                let arguments: Vec<&str> = arguments.map(String::as_str).collect();
                 model::collect(&arguments)?
             }
             None => model::collect(MODELS)?,
@@ -200,7 +95,7 @@ pub fn plans(suite: Option<&Suite>, asked: &Settings, scale: &Scale) -> Result<P
             return Err(fail(None, problem).into());
         };
         let mut models = Vec::new();
-        for wanted in wanted {
+        for wanted in wanted.iter().map(Spanned::get_ref) {
             if let Some(library) = scale.library.as_ref().filter(|_| !wanted.real.is_empty()) {
                 if let Some(real) = library.find(&wanted.real) {
                     models.push(real.subdivided(wanted.subdivide)?);
@@ -211,7 +106,7 @@ pub fn plans(suite: Option<&Suite>, asked: &Settings, scale: &Scale) -> Result<P
                     group.name,
                     wanted.real.join(" or "),
                     library.directory().display(),
-                    wanted.argument
+                    wanted.path
                 ));
             }
             match find(wanted) {
@@ -247,10 +142,10 @@ pub fn plans(suite: Option<&Suite>, asked: &Settings, scale: &Scale) -> Result<P
 }
 
 fn find(wanted: &WantedModel) -> Result<Vec<ModelRef>, ModelError> {
-    model::collect(&[&wanted.argument])
+    model::collect(&[&wanted.path])
 }
 
-/// Gives a model the same name in all plans, and different models different ones.
+/// Makes names unique over all plans; the same model has the same name in each.
 fn name_alike(plans: &mut [Plan]) {
     let mut all: Vec<ModelRef> = Vec::new();
     for model in plans.iter().flat_map(|plan| &plan.models) {
@@ -267,7 +162,7 @@ fn name_alike(plans: &mut [Plan]) {
         for model in &mut plan.models {
             names[model.path.as_str()].clone_into(&mut model.name);
         }
-        // The same model twice in one group would be two columns of one name.
+        // A model given twice in one group would have two cells of one name.
         let mut seen: Vec<String> = Vec::new();
         plan.models.retain(|model| {
             let new = !seen.contains(&model.name);
@@ -281,21 +176,25 @@ fn plan(
     settings: &Settings,
     models: Vec<ModelRef>,
     group: GroupRecord,
-) -> Result<Plan, OneFileForMore> {
+) -> Result<Plan, UsageError> {
     let threads = settings.threads.unwrap_or(1) as usize;
     let algorithms = settings.algorithms.clone().unwrap_or_else(usual);
     let algorithms: Vec<Selection> = algorithms
         .into_iter()
         .map(|algorithm| algorithm.with_threads(threads))
         .collect();
-    let reference = match settings.reference.clone() {
+    let reference = settings.reference.clone().map(Spanned::into_inner);
+    let reference = match reference {
         Some(Reference::Algorithm(one)) => Some(Reference::Algorithm(one.with_threads(threads))),
         other => other,
     };
     let plan = Plan {
         group: GroupRecord {
             rows: settings.rows.clone().unwrap_or_default(),
-            ratios_to: settings.ratios_to.clone(),
+            ratios_to: settings
+                .ratios_to
+                .as_ref()
+                .map(|one| one.label().to_owned()),
             wavefront: settings.wavefront.unwrap_or(false),
             ..group
         },
@@ -318,15 +217,15 @@ fn plan(
     Ok(plan)
 }
 
-/// The algorithms that run where none are named.
+/// The algorithms that run by default.
 fn usual() -> Vec<Selection> {
     let known = |name: &&&str| registry::algorithms().iter().any(|a| a.name == **name);
     let names: Vec<&str> = ALGORITHMS.iter().filter(known).copied().collect();
     registry::select(&names.join(",")).unwrap_or_default()
 }
 
-/// Closed and open surfaces, with and without handles, of even and of slender triangles, each of
-/// some 3,000 to 20,000 faces; the [`ALGORITHMS`] take well under a minute for all.
+/// The built-in suite: closed and open surfaces, with and without handles, of even and of slender
+/// triangles, of about 3,000 to 20,000 faces. The [`ALGORITHMS`] take less than a minute.
 pub const MODELS: &[&str] = &[
     "gen:sphere,subdiv=4",
     "gen:torus,faces=20000,bump=0.1,seed=7",
@@ -336,8 +235,7 @@ pub const MODELS: &[&str] = &[
     "gen:anisotropic,faces=10000,g=4",
 ];
 
-/// Surfaces of the same kinds on which even the slowest algorithm ends within seconds, to compare
-/// answers and not times.
+/// Smaller surfaces of the same kinds, for comparing answers: the slowest algorithm takes seconds.
 pub const SMALL_MODELS: &[&str] = &[
     "gen:sphere,subdiv=3",
     "gen:torus,faces=1200,bump=0.1,seed=7",
@@ -347,8 +245,8 @@ pub const SMALL_MODELS: &[&str] = &[
     "gen:anisotropic,faces=1200,g=4",
 ];
 
-/// The algorithms of the comparisons in the papers. The others are variants of these, made to
-/// show what one of their parts does, and some are slower by orders of magnitude.
+/// The algorithms that the papers compare, which run by default. Some of the others are slower by
+/// orders of magnitude.
 pub const ALGORITHMS: &[&str] = &["mmp", "ich", "fwp-mmp", "fwp-ch", "vtp"];
 
 /// The models in a directory and below it.
@@ -382,8 +280,8 @@ impl Library {
         &self.directory
     }
 
-    /// The first model that goes by one of these names, the first of which counts most: by the name
-    /// of its file without the ending, in which only letters and digits count, in any case.
+    /// The first model with one of these names, in order of preference. Names are compared with
+    /// file names without the ending, by letters and digits only, in any case.
     pub fn find(&self, names: &[String]) -> Option<&ModelRef> {
         names.iter().find_map(|name| {
             let wanted = letters_and_digits(name);

@@ -1,12 +1,28 @@
 //! Outside programs in TOML files: tables `[ext.NAME]`.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::document::{Document, Entry, SuiteError};
-use crate::registry::{Keeping, PLACEHOLDERS, Program, Programs};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
+use toml::Spanned;
 
-/// The key under which the tables stand.
-pub(crate) const KEY: &str = "ext";
+use super::document::{Document, SuiteError, parsed};
+use crate::registry::{PLACEHOLDERS, ProcessLifetime, Program, Programs};
+
+/// The tables `[ext.NAME]`.
+pub(super) type ProgramTables = BTreeMap<String, Spanned<ProgramTable>>;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ProgramTable {
+    #[serde(default, deserialize_with = "command")]
+    command: Vec<String>,
+    #[serde(default, deserialize_with = "protocol")]
+    protocol: ProcessLifetime,
+    #[serde(default)]
+    approximate: bool,
+}
 
 /// Reads the tables `[ext.NAME]` of a file that holds nothing else, or of a suite file.
 ///
@@ -14,110 +30,94 @@ pub(crate) const KEY: &str = "ext";
 ///
 /// Names the file, the line and the key.
 pub fn read_programs(path: &Path) -> Result<Programs, SuiteError> {
-    let text = std::fs::read_to_string(path).map_err(|error| SuiteError {
-        path: path.to_owned(),
-        line: None,
-        problem: error.to_string(),
-    })?;
-    let document = Document { path, text: &text };
-    let table = document.parse()?;
-    for (key, value) in &table {
-        if key.get_ref() == KEY {
-            return tables(&Entry {
-                document,
-                key: key.get_ref(),
-                value,
-            });
-        }
+    /// Other keys are ignored.
+    #[derive(Deserialize)]
+    struct File {
+        ext: Option<ProgramTables>,
     }
-    Err(document.error(None, "there is no table [ext.NAME] here"))
+
+    let document = Document::open(path)?;
+    match document.read::<File>(document.parse()?, &[])?.ext {
+        Some(tables) => programs(tables, &document),
+        None => Err(document.error(None, "there is no table [ext.NAME] here")),
+    }
 }
 
-/// Reads all tables under [`KEY`].
-pub(crate) fn tables(entry: &Entry<'_>) -> Result<Programs, SuiteError> {
+/// The programs of all tables.
+pub(super) fn programs(
+    tables: ProgramTables,
+    document: &Document<'_>,
+) -> Result<Programs, SuiteError> {
+    // The parent of a bare name is empty, which the system does not take for a directory.
+    let folder = Some(document.directory()).filter(|folder| *folder != Path::new(""));
+    let folder = folder.unwrap_or(Path::new("."));
+    let directory = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
     let mut programs = Programs::default();
-    for (name, value) in entry.table()? {
-        let table = Entry {
-            key: name.get_ref(),
-            value,
-            ..*entry
-        };
-        if name.get_ref().contains(|c: char| " ,{}=:".contains(c)) || name.get_ref().is_empty() {
-            return Err(table.error("a name is a word without any of `,{}=:`"));
+    for (name, table) in tables {
+        let (span, table) = (Some(table.span()), table.into_inner());
+        let error = |problem| Err(document.error_at(&name, span.clone(), problem));
+        if name.contains(|c: char| " ,{}=:".contains(c)) || name.is_empty() {
+            return error("a name is a word without any of `,{}=:`");
         }
-        if !programs.add(program(&table)?) {
-            return Err(table.error("two are called so, letter case apart"));
+        if table.command.is_empty() {
+            return error("an outside program must have a `command`");
+        }
+        let added = programs.add(Program {
+            name: name.to_lowercase(),
+            command: table.command,
+            directory: directory.clone(),
+            lifetime: table.protocol,
+            approximate: table.approximate,
+        });
+        if !added {
+            return error("two are called so, letter case apart");
         }
     }
     Ok(programs)
 }
 
-fn program(table: &Entry<'_>) -> Result<Program, SuiteError> {
-    // The parent of a bare name is empty, which is no directory to the system.
-    let folder = table
-        .document
-        .path
-        .parent()
-        .filter(|folder| *folder != Path::new(""));
-    let folder = folder.unwrap_or(Path::new("."));
-    let directory = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
-    let mut program = Program {
-        name: table.key.to_lowercase(),
-        command: Vec::new(),
-        directory,
-        keeping: Keeping::default(),
-        approximate: false,
-    };
-    for (key, value) in table.table()? {
-        let field = Entry {
-            key: key.get_ref(),
-            value,
-            ..*table
-        };
-        match field.key {
-            "command" => program.command = command(&field)?,
-            "protocol" => {
-                let word = field.text()?;
-                let known = Keeping::ALL.into_iter().find(|k| k.name() == word);
-                program.keeping =
-                    known.ok_or_else(|| field.error("\"session\" or \"once\" is expected"))?;
+/// A word of a command, with known placeholders only.
+struct Word(String);
+
+impl<'de> Deserialize<'de> for Word {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        parsed(deserializer, |word| {
+            let mut rest = word.to_owned();
+            for name in PLACEHOLDERS {
+                rest = rest.replace(name, "");
             }
-            "approximate" => program.approximate = field.boolean()?,
-            _ => {
-                let known = ["command", "protocol", "approximate"];
-                return Err(field.document.unknown_key(key, &known));
+            if rest.contains(['{', '}']) {
+                return Err(format!(
+                    "`{word}` has braces that are no placeholder; known are {}",
+                    PLACEHOLDERS.join(", ")
+                ));
             }
-        }
+            Ok(Self(word.to_owned()))
+        })
     }
-    if program.command.is_empty() {
-        return Err(table.error("an outside program must have a `command`"));
-    }
-    Ok(program)
 }
 
-/// A list of words, each with known placeholders only; the model and the output must be among
-/// them.
-fn command(entry: &Entry<'_>) -> Result<Vec<String>, SuiteError> {
-    let mut words = Vec::new();
-    for word in entry.list()? {
-        let text = word.text()?;
-        let rest = PLACEHOLDERS
-            .iter()
-            .fold(text.to_owned(), |rest, name| rest.replace(name, ""));
-        if rest.contains(['{', '}']) {
-            return Err(word.error(&format!(
-                "`{text}` has braces that are no placeholder; known are {}",
-                PLACEHOLDERS.join(", ")
-            )));
-        }
-        words.push(text.to_owned());
-    }
+/// A list of words, the model, the source and the output among them.
+fn command<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
+    let words = Vec::<Word>::deserialize(deserializer)?;
+    let words: Vec<String> = words.into_iter().map(|word| word.0).collect();
     for needed in ["{model}", "{source}", "{output}"] {
-        if !words.iter().any(|word| word.contains(needed)) {
-            return Err(entry.error(&format!("{needed} is missing: nothing else tells it")));
+        // An empty list is no command at all.
+        if !words.is_empty() && !words.iter().any(|word| word.contains(needed)) {
+            return Err(D::Error::custom(format!(
+                "{needed} is missing: nothing else tells it"
+            )));
         }
     }
     Ok(words)
+}
+
+fn protocol<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ProcessLifetime, D::Error> {
+    parsed(deserializer, |word| {
+        let mut all = ProcessLifetime::ALL.into_iter();
+        let known = all.find(|lifetime| lifetime.name() == word);
+        known.ok_or_else(|| "\"session\" or \"once\" is expected".to_owned())
+    })
 }
 
 #[cfg(test)]
@@ -140,7 +140,7 @@ mod tests {
         )
         .unwrap();
         let fast = programs.find("fast").unwrap();
-        assert_eq!(fast.keeping, Keeping::Once);
+        assert_eq!(fast.lifetime, ProcessLifetime::Once);
         assert!(fast.approximate && fast.directory.is_absolute());
         assert_eq!(
             programs.find("fats").unwrap_err().to_string(),
@@ -163,6 +163,10 @@ mod tests {
             (
                 "[ext.a]\ncommand = ['x', '{modell}']\n",
                 "peers.toml, line 2: `command`: `{modell}` has braces that are no placeholder; known are {model}, {source}, {threads}, {output}",
+            ),
+            (
+                "[ext.a]\ncommand = ['x',\n '{modell}']\n",
+                "peers.toml, line 3: `command`: `{modell}` has braces that are no placeholder; known are {model}, {source}, {threads}, {output}",
             ),
             (
                 "[ext.a]\ncommand = ['x', '{model}', '{source}']\n",

@@ -4,6 +4,7 @@
 //! columns. Times of other machines mean nothing here, so only ratios between the algorithms of a
 //! table are compared.
 
+use crate::UsageError;
 use crate::schema::Status;
 use crate::table::figures::{Figure, figure};
 
@@ -38,13 +39,6 @@ const FILES: &[(&str, &str)] = &[
     file!("003-table-1"),
 ];
 
-/// A name of a table that there is not.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no paper table `{name}`; known are {}", known().join(", "))]
-pub struct UnknownTable {
-    name: String,
-}
-
 /// The names of all tables: those of their suites.
 fn known() -> Vec<&'static str> {
     let names = FILES.iter().map(|(name, _)| *name);
@@ -67,7 +61,7 @@ pub enum Tables {
 }
 
 impl std::str::FromStr for Tables {
-    type Err = UnknownTable;
+    type Err = UsageError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         if text == "none" {
@@ -76,7 +70,10 @@ impl std::str::FromStr for Tables {
         let names = text.split(',').map(|name| name.trim().to_owned());
         let names: Vec<String> = names.collect();
         match names.iter().find(|name| !known().contains(&name.as_str())) {
-            Some(name) => Err(UnknownTable { name: name.clone() }),
+            Some(name) => Err(UsageError(format!(
+                "there is no paper table `{name}`; known are {}",
+                known().join(", ")
+            ))),
             None => Ok(Self::Named(names)),
         }
     }

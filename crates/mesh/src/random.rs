@@ -1,12 +1,17 @@
-//! A small generator of pseudo-random numbers that will never change.
+//! A small generator of pseudo-random numbers that never changes.
 
 /// `SplitMix64` (Steele, Lea, Flood 2014): a counter stepped by an odd constant, and a mixing
 /// function that turns the counter into the output.
 ///
-/// A spec promises the same bits for ever, so this stands here instead of a dependency whose next
-/// version might draw otherwise.
+/// The specs of generated models and the random sources of a benchmark promise the same numbers for
+/// ever; the next version of a dependency might draw others.
+///
+/// ```
+/// let mut random = geobench_mesh::SplitMix64::new(1_234_567);
+/// assert_eq!(random.next(), 6_457_827_717_110_365_317);
+/// ```
 #[derive(Clone, Debug)]
-pub(super) struct Random {
+pub struct SplitMix64 {
     counter: u64,
 }
 
@@ -19,47 +24,52 @@ const fn mix(mut z: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-impl Random {
-    /// A generator for `seed` and one use of it; different uses draw unrelated numbers.
-    pub(super) const fn new(seed: u64, usage: u64) -> Self {
-        Self {
-            counter: mix(mix(seed.wrapping_add(STEP)) ^ usage),
-        }
+impl SplitMix64 {
+    /// The published sequence of `seed`.
+    pub const fn new(seed: u64) -> Self {
+        Self { counter: seed }
+    }
+
+    /// The sequence for one use of `seed`; different uses draw unrelated numbers.
+    pub(crate) const fn for_use(seed: u64, usage: u64) -> Self {
+        Self::new(mix(mix(seed.wrapping_add(STEP)) ^ usage))
     }
 
     /// The next 64 bits.
-    pub(super) const fn next(&mut self) -> u64 {
+    pub const fn next(&mut self) -> u64 {
         self.counter = self.counter.wrapping_add(STEP);
         mix(self.counter)
     }
 
+    /// A number from 0 to `n - 1`; `n` is positive. The bias of about n/2^64 is negligible.
+    pub const fn below(&mut self, n: usize) -> usize {
+        ((self.next() as u128 * n as u128) >> 64) as usize
+    }
+
     /// Uniform in [0, 1), a multiple of 2^-53.
-    pub(super) fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
 
     /// Uniform in [-1, 1).
-    pub(super) fn signed(&mut self) -> f64 {
+    pub(crate) fn signed(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
     }
 
     /// Uniform in [-1, 1), a function of `place` alone that leaves the generator as it was.
-    pub(super) fn signed_at(&self, place: u64) -> f64 {
-        let mut there = Self {
-            counter: mix(self.counter ^ mix(place)),
-        };
-        there.signed()
+    pub(crate) fn signed_at(&self, place: u64) -> f64 {
+        Self::new(mix(self.counter ^ mix(place))).signed()
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Random;
+    use super::SplitMix64;
 
     /// The published test values of `SplitMix64` with seed 1234567.
     #[test]
     fn draws_the_published_numbers() {
-        let mut random = Random { counter: 1_234_567 };
+        let mut random = SplitMix64::new(1_234_567);
         let drawn = [random.next(), random.next(), random.next()];
         let published = [
             6_457_827_717_110_365_317,
@@ -70,8 +80,18 @@ mod tests {
     }
 
     #[test]
+    fn below_reaches_every_number_and_no_other() {
+        let mut random = SplitMix64::new(0);
+        let mut seen = [false; 7];
+        for _ in 0..200 {
+            seen[random.below(7)] = true;
+        }
+        assert_eq!(seen, [true; 7]);
+    }
+
+    #[test]
     fn units_fill_their_interval_evenly() {
-        let mut random = Random::new(1, 0);
+        let mut random = SplitMix64::for_use(1, 0);
         let drawn: Vec<f64> = (0..10_000).map(|_| random.unit()).collect();
         let mean = drawn.iter().sum::<f64>() / 10_000.0;
         assert!((mean - 0.5).abs() < 0.01, "mean {mean}");
@@ -80,10 +100,10 @@ mod tests {
 
     #[test]
     fn seeds_uses_and_places_differ() {
-        let first = |seed, usage| Random::new(seed, usage).next();
+        let first = |seed, usage| SplitMix64::for_use(seed, usage).next();
         assert_ne!(first(1, 0), first(2, 0));
         assert_ne!(first(1, 0), first(1, 1));
-        let random = Random::new(1, 0);
+        let random = SplitMix64::for_use(1, 0);
         assert_ne!(random.signed_at(0), random.signed_at(1));
         assert_eq!(random.signed_at(5), random.signed_at(5));
     }

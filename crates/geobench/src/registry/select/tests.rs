@@ -90,10 +90,10 @@ fn names_families_and_groups_in_any_case() {
         names("mmp{turn=list,slack=1},fwp-mmp{turn=list},lc-mmp{turn=list}"),
         ["mmp", "fwp-mmp", "lc-mmp"]
     );
-    assert!(matches!(
-        select_one("mmp,vtp"),
-        Err(SelectError::Several { count: 2, .. })
-    ));
+    assert_eq!(
+        select_one("mmp,vtp").unwrap_err().to_string(),
+        "`mmp,vtp` asks for 2 algorithms; name one algorithm"
+    );
 }
 
 #[test]
@@ -101,13 +101,8 @@ fn an_unknown_name_brings_the_nearest_one() {
     let message = select("vtq").unwrap_err().to_string();
     assert!(message.starts_with("there is no algorithm `vtq`, did you mean `vtp`?"));
     assert!(message.contains("known are mmp, "));
-    assert!(matches!(
-        select("a-b-c-d"),
-        Err(SelectError::Unknown {
-            suggestion: None,
-            ..
-        })
-    ));
+    let message = select("a-b-c-d").unwrap_err().to_string();
+    assert!(message.starts_with("there is no algorithm `a-b-c-d`; known are"));
 }
 
 #[test]
@@ -121,15 +116,15 @@ fn lists_that_are_not_understood() {
         "mmp{a=1}x",
         "mmp=1",
     ] {
-        assert!(
-            matches!(select(item), Err(SelectError::Malformed { .. })),
-            "{item}"
+        assert_eq!(
+            select(item).unwrap_err().to_string(),
+            format!("`{item}` is not understood: parameters are written `name{{key=value,...}}`")
         );
     }
     for list in ["", ",", "mmp,", "mmp,,vtp", "{a=1}"] {
-        assert!(
-            matches!(select(list), Err(SelectError::Empty { .. })),
-            "{list}"
+        assert_eq!(
+            select(list).unwrap_err().to_string(),
+            format!("an algorithm name is missing in `{list}`; give names separated by commas")
         );
     }
 }
@@ -209,13 +204,8 @@ fn parameters_are_refused_with_what_would_be_right() {
     assert!(select("mmp{slack=2,turn=list}").is_ok());
     // Where several algorithms are meant, all must know the parameter.
     assert_eq!(
-        select("mmp{k=5},vtp").unwrap_err(),
-        SelectError::UnknownParameter {
-            name: "mmp".into(),
-            key: "k".into(),
-            suggestion: None,
-            known: "turn, slack, filter, lists, threshold".into()
-        }
+        select("mmp{k=5},vtp").unwrap_err().to_string(),
+        "algorithm `mmp` has no parameter `k`; it has turn, slack, filter, lists, threshold"
     );
     assert!(select("all{k=5}").is_err());
     for name in ["mmp", "fwp-mmp", "lc-mmp"] {

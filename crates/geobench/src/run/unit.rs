@@ -3,31 +3,30 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use geobench_mesh::VertexId;
+use geobench_mesh::{SplitMix64, VertexId};
 use geobench_window::{Counter, precision};
 
 use crate::exec::{Failure, Listener, Observation, Pass, Session, Step};
 use crate::measure::memory::Peaks;
-use crate::measure::rng::SplitMix64;
 use crate::plan::{Plan, Reference};
 use crate::registry::Selection;
 use crate::run::agreement;
-use crate::run::journal::{Journal, RunId, RunOutcome};
+use crate::run::journal::{Journal, JournalLine, RunId, RunOutcome};
 use crate::run::reference_check::{Answer, ReferenceCheck};
 use crate::schema::{Cell, Check, Memory, ModelRecord, Status, Time};
 
 /// The cells of one model and source. Their runs are interleaved, so that drift of the machine
 /// affects all algorithms alike.
-pub(crate) struct Group<'p> {
+pub(crate) struct Unit<'p> {
     plan: &'p Plan,
     model: &'p ModelRecord,
     source: VertexId,
-    turns: Turns,
+    order: RunOrder,
     /// One for each algorithm.
-    entries: Vec<Entry<'p>>,
+    cells: Vec<CellRuns<'p>>,
 }
 
-impl<'p> Group<'p> {
+impl<'p> Unit<'p> {
     /// The cells of `plan` in `model` from `source`, with the runs in `journal`.
     pub(crate) fn new(
         plan: &'p Plan,
@@ -36,12 +35,12 @@ impl<'p> Group<'p> {
         journal: Option<&Journal>,
     ) -> Self {
         let algorithms = &plan.algorithms;
-        let mut group = Self {
+        let mut unit = Self {
             plan,
             model,
             source,
-            turns: Turns::new(plan.seed, &model.name, source.raw(), algorithms.len()),
-            entries: algorithms.iter().map(Entry::new).collect(),
+            order: RunOrder::new(plan.seed, &model.name, source.raw(), algorithms.len()),
+            cells: algorithms.iter().map(CellRuns::new).collect(),
         };
         // The reference has one warm-up even if the plan has none.
         let warmups = (0..plan.warmup.max(1)).map(|round| (Pass::Warmup, round));
@@ -49,20 +48,18 @@ impl<'p> Group<'p> {
         let last = [(Pass::Profile, 0), (Pass::Count, 0)];
         for (pass, round) in warmups.chain(times).chain(last) {
             for (place, algorithm) in algorithms.iter().enumerate() {
-                let run = group.run_id(algorithm, pass, round);
+                let run = unit.run_id(algorithm, pass, round);
                 if let Some(outcome) = journal.and_then(|journal| journal.outcome(&run)) {
-                    group.entries[place].add(pass, round, outcome.clone());
+                    unit.cells[place].add(pass, round, outcome.clone());
                 }
             }
         }
-        group
+        unit
     }
 
     /// Whether all runs are done.
     pub(crate) fn is_complete(&self) -> bool {
-        self.entries
-            .iter()
-            .all(|entry| entry.is_complete(self.plan))
+        self.cells.iter().all(|cell| cell.is_complete(self.plan))
     }
 
     /// Carries out the runs that are missing.
@@ -76,25 +73,25 @@ impl<'p> Group<'p> {
         journal: Option<&mut Journal>,
         listener: &mut dyn Listener,
     ) -> anyhow::Result<()> {
-        for entry in &self.entries {
-            for (pass, outcome) in entry.summaries() {
-                listener.ran(&self.as_step(entry.algorithm, pass), outcome);
+        for cell in &self.cells {
+            for (pass, outcome) in cell.summaries() {
+                listener.ran(&self.as_step(cell.algorithm, pass), outcome);
             }
         }
         if !self.is_complete() {
-            let mut stage = Stage {
+            let mut context = RunContext {
                 session,
                 journal,
                 listener,
                 reference_check: ReferenceCheck::default(),
             };
-            match self.make_runs(&mut stage) {
+            match self.make_runs(&mut context) {
                 Err(error) if error.is::<Interrupted>() => {}
                 done => done?,
             }
         }
         let planned = self.plan.runs_per_cell();
-        let skipped = self.entries.iter().map(|e| planned.saturating_sub(e.made));
+        let skipped = self.cells.iter().map(|e| planned.saturating_sub(e.made));
         listener.skipped(skipped.sum());
         Ok(())
     }
@@ -102,50 +99,50 @@ impl<'p> Group<'p> {
     /// The records of the finished cells.
     pub(crate) fn cells(self) -> Vec<Cell> {
         let rounds: Vec<Vec<usize>> = (0..self.plan.repeat)
-            .map(|round| self.turns.round(round))
+            .map(|round| self.order.round(round))
             .collect();
         let ids: Vec<RunId> = self
-            .entries
+            .cells
             .iter()
-            .map(|entry| self.run_id(entry.algorithm, Pass::Time, 0))
+            .map(|cell| self.run_id(cell.algorithm, Pass::Time, 0))
             .collect();
-        let cells = self.entries.into_iter().zip(ids).enumerate();
+        let cells = self.cells.into_iter().zip(ids).enumerate();
         let mut cells: Vec<Cell> = cells
-            .filter(|(_, (entry, _))| entry.is_complete(self.plan))
-            .map(|(place, (entry, id))| {
+            .filter(|(_, (cell, _))| cell.is_complete(self.plan))
+            .map(|(place, (cell, id))| {
                 let places = rounds
                     .iter()
                     .filter_map(|round| round.iter().position(|&p| p == place))
                     .collect();
-                entry.finish(id, places, self.plan.group.wavefront)
+                cell.finish(id, places, self.plan.group.wavefront)
             })
             .collect();
         agreement::explain(&mut cells);
         cells
     }
 
-    fn make_runs(&mut self, stage: &mut Stage<'_>) -> anyhow::Result<()> {
-        self.restore_clusters(stage)?;
-        let warmed = self.find_reference(stage)?;
-        let all = 0..self.entries.len();
+    fn make_runs(&mut self, context: &mut RunContext<'_>) -> anyhow::Result<()> {
+        self.restore_clusters(context)?;
+        let warmed = self.find_reference(context)?;
+        let all = 0..self.cells.len();
         for round in 0..self.plan.warmup {
             for place in all.clone() {
                 // The reference has had its first warm-up.
                 if round > 0 || warmed != Some(place) {
-                    self.step(place, Pass::Warmup, round, stage)?;
+                    self.step(place, Pass::Warmup, round, context)?;
                 }
             }
         }
         for round in 0..self.plan.repeat {
-            for place in self.turns.round(round) {
-                self.step(place, Pass::Time, round, stage)?;
+            for place in self.order.round(round) {
+                self.step(place, Pass::Time, round, context)?;
             }
         }
         // Profile before Count: the storage of the counters fragments the heap, and the memory of
         // later runs could not be measured.
         for pass in [Pass::Profile, Pass::Count] {
             for place in all.clone() {
-                self.step(place, pass, 0, stage)?;
+                self.step(place, pass, 0, context)?;
             }
         }
         Ok(())
@@ -153,20 +150,20 @@ impl<'p> Group<'p> {
 
     /// Determines the reference answer. If that takes a run of an algorithm of the plan, the run
     /// counts as its warm-up and the index of its cell is returned.
-    fn find_reference(&mut self, stage: &mut Stage<'_>) -> anyhow::Result<Option<usize>> {
+    fn find_reference(&mut self, context: &mut RunContext<'_>) -> anyhow::Result<Option<usize>> {
         let reference = match &self.plan.reference {
             Reference::None => return Ok(None),
             Reference::Files(files) => {
                 let vertices = self.model.vertices.unwrap_or(0) as usize;
                 match files.find(Path::new(&self.model.path), self.source.raw(), vertices) {
                     Ok(field) => {
-                        stage.reference_check.answer = Some(Answer {
+                        context.reference_check.answer = Some(Answer {
                             name: field.path.display().to_string(),
                             distances: field.distances,
                             vertices,
                         });
                     }
-                    Err(error) => stage.reference_check.unchecked = Some(error.to_string()),
+                    Err(error) => context.reference_check.unchecked = Some(error.to_string()),
                 }
                 return Ok(None);
             }
@@ -177,32 +174,32 @@ impl<'p> Group<'p> {
             let label = reference.label();
             Some(format!("the reference {label} failed: {}", failure.message))
         };
-        let known = stage.journal.as_deref().and_then(|j| j.outcome(&run));
+        let known = context.journal.as_deref().and_then(|j| j.outcome(&run));
         if let Some(failure) = known.and_then(|outcome| outcome.failure.as_ref()) {
             // Not tried again.
-            stage.reference_check.unchecked = failed(failure);
+            context.reference_check.unchecked = failed(failure);
             return Ok(None);
         }
         let place = self
-            .entries
+            .cells
             .iter()
             .position(|e| e.algorithm.label() == reference.label());
-        let done = stage.execute(&self.as_step(reference, Pass::Warmup))?;
+        let done = context.execute(&self.as_step(reference, Pass::Warmup))?;
         match &done {
             Ok(observation) => {
-                stage.reference_check.answer =
+                context.reference_check.answer =
                     Some(Answer::of(reference.label(), &observation.distances));
             }
-            Err(failure) => stage.reference_check.unchecked = failed(failure),
+            Err(failure) => context.reference_check.unchecked = failed(failure),
         }
         match place {
-            Some(place) if self.entries[place].lacks(self.plan, Pass::Warmup, 0) => {
-                self.take_in(place, Pass::Warmup, 0, done, stage)?;
+            Some(place) if self.cells[place].lacks(self.plan, Pass::Warmup, 0) => {
+                self.take_in(place, Pass::Warmup, 0, done, context)?;
             }
             // Not a cell of the plan. The journal keeps a failure, so that it is not tried again.
             None => {
-                let outcome = self.judge(reference, done, &mut stage.reference_check);
-                stage.keep(run, &outcome)?;
+                let outcome = self.judge(reference, done, &mut context.reference_check);
+                context.keep(run, &outcome)?;
             }
             // The timed runs of its cell are done, and the new answer changes nothing.
             Some(_) => {}
@@ -212,17 +209,17 @@ impl<'p> Group<'p> {
 
     /// Repeats runs whose answers differed from the reference before an interruption, so that later
     /// answers can be compared with them.
-    fn restore_clusters(&self, stage: &mut Stage<'_>) -> anyhow::Result<()> {
+    fn restore_clusters(&self, context: &mut RunContext<'_>) -> anyhow::Result<()> {
         let mut restored = Vec::new();
-        for entry in &self.entries {
-            let Some(cluster) = entry.odd_cluster() else {
+        for cell in &self.cells {
+            let Some(cluster) = cell.odd_cluster() else {
                 continue;
             };
             if !restored.contains(&cluster) {
                 restored.push(cluster);
-                let done = stage.execute(&self.as_step(entry.algorithm, Pass::Warmup))?;
+                let done = context.execute(&self.as_step(cell.algorithm, Pass::Warmup))?;
                 let answer = done.ok().map(|observation| observation.distances);
-                stage.reference_check.clusters.restore(cluster, answer);
+                context.reference_check.clusters.restore(cluster, answer);
             }
         }
         Ok(())
@@ -234,14 +231,14 @@ impl<'p> Group<'p> {
         place: usize,
         pass: Pass,
         round: usize,
-        stage: &mut Stage<'_>,
+        context: &mut RunContext<'_>,
     ) -> anyhow::Result<()> {
-        let entry = &self.entries[place];
-        if !entry.lacks(self.plan, pass, round) {
+        let cell = &self.cells[place];
+        if !cell.lacks(self.plan, pass, round) {
             return Ok(());
         }
-        let done = stage.execute(&self.as_step(entry.algorithm, pass))?;
-        self.take_in(place, pass, round, done, stage)
+        let done = context.execute(&self.as_step(cell.algorithm, pass))?;
+        self.take_in(place, pass, round, done, context)
     }
 
     /// Checks the result of a run, writes it to the journal and adds it to its cell.
@@ -251,17 +248,17 @@ impl<'p> Group<'p> {
         pass: Pass,
         round: usize,
         done: Result<Observation, Failure>,
-        stage: &mut Stage<'_>,
+        context: &mut RunContext<'_>,
     ) -> anyhow::Result<()> {
-        let run = self.run_id(self.entries[place].algorithm, pass, round);
-        let algorithm = self.entries[place].algorithm;
-        let outcome = self.judge(algorithm, done, &mut stage.reference_check);
-        stage.keep(run, &outcome)?;
+        let run = self.run_id(self.cells[place].algorithm, pass, round);
+        let algorithm = self.cells[place].algorithm;
+        let outcome = self.judge(algorithm, done, &mut context.reference_check);
+        context.keep(run, &outcome)?;
         let step = self.as_step(algorithm, pass);
-        stage.listener.ran(&step, summary(&outcome));
-        let entry = &mut self.entries[place];
-        entry.made += 1;
-        entry.add(pass, round, outcome);
+        context.listener.ran(&step, summary(&outcome));
+        let cell = &mut self.cells[place];
+        cell.made += 1;
+        cell.add(pass, round, outcome);
         Ok(())
     }
 
@@ -316,8 +313,8 @@ impl<'p> Group<'p> {
     }
 }
 
-/// Everything that a run needs.
-struct Stage<'s> {
+/// The environment of the runs.
+struct RunContext<'s> {
     session: &'s mut dyn Session,
     journal: Option<&'s mut Journal>,
     listener: &'s mut dyn Listener,
@@ -329,11 +326,14 @@ struct Stage<'s> {
 #[error("interrupted")]
 struct Interrupted;
 
-impl Stage<'_> {
+impl RunContext<'_> {
     /// Writes the outcome of a run to the journal, if there is one.
     fn keep(&mut self, run: RunId, outcome: &RunOutcome) -> anyhow::Result<()> {
         match &mut self.journal {
-            Some(journal) => journal.keep(run, outcome),
+            Some(journal) => journal.keep(JournalLine::Run {
+                id: run,
+                found: outcome.clone(),
+            }),
             None => Ok(()),
         }
     }
@@ -354,7 +354,7 @@ impl Stage<'_> {
 
 /// The outcomes of the runs of a cell.
 #[derive(Debug)]
-struct Entry<'p> {
+struct CellRuns<'p> {
     algorithm: &'p Selection,
     outcomes: BTreeMap<(Pass, usize), RunOutcome>,
     /// Failure of the cell; no further runs are made.
@@ -363,7 +363,7 @@ struct Entry<'p> {
     made: usize,
 }
 
-impl<'p> Entry<'p> {
+impl<'p> CellRuns<'p> {
     const fn new(algorithm: &'p Selection) -> Self {
         Self {
             algorithm,
@@ -521,24 +521,27 @@ const PAPERS_WINDOW_BYTES: u64 = 80;
 
 /// The order of the algorithms in each round of timed runs.
 ///
-/// A round has one run of every algorithm. The previous run can matter, through caches, memory and
-/// clock frequency, so the order changes from round to round along the rows of a balanced Latin
-/// square (E. J. Williams, Experimental designs balanced for the estimation of residual effects of
-/// treatments, 1949): over all rows every algorithm has every place equally often and follows every
-/// other equally often. Seed, model and source alone decide which algorithm takes which part of the
-/// square and which row is first, so that a run can be repeated.
+/// A round has one run of every algorithm. The previous run matters through caches, memory and
+/// clock frequency, so the order follows the rows of a balanced Latin square (E. J. Williams,
+/// Experimental designs balanced for the estimation of residual effects of treatments, 1949): over
+/// all rows every algorithm has every place equally often and follows every other equally often.
+/// Seed, model and source determine the columns and the first row, so that a run can be repeated.
 #[derive(Clone, Debug)]
-pub(crate) struct Turns {
+pub(crate) struct RunOrder {
     /// The algorithm of each part of the square.
     parts: Vec<usize>,
     /// The rows of the square, in order of use.
     rows: Vec<usize>,
 }
 
-impl Turns {
+impl RunOrder {
     /// The order of `algorithms` algorithms in a model from a source.
     pub(crate) fn new(seed: u64, model: &str, source: u32, algorithms: usize) -> Self {
-        let mut random = SplitMix64::of(seed, model, source);
+        let bytes = model.bytes().chain(source.to_le_bytes());
+        let seed = bytes.fold(seed, |seed, byte| {
+            SplitMix64::new(seed ^ u64::from(byte)).next()
+        });
+        let mut random = SplitMix64::new(seed);
         // An odd number of algorithms needs the square and its mirror image.
         let rows = algorithms * (1 + algorithms % 2);
         Self {
@@ -582,12 +585,12 @@ mod tests {
     #[test]
     fn every_place_and_every_neighbour_is_had_equally_often() {
         for n in 1..=9 {
-            let turns = Turns::new(7, "horse", 3, n);
+            let order = RunOrder::new(7, "horse", 3, n);
             let (rounds, each) = (n * (1 + n % 2), 1 + n % 2);
             let mut places = vec![vec![0; n]; n];
             let mut follows = vec![vec![0; n]; n];
             for round in 0..rounds {
-                let order = turns.round(round);
+                let order = order.round(round);
                 for (place, &algorithm) in order.iter().enumerate() {
                     places[algorithm][place] += 1;
                 }
@@ -606,8 +609,8 @@ mod tests {
 
     #[test]
     fn two_algorithms_alternate_in_going_first() {
-        let turns = Turns::new(1, "cow", 0, 2);
-        let first: Vec<usize> = (0..6).map(|round| turns.round(round)[0]).collect();
+        let order = RunOrder::new(1, "cow", 0, 2);
+        let first: Vec<usize> = (0..6).map(|round| order.round(round)[0]).collect();
         assert_ne!(first[0], first[1]);
         assert_eq!(first[..2], first[2..4]);
         assert_eq!(first[..2], first[4..]);
@@ -615,12 +618,12 @@ mod tests {
 
     #[test]
     fn the_order_follows_from_seed_model_and_source_alone() {
-        let all = |turns: &Turns| (0..12).map(|r| turns.round(r)).collect::<Vec<_>>();
-        let order = all(&Turns::new(1, "cow", 0, 5));
-        assert_eq!(order, all(&Turns::new(1, "cow", 0, 5)));
-        assert_ne!(order, all(&Turns::new(2, "cow", 0, 5)));
-        assert_ne!(order, all(&Turns::new(1, "horse", 0, 5)));
-        assert_ne!(order, all(&Turns::new(1, "cow", 1, 5)));
-        assert!(Turns::new(1, "cow", 0, 0).round(3).is_empty());
+        let all = |order: &RunOrder| (0..12).map(|r| order.round(r)).collect::<Vec<_>>();
+        let order = all(&RunOrder::new(1, "cow", 0, 5));
+        assert_eq!(order, all(&RunOrder::new(1, "cow", 0, 5)));
+        assert_ne!(order, all(&RunOrder::new(2, "cow", 0, 5)));
+        assert_ne!(order, all(&RunOrder::new(1, "horse", 0, 5)));
+        assert_ne!(order, all(&RunOrder::new(1, "cow", 1, 5)));
+        assert!(RunOrder::new(1, "cow", 0, 0).round(3).is_empty());
     }
 }

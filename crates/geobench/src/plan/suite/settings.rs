@@ -1,0 +1,313 @@
+//! Settings and their form in suite files.
+
+use std::fmt::Display;
+use std::str::FromStr;
+
+use geobench_mesh::generate::Spec;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
+use toml::{Spanned, Value};
+
+use super::MOST_RUNS;
+use super::document::{Document, SuiteError, parsed, text_or_table};
+use crate::exec::limits::{DecompressionLimit, MemoryLimit, Timeout};
+use crate::plan::Reference;
+use crate::plan::source::SourceSpec;
+use crate::registry::{self, MOST_THREADS, Selection};
+use crate::table;
+
+/// Greatest seed in a suite file.
+const MOST_SEED: u32 = u32::MAX - 1;
+
+/// Greatest number of subdivisions of a model.
+const MOST_SUBDIVISIONS: u32 = 12;
+
+/// Settings from one source. `None` means unset.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields, expecting = "a table")]
+pub struct Settings {
+    /// The models.
+    #[serde(deserialize_with = "list")]
+    pub models: Option<Vec<Spanned<WantedModel>>>,
+    /// The algorithms.
+    #[serde(deserialize_with = "algorithms")]
+    pub algorithms: Option<Vec<Selection>>,
+    /// The sources in each model.
+    #[serde(deserialize_with = "source", rename = "source")]
+    pub sources: Option<SourceSpec>,
+    /// Timed runs of each cell; at least 1.
+    #[serde(deserialize_with = "whole::<_, _, 1, MOST_RUNS>")]
+    pub repeat: Option<u32>,
+    /// Untimed runs of each cell before those.
+    #[serde(deserialize_with = "whole::<_, _, 0, MOST_RUNS>")]
+    pub warmup: Option<u32>,
+    /// Largest relative difference that passes.
+    #[serde(deserialize_with = "number")]
+    pub tolerance: Option<f64>,
+    /// Seed of the order of the runs.
+    #[serde(deserialize_with = "whole::<_, _, 0, MOST_SEED>")]
+    pub seed: Option<u64>,
+    /// Threads of the parallel algorithms.
+    #[serde(deserialize_with = "whole::<_, _, 1, MOST_THREADS>")]
+    pub threads: Option<u32>,
+    /// Time that each run may take.
+    #[serde(deserialize_with = "text")]
+    pub timeout: Option<Timeout>,
+    /// Memory that the process of each cell may occupy.
+    #[serde(deserialize_with = "text", rename = "memory-limit")]
+    pub memory_limit: Option<MemoryLimit>,
+    /// Bytes that a compressed model may decompress to.
+    #[serde(deserialize_with = "text", rename = "max-decompressed")]
+    pub max_decompressed: Option<DecompressionLimit>,
+    /// The expected answers.
+    #[serde(rename = "check")]
+    pub reference: Option<Spanned<Reference>>,
+    /// Names of the rows of tables.
+    #[serde(deserialize_with = "rows")]
+    pub rows: Option<Vec<String>>,
+    /// The base of a table of ratios.
+    #[serde(deserialize_with = "text")]
+    pub ratios_to: Option<Selection>,
+    /// Whether results hold the wavefronts of the runs.
+    pub wavefront: Option<bool>,
+}
+
+/// A model or a directory of models, as a user gives it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct WantedModel {
+    /// A file, a directory or a generator's spec.
+    pub path: String,
+    /// Whether a missing file is skipped with a warning.
+    pub optional: bool,
+    /// Names of the real model that this one substitutes; it is used if the library has it.
+    pub real: Vec<String>,
+    /// How many times each face of the real model is split into four.
+    pub subdivide: u32,
+    /// Line in the suite file; `None` from the command line.
+    pub line: Option<usize>,
+}
+
+impl WantedModel {
+    /// A model that is nothing but a path or a spec and must exist.
+    pub fn new(path: &str) -> Self {
+        Self {
+            path: path.to_owned(),
+            ..Self::default()
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for WantedModel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields, default, expecting = "a table")]
+        #[derive(Default)]
+        struct Table {
+            path: String,
+            optional: bool,
+            #[serde(deserialize_with = "names")]
+            real: Vec<String>,
+            #[serde(deserialize_with = "whole::<_, _, 0, MOST_SUBDIVISIONS>")]
+            subdivide: Option<u32>,
+        }
+
+        let of_path = |path: &str| match path {
+            "" => Err("a model must have a `path`".to_owned()),
+            path => Ok(Self::new(path)),
+        };
+        let of_table = |table: Table| {
+            let subdivide = table.subdivide.unwrap_or(0);
+            if table.path.is_empty() {
+                return Err("a model must have a `path`".to_owned());
+            }
+            if subdivide > 0 && table.real.is_empty() {
+                let problem = "`subdivide` is for a model that has `real`; let `path` be `gen:file,path=...,subdivide=...`";
+                return Err(problem.to_owned());
+            }
+            Ok(Self {
+                path: table.path,
+                optional: table.optional,
+                real: table.real,
+                subdivide,
+                line: None,
+            })
+        };
+        text_or_table(deserializer, of_path, of_table)
+    }
+}
+
+impl Settings {
+    /// These settings; those of `other` where they are unset.
+    #[must_use]
+    pub fn or(&self, other: &Self) -> Self {
+        macro_rules! settings {
+            ($($key:ident)*) => {
+                Self { $($key: self.$key.clone().or_else(|| other.$key.clone()),)* }
+            };
+        }
+        settings!(models algorithms sources repeat warmup tolerance seed threads timeout memory_limit
+            max_decompressed reference rows ratios_to wavefront)
+    }
+
+    /// Resolves paths and lines of the settings in `document`.
+    pub(super) fn resolve(&mut self, document: &Document<'_>) -> Result<(), SuiteError> {
+        for model in self.models.iter_mut().flatten() {
+            let line = document.line(&model.span());
+            let model = model.get_mut();
+            model.line = Some(line);
+            if !Spec::is_spec(&model.path) {
+                let path = document.directory().join(&model.path);
+                model.path = path.display().to_string();
+            }
+        }
+        if let Some(check) = &mut self.reference {
+            let span = Some(check.span());
+            let resolved = check.get_mut().resolve(document.directory());
+            resolved.map_err(|error| document.error_at("check", span, &error.to_string()))?;
+        }
+        Ok(())
+    }
+}
+
+/// Reads a tolerance.
+///
+/// # Errors
+///
+/// When it is not a finite number that is 0 or more.
+pub fn tolerance(value: Option<f64>) -> Result<f64, String> {
+    value
+        .filter(|value| value.is_finite() && *value >= 0.0)
+        .ok_or_else(|| "a tolerance is a number, 0 or more, such as 1e-9".to_owned())
+}
+
+/// A list that is not empty.
+fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Option<Vec<T>>, D::Error> {
+    let list = Vec::deserialize(deserializer)?;
+    if list.is_empty() {
+        return Err(D::Error::custom("the list is empty"));
+    }
+    Ok(Some(list))
+}
+
+/// A value written as text.
+fn text<'de, D: Deserializer<'de>, T: FromStr<Err: Display>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    let value = String::deserialize(deserializer)?.parse();
+    value.map(Some).map_err(D::Error::custom)
+}
+
+/// A whole number from `LEAST` to `MOST`.
+fn whole<'de, D: Deserializer<'de>, T: From<u32>, const LEAST: u32, const MOST: u32>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    let number = Value::deserialize(deserializer)?.as_integer();
+    match number.and_then(|number| u32::try_from(number).ok()) {
+        Some(number) if (LEAST..=MOST).contains(&number) => Ok(Some(number.into())),
+        _ => Err(D::Error::custom(format!(
+            "a whole number from {LEAST} to {MOST} is expected"
+        ))),
+    }
+}
+
+/// A tolerance.
+fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    let number = match Value::deserialize(deserializer)? {
+        Value::Float(number) => Some(number),
+        Value::Integer(number) => Some(number as f64),
+        _ => None,
+    };
+    tolerance(number).map(Some).map_err(D::Error::custom)
+}
+
+/// A list of which each element is a list as on the command line, or a table of a name and
+/// parameters.
+fn algorithms<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<Vec<Selection>>, D::Error> {
+    struct Element(Vec<Selection>);
+    impl<'de> Deserialize<'de> for Element {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            fn select(list: &str) -> Result<Element, String> {
+                let algorithms = registry::select(list);
+                algorithms.map(Element).map_err(|error| error.to_string())
+            }
+            text_or_table(deserializer, select, |table| {
+                select(&with_parameters(table)?)
+            })
+        }
+    }
+    let elements: Option<Vec<Element>> = list(deserializer)?;
+    let mut chosen: Vec<Selection> = Vec::new();
+    for selection in elements.into_iter().flatten().flat_map(|list| list.0) {
+        if chosen.iter().all(|c| c.label() != selection.label()) {
+            chosen.push(selection);
+        }
+    }
+    Ok(Some(chosen))
+}
+
+/// Names of rows.
+fn rows<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
+    struct Row(String);
+    impl<'de> Deserialize<'de> for Row {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            parsed(deserializer, |name| match table::figure(name) {
+                Ok(figure) => Ok(Self(figure.key.to_owned())),
+                Err(error) => Err(error.to_string()),
+            })
+        }
+    }
+    let rows: Option<Vec<Row>> = list(deserializer)?;
+    Ok(rows.map(|rows| rows.into_iter().map(|row| row.0).collect()))
+}
+
+/// A vertex, a list of vertices, or a text as on the command line.
+fn source<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SourceSpec>, D::Error> {
+    let source = words(deserializer)?.join(",").parse();
+    source.map(Some).map_err(D::Error::custom)
+}
+
+/// A name, or a list of names.
+fn names<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
+    let names = words(deserializer)?;
+    if names.iter().any(|name| name.trim().is_empty()) {
+        return Err(D::Error::custom("a name is empty"));
+    }
+    Ok(names.iter().map(|name| name.trim().to_owned()).collect())
+}
+
+/// A text or a number, or a list of these.
+fn words<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
+    match Value::deserialize(deserializer)? {
+        Value::Array(list) if list.is_empty() => Err("the list is empty".to_owned()),
+        Value::Array(list) => list.iter().map(word).collect(),
+        value => word(&value).map(|word| vec![word]),
+    }
+    .map_err(D::Error::custom)
+}
+
+/// A table of a name and parameters in the form of the command line.
+fn with_parameters(mut table: toml::Table) -> Result<String, String> {
+    let name = match table.remove("name") {
+        Some(name) => word(&name)?,
+        None => return Err("an algorithm must have a `name`".to_owned()),
+    };
+    let parameters = table
+        .iter()
+        .map(|(key, value)| Ok(format!("{key}={}", word(value)?)));
+    let parameters: Vec<String> = parameters.collect::<Result<_, String>>()?;
+    Ok(format!("{name}{{{}}}", parameters.join(",")))
+}
+
+/// A text, or a number as text.
+fn word(value: &Value) -> Result<String, String> {
+    match value {
+        Value::String(text) => Ok(text.clone()),
+        Value::Integer(number) => Ok(number.to_string()),
+        Value::Float(number) => Ok(number.to_string()),
+        _ => Err("a number or a word is expected".to_owned()),
+    }
+}

@@ -1,0 +1,38 @@
+//! Suggestions for mistyped names.
+
+/// The text `, did you mean `NAME`?` with the one of `known` that is most similar to `name`; empty
+/// if none is similar. For error messages; letter case does not count.
+///
+/// ```
+/// let known = ["sphere", "torus"];
+/// assert_eq!(geobench_mesh::did_you_mean("Tours", &known), ", did you mean `torus`?");
+/// assert_eq!(geobench_mesh::did_you_mean("box", &known), "");
+/// ```
+pub fn did_you_mean(name: &str, known: &[&str]) -> String {
+    let name = name.to_lowercase();
+    known
+        .iter()
+        .map(|known| (strsim::damerau_levenshtein(&name, known), known))
+        .filter(|(edits, known)| *edits <= 1 + known.len() / 3)
+        .min()
+        .map_or_else(String::new, |(_, known)| {
+            format!(", did you mean `{known}`?")
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::did_you_mean;
+
+    #[test]
+    fn misspellings_are_found_and_nothing_else() {
+        let known = ["sphere", "uvsphere", "torus", "tetrahedron"];
+        let found = |name| did_you_mean(name, &known);
+        assert_eq!(found("shpere"), ", did you mean `sphere`?");
+        assert_eq!(found("Tours"), ", did you mean `torus`?");
+        assert_eq!(found("tetraeder"), ", did you mean `tetrahedron`?");
+        assert_eq!(found("xyz"), "");
+        assert_eq!(found(""), "");
+        assert_eq!(found(&"sphere".repeat(9)), "");
+    }
+}

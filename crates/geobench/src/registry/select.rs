@@ -9,7 +9,7 @@ use geobench_window::Solver;
 use super::parameter::THREADS;
 use super::program::{OUTSIDE, PREFIX};
 use super::program::{Program, Programs, UnknownProgram};
-use super::{Algorithm, Parameter, Value, Values, algorithms, hidden};
+use super::{Algorithm, Parameter, Value, Values, algorithms, failing};
 
 /// An algorithm that a user asked for, with the values of its parameters.
 #[derive(Clone, Debug)]
@@ -299,7 +299,7 @@ fn matches(item: &str, list: &str) -> Result<Vec<Selection>, SelectError> {
             "exact" => a.exact,
             _ => a.name == name || a.family == name,
         })
-        .chain(hidden::algorithms().iter().filter(|a| a.name == name))
+        .chain(failing().iter().filter(|a| a.name == name))
         .collect();
     if found.is_empty() {
         return Err(unknown(name));

@@ -10,7 +10,6 @@ use super::Verdict;
 use super::args::RunOptions;
 use super::progress::Progress;
 use super::terminal::{self, Terminal};
-use crate::exec::isolate::Sharing;
 use crate::exec::limits::{Limits, Timeout};
 use crate::exec::{Listener, Step, interrupt};
 use crate::measure::conditions::{self, Snapshot};
@@ -85,8 +84,8 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
             break;
         }
         listener.begin(plan)?;
-        let mut backend = options.isolation.backend(plan.limits, Sharing::None)?;
-        let outcome = run::run(plan, &mut *backend, journal.as_mut(), &mut listener)?;
+        let mut backend = options.isolation.backend(plan.limits, false)?;
+        let outcome = run::run(plan, &mut backend, journal.as_mut(), &mut listener)?;
         listener.end(&plan.group)?;
         let checked = !matches!(plan.reference, Reference::None);
         verdicts.push(Tally::of(checked, &outcome.cells));

@@ -339,7 +339,6 @@ impl Reporter {
             memory_limit: memory.0,
             ..plan.group.clone()
         });
-        self.progress.begin(plan);
         // A shard may have no cell of a group.
         if plan.runs() == 0 {
             return Ok(());
@@ -447,7 +446,6 @@ impl Listener for Reporter {
             self.result.models.push(model.clone());
         }
         self.result.cells.extend_from_slice(cells);
-        self.progress.clear_table();
         self.progress.suspend(|| {
             remark(cells, self.format, self.quiet);
             for summary in agreement::summaries(cells) {
@@ -456,7 +454,7 @@ impl Listener for Reporter {
             if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
                 let look = self.terminal.look();
                 let mut text = table::model_table(group, model, cells, look);
-                // The last column stays free, as in the progress table.
+                // The last column stays free: some terminals break the line there.
                 let width = look.width.map(|width| width.saturating_sub(1));
                 text +=
                     &width.map_or_else(String::new, |width| table::model_bars(group, cells, width));

@@ -19,7 +19,7 @@ use crate::exec::protocol::Reply;
 use crate::exec::{Failure, affinity, interrupt};
 use crate::schema::Status;
 
-/// Interval of memory checks. `system::limit_data` bounds what a child can allocate between two.
+/// Interval of memory checks. A data limit bounds what a child can allocate between two.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// Time to end after closing standard output.

@@ -15,27 +15,27 @@ use geobench_mesh::VertexId;
 const MEGABYTE: u64 = 1 << 20;
 
 fn isolated() -> Isolated {
-    Isolated::new(Limits::USUAL).with_program(env!("CARGO_BIN_EXE_geobench").into())
+    Isolated {
+        limits: Limits::USUAL,
+        program: Some(env!("CARGO_BIN_EXE_geobench").into()),
+        ..Isolated::default()
+    }
 }
 
 /// Carries out these runs and returns the peaks of each.
 fn runs(mut place: Isolated, model: &str, list: &[(&str, Pass)]) -> Vec<Peaks> {
     let model = ModelRef::generated(model).unwrap();
-    let mut peaks = Vec::new();
-    place
-        .with_model(&model, &mut |record, session| {
-            for &(algorithm, pass) in list {
-                let step = Step {
-                    model: &record.name,
-                    algorithm: &registry::select_one(algorithm).unwrap(),
-                    source: VertexId::new(0),
-                    pass,
-                };
-                peaks.push(session.execute(&step).unwrap().peaks);
-            }
-        })
-        .unwrap();
-    peaks
+    let mut session = place.open(&model).unwrap();
+    let peaks = list.iter().map(|&(algorithm, pass)| {
+        let step = Step {
+            model: &model.name,
+            algorithm: &registry::select_one(algorithm).unwrap(),
+            source: VertexId::new(0),
+            pass,
+        };
+        session.execute(&step).unwrap().peaks
+    });
+    peaks.collect()
 }
 
 fn measured(place: Isolated) -> Peaks {
@@ -108,34 +108,33 @@ fn where_all_hold_too_much_a_child_ends_after_its_run_and_comes_back_warm() {
     let model = ModelRef::generated("gen:sphere,subdiv=2").unwrap();
     for (budget, alive) in [(u64::MAX, [1, 2, 2, 2, 2]), (1, [1, 1, 1, 1, 1])] {
         let mut alive = alive.into_iter();
-        isolated()
-            .with_budget(budget)
-            .with_model(&model, &mut |record, session| {
-                for (algorithm, pass) in [
-                    ("mmp", Pass::Warmup),
-                    ("vtp", Pass::Warmup),
-                    ("mmp", Pass::Time),
-                    ("vtp", Pass::Time),
-                    ("vtp", Pass::Count),
-                ] {
-                    let step = Step {
-                        model: &record.name,
-                        algorithm: &registry::select_one(algorithm).unwrap(),
-                        source: VertexId::new(0),
-                        pass,
-                    };
-                    let observation = session.execute(&step).unwrap();
-                    assert_eq!(
-                        observation.distances.len(),
-                        record.vertices.unwrap() as usize
-                    );
-                    assert_eq!(Some(children()), alive.next(), "{algorithm} {pass:?}");
-                    // Who is set up by a timed run has not been warmed up.
-                    let cold = observation.setup_seconds.is_some();
-                    assert_eq!(cold, pass == Pass::Warmup);
-                }
-            })
-            .unwrap();
+        let mut place = Isolated {
+            budget: Some(budget),
+            ..isolated()
+        };
+        let mut session = place.open(&model).unwrap();
+        let vertices = session.model().vertices.unwrap() as usize;
+        for (algorithm, pass) in [
+            ("mmp", Pass::Warmup),
+            ("vtp", Pass::Warmup),
+            ("mmp", Pass::Time),
+            ("vtp", Pass::Time),
+            ("vtp", Pass::Count),
+        ] {
+            let step = Step {
+                model: &model.name,
+                algorithm: &registry::select_one(algorithm).unwrap(),
+                source: VertexId::new(0),
+                pass,
+            };
+            let observation = session.execute(&step).unwrap();
+            assert_eq!(observation.distances.len(), vertices);
+            assert_eq!(Some(children()), alive.next(), "{algorithm} {pass:?}");
+            // Who is set up by a timed run has not been warmed up.
+            let cold = observation.setup_seconds.is_some();
+            assert_eq!(cold, pass == Pass::Warmup);
+        }
+        drop(session);
         assert_eq!(children(), 0);
     }
 }

@@ -190,12 +190,7 @@ fn what_an_outside_program_had_started_outlived_it() {
 fn what_a_child_had_started_outlived_it() {
     let sandbox = Sandbox::with_square();
     for algorithms in ["test-spawn", "test-spawn,vtp,test-spawn{after=2}"] {
-        let call = sandbox
-            .command(&format!("run square.off --algo {algorithms} --repeat 2"))
-            .env("GEOBENCH_TEST_ALGORITHMS", "1")
-            .output()
-            .unwrap();
-        assert!(call.status.success(), "{call:?}");
+        sandbox.succeed(&format!("run square.off --algo {algorithms} --repeat 2"));
         assert_eq!(running_in(&sandbox), [""; 0]);
     }
 }
@@ -263,35 +258,17 @@ fn names_of_models_were_formulas_html_and_orders_to_the_terminal() {
 mod trusted_reference {
     use crate::support::{Outcome, Sandbox};
 
-    /// Calls the program on the square with the algorithms at hand that misbehave.
-    fn call(sandbox: &Sandbox, arguments: &str) -> Outcome {
-        let output = sandbox
-            .command(arguments)
-            .env("GEOBENCH_TEST_ALGORITHMS", "1")
-            .output()
-            .unwrap();
-        Outcome {
-            code: output.status.code().unwrap(),
-            stdout: String::from_utf8(output.stdout).unwrap(),
-            stderr: String::from_utf8(output.stderr).unwrap(),
-        }
-    }
-
     fn verify(algorithms: &str) -> Outcome {
         let sandbox = Sandbox::with_square();
-        call(
-            &sandbox,
-            &format!("verify square.off --quiet --algo {algorithms}"),
-        )
+        sandbox.call(&format!("verify square.off --quiet --algo {algorithms}"))
     }
 
     /// The outcome of a run, and cluster and message of each cell.
     fn run(arguments: &str) -> (Outcome, Vec<(Option<u64>, String)>) {
         let sandbox = Sandbox::with_square();
-        let outcome = call(
-            &sandbox,
-            &format!("run square.off --repeat 1 --warmup 0 -o r.json -o r.csv --quiet {arguments}"),
-        );
+        let outcome = sandbox.call(&format!(
+            "run square.off --repeat 1 --warmup 0 -o r.json -o r.csv --quiet {arguments}"
+        ));
         let cells = sandbox.json("r.json")["cells"].as_array().unwrap().clone();
         assert!(sandbox.read("r.csv").contains("check_cluster"));
         let of_cell = |cell: &serde_json::Value| {
@@ -363,13 +340,10 @@ mod trusted_reference {
         let sandbox = Sandbox::with_square();
         sandbox.write("square.s0.csv", "0,0\n1,1\n2,1.4\n3,1\n");
         let text = "`./square.s0.csv` differs from `mmp` by up to 1.005e-2 relative, at vertex 2\n";
-        let outcome = call(&sandbox, "verify square.off --quiet --algo ich");
+        let outcome = sandbox.call("verify square.off --quiet --algo ich");
         assert_eq!(outcome.code, 1);
         assert!(outcome.stdout.contains(text), "{}", outcome.stdout);
-        let outcome = call(
-            &sandbox,
-            "run square.off --repeat 1 --quiet --algo mmp,ich --check file",
-        );
+        let outcome = sandbox.call("run square.off --repeat 1 --quiet --algo mmp,ich --check file");
         assert_eq!(outcome.code, 1);
         assert!(
             outcome.stderr.contains(
@@ -426,7 +400,7 @@ mod trusted_reference {
             "run square.off --repeat 2 --warmup 0 --algo mmp,{TWO_ALIKE},ich --check mmp --quiet \
              --format json --resume j.jsonl"
         );
-        let whole = call(&sandbox, &arguments);
+        let whole = sandbox.call(&arguments);
         assert_eq!(whole.code, 1);
         let journal = sandbox.read("j.jsonl");
         let summary = |outcome: &Outcome| {
@@ -439,7 +413,7 @@ mod trusted_reference {
         // From the first run on, which follows the header, the session and the model.
         for kept in 4..=lines.len() {
             sandbox.write("j.jsonl", &lines[..kept].concat());
-            let rest = call(&sandbox, &arguments);
+            let rest = sandbox.call(&arguments);
             assert_eq!(rest.code, 1, "{kept}");
             assert_eq!(summary(&rest), summary(&whole), "{kept}: {}", rest.stderr);
         }
@@ -456,17 +430,12 @@ mod missing_instructions {
 
     /// Counts the instructions of an algorithm on the square; standard error and the cell.
     fn count(sandbox: &Sandbox, algorithm: &str) -> (String, Value) {
-        let output = sandbox
-            .command(&format!(
-                "run square.off --algo {algorithm} --check none --repeat 1 --warmup 0 \
-                 --instructions --quiet -o r.json"
-            ))
-            .env("GEOBENCH_TEST_ALGORITHMS", "1")
-            .output()
-            .unwrap();
-        let stderr = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(0), "{stderr}");
-        (stderr, sandbox.json("r.json")["cells"][0].clone())
+        let call = sandbox.call(&format!(
+            "run square.off --algo {algorithm} --check none --repeat 1 --warmup 0 \
+             --instructions --quiet -o r.json"
+        ));
+        assert_eq!(call.code, 0, "{}", call.stderr);
+        (call.stderr, sandbox.json("r.json")["cells"][0].clone())
     }
 
     #[test]

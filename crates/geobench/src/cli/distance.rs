@@ -2,12 +2,12 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
 use anyhow::{Context, bail};
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::{Solver, precision};
+use rayon::ThreadPoolBuilder;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::Verdict;
 use super::args::DistanceOptions;
@@ -111,38 +111,23 @@ impl Request<'_> {
         let threads = self.options.threads as usize;
         let workers = threads.min(tasks.len()).max(1);
         let algorithm = self.options.algo.clone().with_threads(threads / workers);
-        let next = AtomicUsize::new(0);
-        let work = || -> anyhow::Result<Vec<(usize, String)>> {
-            let mut solver = algorithm.build(self.mesh);
-            let mut done = Vec::new();
-            loop {
-                let place = next.fetch_add(1, Ordering::Relaxed);
-                let Some(task) = tasks.get(place) else {
-                    return Ok(done);
-                };
-                match self.solve(&algorithm, &mut *solver, task) {
-                    Ok(summary) => done.push((place, summary)),
-                    Err(error) => {
-                        // The other threads finish their current task.
-                        next.store(tasks.len(), Ordering::Relaxed);
-                        return Err(error);
-                    }
-                }
-            }
-        };
-        let mut done = thread::scope(|scope| {
-            let others: Vec<_> = (1..workers).map(|_| scope.spawn(work)).collect();
-            let mut done = work()?;
-            for other in others {
-                match other.join() {
-                    Ok(of_other) => done.extend(of_other?),
-                    Err(panic) => std::panic::resume_unwind(panic),
-                }
-            }
-            anyhow::Ok(done)
-        })?;
-        done.sort_unstable();
-        Ok(done.into_iter().map(|(_, summary)| summary).collect())
+        let build = || algorithm.build(self.mesh);
+        if workers == 1 {
+            let mut solver = build();
+            let solve = |task| self.solve(&algorithm, &mut *solver, task);
+            return tasks.iter().map(solve).collect();
+        }
+        let pool = ThreadPoolBuilder::new().num_threads(workers).build()?;
+        pool.install(|| {
+            tasks
+                .par_iter()
+                // A solver is set up for each piece, not for each source.
+                .with_min_len(tasks.len() / (4 * workers))
+                .map_init(build, |solver, task| {
+                    self.solve(&algorithm, &mut **solver, task)
+                })
+                .collect()
+        })
     }
 
     fn solve(

@@ -7,12 +7,9 @@ use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use geobench_mesh::io::{ObjReader, ReadOptions};
 
-use crate::exec::Backend;
 use crate::exec::affinity::{self, CpuList};
-use crate::exec::in_process::InProcess;
-use crate::exec::isolate::{Isolated, Sharing};
+use crate::exec::isolate::Isolated;
 use crate::exec::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
-use crate::exec::outside::WithPrograms;
 use crate::plan::suite;
 use crate::registry::{Programs, Selection};
 use crate::schema::IsolationRecord;
@@ -178,28 +175,18 @@ impl IsolationOptions {
         }
     }
 
-    /// The backend of the options.
-    pub(super) fn backend(
-        &self,
-        limits: Limits,
-        sharing: Sharing,
-    ) -> anyhow::Result<Box<dyn Backend>> {
-        let inner: Box<dyn Backend> = match self.isolate {
-            Isolate::Process => Box::new(
-                Isolated::new(limits)
-                    .on_cpus(self.cpu.clone())
-                    .shared(sharing),
-            ),
-            Isolate::None => {
-                if let Some(cpus) = &self.cpu {
-                    affinity::pin(cpus.numbers()).context("--cpu")?;
-                }
-                Box::new(InProcess {
-                    decompressed: limits.decompressed,
-                })
-            }
-        };
-        let cpus = self.cpu.clone();
-        Ok(Box::new(WithPrograms::new(inner, limits, cpus)))
+    /// The backend of the options. `shared` is whether all algorithms of the suite have one child.
+    pub(super) fn backend(&self, limits: Limits, shared: bool) -> anyhow::Result<Isolated> {
+        let here = self.isolate == Isolate::None;
+        if let (true, Some(cpus)) = (here, &self.cpu) {
+            affinity::pin(cpus.numbers()).context("--cpu")?;
+        }
+        Ok(Isolated {
+            limits,
+            cpus: self.cpu.clone(),
+            shared,
+            here,
+            ..Isolated::default()
+        })
     }
 }

@@ -47,14 +47,14 @@ enum Verdict {
 pub fn main() -> ExitCode {
     report_panics_in_one_line();
     match isolate::wanted(std::env::args_os()) {
-        Some(model) => cell(&model),
+        Some((model, settings)) => cell(&model, &settings),
         None => command(),
     }
 }
 
 /// Serves the parent process as the child for `model`.
-fn cell(model: &OsStr) -> ExitCode {
-    match isolate::cell(model) {
+fn cell(model: &OsStr, settings: &str) -> ExitCode {
+    match isolate::cell(model, settings) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             terminal::error(&error.to_string());

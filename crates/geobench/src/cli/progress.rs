@@ -1,511 +1,250 @@
 //! Progress of a run, on standard error if that is a terminal.
 
-use std::io::{self, Stderr, Write};
+use std::fmt::Write;
+use std::time::Duration;
 
-use unicode_width::UnicodeWidthChar;
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use super::terminal;
 use crate::exec::{Pass, Step};
-use crate::measure::statistics::median;
-use crate::plan::{Plan, Reference};
-use crate::registry::Selection;
 use crate::schema::Status;
-use crate::table::{Bar, bar_lines};
+use crate::table::escape::printable;
 
-/// Lines of the terminal kept for earlier output.
-const LINES_LEFT: usize = 4;
-
-/// Width of the bar in characters.
-const BAR: usize = 30;
-
-/// A table of the current model, and a bar over all runs below it. They change between runs only,
-/// so that nothing is drawn while a run is timed.
+/// The row of the model under way, and a bar over all runs below it. Only calls draw, and they come
+/// between runs: nothing is drawn while a run is timed, and nothing in a child.
 #[derive(Debug)]
 pub(super) struct Progress {
-    /// The terminal; `None` if progress is off.
-    live: Option<RedrawnLines<Stderr>>,
-    view: View,
-}
-
-/// The displayed state.
-#[derive(Debug, Default)]
-struct View {
-    progress_table: ProgressTable,
-    /// Whether the table is shown.
-    table: bool,
-    /// The current activity.
-    message: String,
-    /// Runs started or skipped, as displayed.
-    position: usize,
+    bar: ProgressBar,
     /// Runs started or skipped.
     started: usize,
-    /// All runs.
-    runs: usize,
+    /// Model and source of the row.
+    place: String,
+    /// Label and last result of the algorithms on it.
+    results: Vec<(String, String)>,
 }
 
 impl Progress {
     /// Shows `runs` runs, or nothing unless `shown`.
     pub(super) fn new(runs: usize, shown: bool) -> Self {
-        Self {
-            live: (shown && terminal::standard_error_can_move())
-                .then(|| RedrawnLines::new(io::stderr())),
-            view: View {
-                runs,
-                ..View::default()
+        Self::on(
+            if shown && terminal::standard_error_can_move() {
+                ProgressDrawTarget::stderr()
+            } else {
+                ProgressDrawTarget::hidden()
             },
-        }
+            runs,
+        )
     }
 
-    /// Starts a plan.
-    pub(super) fn begin(&mut self, plan: &Plan) {
-        self.clear_table();
-        self.view.progress_table = ProgressTable::new(plan);
+    fn on(target: ProgressDrawTarget, runs: usize) -> Self {
+        let style = "{wide_msg}\n{elapsed_precise} [{wide_bar}] {pos}/{len}{left}";
+        let style = ProgressStyle::with_template(style);
+        let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+        // Nothing while it is unknown.
+        let left = |state: &ProgressState, out: &mut dyn Write| {
+            let left = state.eta();
+            if left.as_secs() > 0 {
+                let _ = write!(out, ", {:#} left", HumanDuration(left));
+            }
+        };
+        let bar = ProgressBar::with_draw_target(Some(runs as u64), target);
+        bar.set_style(style.progress_chars("=> ").with_key("left", left));
+        Self {
+            bar,
+            started: 0,
+            place: String::new(),
+            results: Vec::new(),
+        }
     }
 
     /// Shows that a model is being loaded.
     pub(super) fn loading(&mut self, model: &str) {
-        self.view.table = false;
-        self.view.message = format!("loading {model}");
-        self.draw();
+        self.draw(&format!("loading {model}"));
     }
 
     /// Shows the run that is about to start.
     pub(super) fn step(&mut self, step: &Step<'_>) {
-        self.view.step(step);
-        self.draw();
-        self.view.started += 1;
-    }
-
-    /// Shows the result of a run.
-    pub(super) fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
-        self.view.progress_table.ran(step, outcome);
-    }
-
-    /// Shows that the instructions of an algorithm are being counted.
-    pub(super) fn counting_instructions(&mut self, model: &str, algorithm: &str) {
-        self.view.message = format!("{model}: counting instructions of {algorithm}");
-        self.draw();
-    }
-
-    /// Skips runs.
-    pub(super) fn skip(&mut self, runs: usize) {
-        self.view.started = self.view.started.saturating_add(runs);
-    }
-
-    /// Clears the display while `work` writes to the terminal.
-    pub(super) fn suspend<T>(&mut self, work: impl FnOnce() -> T) -> T {
-        let Some(live) = &mut self.live else {
-            return work();
-        };
-        live.clear();
-        let done = work();
-        self.draw();
-        done
-    }
-
-    /// Removes the table; the final table is printed instead.
-    pub(super) fn clear_table(&mut self) {
-        self.view.table = false;
-        self.draw();
-    }
-
-    fn draw(&mut self) {
-        if let (Some(live), Some(size)) = (&mut self.live, terminal::size_of_standard_error()) {
-            live.draw(&self.view.lines(size));
-        }
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        if let Some(live) = &mut self.live {
-            live.clear();
-        }
-    }
-}
-
-impl View {
-    fn step(&mut self, step: &Step<'_>) {
+        self.turn_to(step);
         let pass = match step.pass {
             Pass::Warmup => "warming up",
             Pass::Time => "timing",
             Pass::Count => "counting",
             Pass::Profile => "clocking phases of",
         };
-        let algorithm = step.algorithm.label();
-        self.message = format!("{}, source {}: {pass} {algorithm}", step.model, step.source);
-        self.position = self.started;
-        self.progress_table.starts(step);
-        self.table = true;
-    }
-
-    /// The lines for a terminal of this size: the bar, and above it the table if there is room.
-    fn lines(&self, [columns, lines]: [usize; 2]) -> Vec<String> {
-        // The last column stays free, because some terminals break the line there.
-        let columns = columns.saturating_sub(1);
-        let table = self.table && self.progress_table.len() + LINES_LEFT <= lines;
-        let mut texts = if table {
-            self.progress_table.lines(columns)
-        } else {
-            Vec::new()
-        };
-        if !self.message.is_empty() {
-            texts.push(self.bar());
+        let mut row = format!("{}: {pass} {}", self.place, step.algorithm.label());
+        for (label, result) in &self.results {
+            row.extend(["  ", label, " ", result]);
         }
-        texts.iter().map(|text| cut(text, columns)).collect()
+        self.bar.set_position(self.started as u64);
+        self.draw(&row);
+        self.started += 1;
     }
 
-    fn bar(&self) -> String {
-        let Self { position, runs, .. } = *self;
-        let full = match BAR.saturating_mul(position).checked_div(runs) {
-            Some(full) => full.min(BAR),
-            None => BAR,
-        };
-        let tip = if (1..BAR).contains(&full) { ">" } else { "" };
-        let done = "=".repeat(full - tip.len()) + tip;
-        format!("[{done:BAR$}] {position}/{runs} {}", self.message)
-    }
-}
-
-/// The algorithms of a plan and their runs so far on one model from one source.
-#[derive(Debug, Default)]
-pub(super) struct ProgressTable {
-    rows: Vec<Row>,
-    /// Timed runs of each algorithm.
-    repeat: usize,
-    /// Label of the algorithm to which ratios are shown.
-    base: Option<String>,
-    /// The model and source of the rows.
-    place: Option<(String, u32)>,
-}
-
-#[derive(Debug, Default)]
-struct Row {
-    label: String,
-    samples: Vec<f64>,
-    failure: Option<Status>,
-    current: bool,
-}
-
-impl ProgressTable {
-    /// A table for a plan. The base of ratios is `ratios_to`, else `vtp`, the reference or the
-    /// first algorithm.
-    pub(super) fn new(plan: &Plan) -> Self {
-        let labels: Vec<&str> = plan.algorithms.iter().map(Selection::label).collect();
-        let reference = match &plan.reference {
-            Reference::Algorithm(reference) => Some(reference.label()),
-            Reference::None | Reference::Files(_) => None,
-        };
-        let wished = [plan.group.ratios_to.as_deref(), Some("vtp"), reference];
-        let base = wished
-            .into_iter()
-            .flatten()
-            .find(|name| labels.contains(name));
-        Self {
-            base: base.or(labels.first().copied()).map(str::to_owned),
-            rows: labels
-                .into_iter()
-                .map(|label| Row {
-                    label: label.to_owned(),
-                    ..Row::default()
-                })
-                .collect(),
-            repeat: plan.repeat,
-            place: None,
-        }
-    }
-
-    /// Number of lines.
-    pub(super) const fn len(&self) -> usize {
-        self.rows.len()
-    }
-
-    /// A run starts.
-    pub(super) fn starts(&mut self, step: &Step<'_>) {
-        self.turn_to(step);
-        for row in &mut self.rows {
-            row.current = row.label == step.algorithm.label();
-        }
-    }
-
-    /// A run has ended.
+    /// Notes the result of a run for the next row.
     pub(super) fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
         self.turn_to(step);
-        let label = step.algorithm.label();
-        let Some(row) = self.rows.iter_mut().find(|row| row.label == label) else {
-            return;
+        let result = match outcome {
+            Ok(Some(seconds)) if step.pass == Pass::Time => {
+                format!(
+                    "{:.2?}",
+                    Duration::try_from_secs_f64(seconds).unwrap_or_default()
+                )
+            }
+            Ok(_) => return,
+            Err(status) => status.in_words(),
         };
-        row.current = false;
-        match outcome {
-            Ok(Some(seconds)) if step.pass == Pass::Time => row.samples.push(seconds),
-            Ok(_) => {}
-            Err(status) => row.failure = Some(status),
-        }
+        let label = step.algorithm.label();
+        self.results.retain(|(known, _)| known != label);
+        self.results.push((label.to_owned(), result));
     }
 
-    /// Clears the rows of another model or source.
+    /// Shows that the instructions of an algorithm are being counted.
+    pub(super) fn counting_instructions(&mut self, model: &str, algorithm: &str) {
+        self.draw(&format!("{model}: counting instructions of {algorithm}"));
+    }
+
+    /// Skips runs.
+    pub(super) fn skip(&mut self, runs: usize) {
+        self.started = self.started.saturating_add(runs);
+        // They take no time and say nothing of the time left.
+        self.bar.update(|state| state.set_pos(self.started as u64));
+        self.bar.reset_eta();
+    }
+
+    /// Clears the display while `work` writes to the terminal.
+    pub(super) fn suspend<T>(&mut self, work: impl FnOnce() -> T) -> T {
+        self.bar.suspend(work)
+    }
+
+    /// Starts the row of another model or source.
     fn turn_to(&mut self, step: &Step<'_>) {
-        let place = (step.model, step.source.raw());
-        if self
-            .place
-            .as_ref()
-            .map(|(model, source)| (model.as_str(), *source))
-            != Some(place)
-        {
-            self.place = Some((step.model.to_owned(), step.source.raw()));
-            for row in &mut self.rows {
-                row.samples.clear();
-                row.failure = None;
-            }
+        let place = format!("{}, source {}", step.model, step.source);
+        if self.place != place {
+            self.place = place;
+            self.results.clear();
         }
     }
 
-    /// A line for each algorithm, no wider than `width`.
-    pub(super) fn lines(&self, width: usize) -> Vec<String> {
-        let bars: Vec<Bar> = self
-            .rows
-            .iter()
-            .map(|row| Bar {
-                label: row.label.clone(),
-                note: format!("{}/{}", row.samples.len(), self.repeat),
-                seconds: median(&row.samples),
-                failure: row.failure.map(Status::in_words),
-                current: row.current,
-            })
-            .collect();
-        bar_lines(&bars, self.base.as_deref(), width)
+    fn draw(&self, row: &str) {
+        let bar = self.bar.clone().with_message(printable(row).into_owned());
+        // The other calls draw some twenty times a second at most.
+        bar.force_draw();
     }
 }
 
-/// Lines below the printed output that are redrawn in place on the terminal `out`.
-///
-/// Write errors are ignored; progress output is best-effort.
-#[derive(Debug)]
-pub(super) struct RedrawnLines<W> {
-    out: W,
-    /// Lines drawn. The cursor is at the end of the last one.
-    drawn: usize,
-}
-
-impl<W: Write> RedrawnLines<W> {
-    pub(super) const fn new(out: W) -> Self {
-        Self { out, drawn: 0 }
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
     }
-
-    /// Replaces the drawn lines. A line must be narrower than the terminal, else it breaks and its
-    /// first half stays: see [`cut`].
-    pub(super) fn draw(&mut self, lines: &[String]) {
-        let text = format!("{}{}", self.way_back(), lines.join("\r\n"));
-        self.drawn = lines.len();
-        self.write(&text);
-    }
-
-    /// Removes the lines. The next output starts where they started.
-    pub(super) fn clear(&mut self) {
-        if self.drawn > 0 {
-            self.draw(&[]);
-        }
-    }
-
-    /// Moves the cursor to the start of the first line and clears the screen below.
-    fn way_back(&self) -> String {
-        match self.drawn {
-            0 => String::new(),
-            1 => "\r\x1b[J".to_owned(),
-            drawn => format!("\r\x1b[{}A\x1b[J", drawn - 1),
-        }
-    }
-
-    /// Writes `text` in one call.
-    fn write(&mut self, text: &str) {
-        let _ = self.out.write_all(text.as_bytes());
-        let _ = self.out.flush();
-    }
-}
-
-/// The start of `text` that fits on `columns`, with control characters replaced.
-pub(super) fn cut(text: &str, columns: usize) -> String {
-    let mut used = 0;
-    text.chars()
-        .map(|letter| {
-            if letter.is_control() {
-                '\u{fffd}'
-            } else {
-                letter
-            }
-        })
-        .take_while(|letter| {
-            used += letter.width().unwrap_or(0);
-            used <= columns
-        })
-        .collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use std::num::NonZero;
-
     use geobench_mesh::VertexId;
+    use indicatif::{InMemoryTerm, TermLike};
 
     use super::*;
+    use crate::plan::Plan;
     use crate::run::mock::plan;
 
-    fn view() -> View {
-        let plan = plan(&["horse"], "mmp,vtp", "0");
-        let mut view = View {
-            progress_table: ProgressTable::new(&plan),
-            runs: 40,
-            started: 13,
-            ..View::default()
-        };
-        let step = |place: usize, pass| Step {
+    /// Progress of 40 runs on a terminal of this width.
+    fn progress(columns: u16) -> (InMemoryTerm, Progress) {
+        let terminal = InMemoryTerm::new(8, columns);
+        let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
+        (terminal, Progress::on(target, 40))
+    }
+
+    /// What the terminal shows, in the first second.
+    fn shown(terminal: &InMemoryTerm) -> String {
+        let contents = terminal.contents();
+        let lines = contents
+            .lines()
+            .map(|line| match line.strip_prefix("00:00:") {
+                Some(rest) => format!("00:00:00{}", &rest[2..]),
+                None => line.to_owned(),
+            });
+        lines.collect::<Vec<_>>().join("\n")
+    }
+
+    fn step(plan: &Plan, place: usize, source: u32, pass: Pass) -> Step<'_> {
+        Step {
             model: "horse",
             algorithm: &plan.algorithms[place],
-            source: VertexId::new(0),
+            source: VertexId::new(source),
             pass,
-        };
-        view.progress_table.ran(&step(0, Pass::Time), Ok(Some(2.0)));
-        view.step(&step(1, Pass::Time));
-        view
+        }
     }
 
     #[test]
-    fn the_table_stands_above_the_bar() {
-        insta::assert_snapshot!(view().lines([80, 24]).join("\n"), @"
-          mmp  1/5  2.00 s    ████████████████████████████████████████████████████████
-        > vtp  0/5
-        [========>                     ] 13/40 horse, source 0: timing vtp
+    fn the_row_stands_above_the_bar_and_follows_the_runs_of_one_model_and_source() {
+        let plan = plan(&["horse"], "mmp,ich,vtp", "0,1");
+        let (terminal, mut progress) = progress(72);
+        progress.skip(12);
+        progress.ran(&step(&plan, 0, 0, Pass::Warmup), Ok(Some(9.0)));
+        progress.ran(&step(&plan, 0, 0, Pass::Time), Ok(Some(3.0)));
+        progress.ran(&step(&plan, 1, 0, Pass::Time), Err(Status::OutOfMemory));
+        progress.step(&step(&plan, 2, 0, Pass::Time));
+        insta::assert_snapshot!(shown(&terminal), @r"
+        horse, source 0: timing vtp  mmp 3.00s  ich out of memory
+        00:00:00 [================>                                      ] 12/40
         ");
+        progress.step(&step(&plan, 0, 1, Pass::Warmup));
+        let shown = shown(&terminal);
+        assert!(
+            shown.starts_with("horse, source 1: warming up mmp\n"),
+            "{shown}"
+        );
     }
 
     #[test]
-    fn a_low_terminal_has_the_bar_alone_and_a_narrow_one_less_of_it() {
-        insta::assert_snapshot!(view().lines([50, 5]).join("\n"), @"[========>                     ] 13/40 horse, sou");
-    }
-
-    #[test]
-    fn the_bar_begins_empty_and_ends_full() {
-        let bar = |position, runs| {
-            let view = View {
-                position,
-                runs,
-                message: "horse".to_owned(),
-                ..View::default()
-            };
-            view.bar()
-        };
-        let bars = [bar(0, 9), bar(1, 60), bar(59, 60), bar(60, 60), bar(0, 0)];
-        insta::assert_snapshot!(bars.join("\n"), @"
-        [                              ] 0/9 horse
-        [                              ] 1/60 horse
-        [============================> ] 59/60 horse
-        [==============================] 60/60 horse
-        [==============================] 0/0 horse
+    fn a_narrow_terminal_has_two_lines_too() {
+        let plan = plan(&["horse"], "mmp", "0");
+        let (terminal, mut progress) = progress(50);
+        progress.ran(&step(&plan, 0, 0, Pass::Time), Ok(Some(3.0)));
+        progress.step(&step(&plan, 0, 0, Pass::Profile));
+        insta::assert_snapshot!(shown(&terminal), @r"
+        horse, source 0: clocking phases of mmp  mmp 3.00s
+        00:00:00 [                                  ] 0/40
         ");
     }
 
     #[test]
     fn nothing_is_shown_before_there_is_something_to_say() {
-        assert_eq!(View::default().lines([80, 24]), [""; 0]);
+        let (terminal, _progress) = progress(80);
+        assert_eq!(terminal.contents(), "");
     }
 
     #[test]
-    fn a_progress_table_follows_the_runs_of_one_model_and_source() {
-        let plan = plan(&["horse"], "mmp,ich,vtp", "0,1");
-        let mut progress_table = ProgressTable::new(&plan);
-        let step = |place: usize, source: u32, pass| Step {
-            model: "horse",
-            algorithm: &plan.algorithms[place],
-            source: VertexId::new(source),
-            pass,
-        };
-        progress_table.ran(&step(0, 0, Pass::Warmup), Ok(Some(9.0)));
-        progress_table.ran(&step(0, 0, Pass::Time), Ok(Some(3.0)));
-        progress_table.ran(&step(2, 0, Pass::Time), Ok(Some(1.0)));
-        progress_table.ran(&step(1, 0, Pass::Time), Err(Status::OutOfMemory));
-        progress_table.starts(&step(2, 0, Pass::Time));
-        insta::assert_snapshot!(progress_table.lines(60).join("\n"), @"
-          mmp  1/5         3.00 s  3.00  ██████████████████████████
-          ich  0/5  out of memory
-        > vtp  1/5         1.00 s  1.00  ████████▋
-        ");
-        progress_table.starts(&step(0, 1, Pass::Time));
-        insta::assert_snapshot!(progress_table.lines(60).join("\n"), @"
-        > mmp  0/5
-          ich  0/5
-          vtp  0/5
-        ");
-    }
-
-    /// What a terminal of 20 columns and 5 lines shows after `acts`.
-    fn shown(acts: impl FnOnce(&mut RedrawnLines<&mut Vec<u8>>)) -> String {
-        let mut bytes = Vec::new();
-        acts(&mut RedrawnLines::new(&mut bytes));
-        let size = |count| NonZero::new(count).unwrap();
-        let mut terminal = vt100::Parser::new(size(5), size(20), 0);
-        terminal.process(&bytes);
-        terminal.screen().contents()
-    }
-
-    fn lines(text: &str) -> Vec<String> {
-        text.lines().map(str::to_owned).collect()
+    fn what_is_printed_meanwhile_stays_above_and_the_rest_goes() {
+        let (terminal, mut progress) = progress(80);
+        for i in 0..2 {
+            progress.loading("horse");
+            let printed = || terminal.write_line(&format!("printed {i}"));
+            progress.suspend(printed).unwrap();
+        }
+        let shown = shown(&terminal);
+        assert!(
+            shown.starts_with("printed 0\nprinted 1\nloading horse\n00:00:00 ["),
+            "{shown}"
+        );
+        drop(progress);
+        assert_eq!(terminal.contents(), "printed 0\nprinted 1");
     }
 
     #[test]
-    fn lines_are_drawn_over_those_that_stand_there() {
-        let text = shown(|live| {
-            live.draw(&lines("first line\nsecond"));
-            live.draw(&lines("one\ntwo\nthree"));
-        });
-        assert_eq!(text, "one\ntwo\nthree");
+    fn names_cannot_steer_the_terminal() {
+        let (terminal, mut progress) = progress(80);
+        progress.loading("a\x1b[2Jb\n");
+        let shown = terminal.contents();
+        assert!(shown.starts_with("loading a\\x1b[2Jb\n"), "{shown}");
     }
 
     #[test]
-    fn fewer_lines_leave_nothing_of_the_others() {
-        let text = shown(|live| {
-            live.draw(&lines("one\ntwo\nthree"));
-            live.draw(&lines("1"));
-        });
-        assert_eq!(text, "1");
-    }
-
-    #[test]
-    fn what_is_printed_meanwhile_stays_above() {
-        let text = shown(|live| {
-            for i in 0..2 {
-                live.draw(&lines("table\nbar"));
-                live.clear();
-                live.write(&format!("printed {i}\r\n"));
-            }
-            live.draw(&lines("table\nbar"));
-        });
-        assert_eq!(text, "printed 0\nprinted 1\ntable\nbar");
-    }
-
-    #[test]
-    fn lines_at_the_bottom_of_a_terminal_scroll_it_once() {
-        let text = shown(|live| {
-            live.write("a\r\nb\r\nc\r\nd\r\n");
-            for _ in 0..5 {
-                live.draw(&lines("table\nbar"));
-            }
-        });
-        assert_eq!(text, "b\nc\nd\ntable\nbar");
-    }
-
-    #[test]
-    fn nothing_is_cleared_where_nothing_stands() {
-        let text = shown(|live| {
-            live.write("printed");
-            live.clear();
-        });
-        assert_eq!(text, "printed");
-    }
-
-    #[test]
-    fn a_line_is_cut_by_columns_and_cannot_steer_the_terminal() {
-        assert_eq!(cut("abc", 2), "ab");
-        assert_eq!(cut("牛牛牛", 5), "牛牛");
-        assert_eq!(cut("a\x1b[2Jb\n", 9), "a\u{fffd}[2Jb\u{fffd}");
+    fn nothing_is_drawn_between_calls() {
+        let (terminal, mut progress) = progress(80);
+        progress.loading("horse");
+        terminal.moves_since_last_check();
+        std::thread::sleep(Duration::from_millis(300));
+        assert_eq!(terminal.moves_since_last_check(), "");
     }
 }

@@ -11,7 +11,6 @@ use super::Verdict;
 use super::args::RunOptions;
 use super::progress::Progress;
 use super::terminal::{self, Terminal};
-use crate::exec::isolate::Sharing;
 use crate::exec::limits::{Limits, Timeout};
 use crate::exec::{Listener, Step, interrupt};
 use crate::measure::conditions::{self, Snapshot};
@@ -86,8 +85,8 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
             break;
         }
         listener.begin(plan)?;
-        let mut backend = options.isolation.backend(plan.limits, Sharing::None)?;
-        let outcome = run::run(plan, &mut *backend, journal.as_mut(), &mut listener)?;
+        let mut backend = options.isolation.backend(plan.limits, false)?;
+        let outcome = run::run(plan, &mut backend, journal.as_mut(), &mut listener)?;
         listener.end(&plan.group)?;
         let checked = !matches!(plan.reference, Reference::None);
         verdicts.push(Tally::of(checked, &outcome.cells));
@@ -343,7 +342,6 @@ impl Reporter {
             memory_limit: memory.0,
             ..plan.group.clone()
         });
-        self.progress.begin(plan);
         // A shard may have no cell of a group.
         if plan.runs() == 0 {
             return Ok(());
@@ -451,7 +449,6 @@ impl Listener for Reporter {
             self.result.models.push(model.clone());
         }
         self.result.cells.extend_from_slice(cells);
-        self.progress.clear_table();
         self.progress.suspend(|| {
             remark(cells, self.format, self.quiet);
             for summary in agreement::summaries(cells) {
@@ -460,7 +457,7 @@ impl Listener for Reporter {
             if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
                 let look = self.terminal.look();
                 let mut text = table::model_table(group, model, cells, look);
-                // The last column stays free, as in the progress table.
+                // The last column stays free: some terminals break the line there.
                 let width = look.width.map(|width| width.saturating_sub(1));
                 text +=
                     &width.map_or_else(String::new, |width| table::model_bars(group, cells, width));

@@ -2,7 +2,7 @@
 
 use std::io::{self, IsTerminal, Write};
 
-use terminal_size::{Height, Width, terminal_size_of};
+use terminal_size::{Width, terminal_size_of};
 
 use super::args::ColorChoice;
 use crate::table::Look;
@@ -50,12 +50,6 @@ pub(super) fn standard_error_can_move() -> bool {
 /// Whether the terminal has no cursor movement.
 fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|term| term == "dumb")
-}
-
-/// Columns and lines of standard error, if it is a terminal.
-pub(super) fn size_of_standard_error() -> Option<[usize; 2]> {
-    let (Width(width), Height(height)) = terminal_size_of(io::stderr())?;
-    Some([width, height].map(usize::from))
 }
 
 /// Writes `text` to standard output in one call, with control characters escaped.

@@ -8,9 +8,8 @@ use super::args::VerifyOptions;
 use super::terminal;
 use crate::exec::expected::{Expected, Field, stored_sources};
 use crate::exec::interrupt;
-use crate::exec::isolate::Sharing;
 use crate::exec::model::{self, ModelRef};
-use crate::exec::{Pass, Session, Step};
+use crate::exec::{Backend, Pass, Session, Step};
 use crate::measure::number::scientific;
 use crate::plan::suite;
 use crate::registry::{self, Selection};
@@ -47,29 +46,26 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
         terminal::warning(&crowding);
     }
     let limits = options.isolation.limits();
-    let mut backend = options.isolation.backend(limits, Sharing::All)?;
+    let mut backend = options.isolation.backend(limits, true)?;
     interrupt::listen().context("cannot listen to signals")?;
     let mut tally = Tally::default();
     for model in &models {
         if interrupt::requested() {
             break;
         }
-        let mut printed = Ok(());
-        let done = backend.with_model(model, &mut |record, session| {
-            let check = LoadedModelCheck {
+        match backend.open(model) {
+            Ok(mut session) => LoadedModelCheck {
                 options,
                 algorithms: &algorithms,
                 model,
-                record,
-            };
-            printed = check.verify(session, &mut tally);
-        });
-        printed?;
-        if let Err(refusal) = done
-            && !interrupt::requested()
-        {
-            terminal::error(&refusal.message);
-            tally.bad_input = true;
+                record: &session.model().clone(),
+            }
+            .verify(&mut *session, &mut tally)?,
+            Err(_) if interrupt::requested() => {}
+            Err(refusal) => {
+                terminal::error(&refusal.message);
+                tally.bad_input = true;
+            }
         }
     }
     if !options.quiet || tally.wrong > 0 {

@@ -88,13 +88,20 @@ pub(crate) fn pin(cpus: &[usize]) -> io::Result<()> {
     system::pin(cpus)
 }
 
-/// The same for another process that has just been started.
+/// Carries out `start`; processes that it starts run on `cpus` only, if any are given.
 ///
 /// # Errors
 ///
-/// When the system refuses.
-pub(crate) fn pin_process(pid: u32, cpus: &[usize]) -> io::Result<()> {
-    system::pin_process(pid, cpus)
+/// When the system refuses, and the error of `start`.
+pub(crate) fn inherited<T>(cpus: &[usize], start: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
+    if cpus.is_empty() {
+        return start();
+    }
+    let own = system::allowed()?;
+    system::pin(cpus)?;
+    let started = start();
+    system::pin(&own)?;
+    started
 }
 
 /// Numbers in order, with ranges where they follow each other.
@@ -120,7 +127,6 @@ fn show(cpus: &[usize]) -> String {
 mod system {
     use std::io;
 
-    use rustix::process::Pid;
     use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 
     pub(super) fn allowed() -> io::Result<Vec<usize>> {
@@ -131,21 +137,11 @@ mod system {
     }
 
     pub(super) fn pin(cpus: &[usize]) -> io::Result<()> {
-        Ok(sched_setaffinity(None, &set(cpus))?)
-    }
-
-    pub(super) fn pin_process(pid: u32, cpus: &[usize]) -> io::Result<()> {
-        let pid = i32::try_from(pid).ok().and_then(Pid::from_raw);
-        let pid = pid.ok_or(io::ErrorKind::InvalidInput)?;
-        Ok(sched_setaffinity(Some(pid), &set(cpus))?)
-    }
-
-    fn set(cpus: &[usize]) -> CpuSet {
         let mut set = CpuSet::new();
         for &cpu in cpus {
             set.set(cpu);
         }
-        set
+        Ok(sched_setaffinity(None, &set)?)
     }
 }
 
@@ -154,10 +150,6 @@ mod system {
     use std::io;
 
     pub(super) fn allowed() -> io::Result<Vec<usize>> {
-        Err(io::ErrorKind::Unsupported.into())
-    }
-
-    pub(super) fn pin_process(_: u32, _: &[usize]) -> io::Result<()> {
         Err(io::ErrorKind::Unsupported.into())
     }
 

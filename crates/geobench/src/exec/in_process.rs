@@ -9,45 +9,42 @@ use geobench_window::{SolveError, Solver};
 
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
-use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
+use crate::exec::{Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::PeakMemory;
 use crate::schema::{ModelRecord, Phases, Status};
 
-/// Backend in this process. A panic costs its cell; an endless loop or a memory leak ends the
-/// program.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct InProcess {
-    /// Bytes that a compressed model may decompress to.
-    pub decompressed: DecompressionLimit,
-}
-
-impl Backend for InProcess {
-    fn with_model(
-        &mut self,
-        model: &ModelRef,
-        work: &mut dyn FnMut(&ModelRecord, &mut dyn Session),
-    ) -> Result<(), Refusal> {
-        let loaded = model
-            .load_within(self.decompressed)
-            .map_err(|error| Refusal {
-                message: error.to_string(),
-            })?;
-        let mut session = InProcessSession {
-            mesh: loaded.mesh,
-            solvers: Vec::new(),
-        };
-        work(&loaded.record, &mut session);
-        Ok(())
-    }
-}
-
-/// The solvers of a mesh, by label. They are set up once and used for all later runs and sources.
-struct InProcessSession {
+/// A mesh and its solvers, by label. They are set up once and used for all later runs and sources.
+///
+/// A panic costs its cell; an endless loop or a memory leak ends the program.
+pub(crate) struct InProcess {
     mesh: Mesh,
+    record: ModelRecord,
     solvers: Vec<(String, Box<dyn Solver>)>,
 }
 
-impl Session for InProcessSession {
+impl InProcess {
+    /// Loads `model`, which may decompress to `limit` if it is compressed.
+    ///
+    /// # Errors
+    ///
+    /// When the model cannot be used.
+    pub(crate) fn open(model: &ModelRef, limit: DecompressionLimit) -> Result<Self, Refusal> {
+        let loaded = model.load_within(limit).map_err(|error| Refusal {
+            message: error.to_string(),
+        })?;
+        Ok(Self {
+            mesh: loaded.mesh,
+            record: loaded.record,
+            solvers: Vec::new(),
+        })
+    }
+}
+
+impl Session for InProcess {
+    fn model(&self) -> &ModelRecord {
+        &self.record
+    }
+
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
         // The solver is dropped after a panic: see below.
         let result = catch_unwind(AssertUnwindSafe(|| match step.pass {
@@ -57,22 +54,17 @@ impl Session for InProcessSession {
         }));
         match result {
             Ok(Ok(observation)) => Ok(observation),
-            Ok(Err(error)) => Err(Failure {
-                status: Status::Refused,
-                message: error.to_string(),
-            }),
+            Ok(Err(error)) => Err(Failure::new(Status::Refused, error.to_string())),
             Err(panic) => {
                 self.dismiss(step.algorithm.label());
-                Err(Failure {
-                    status: Status::Crashed,
-                    message: format!("the algorithm panicked: {}", panic_message(&*panic)),
-                })
+                let message = format!("the algorithm panicked: {}", panic_message(&*panic));
+                Err(Failure::new(Status::Crashed, message))
             }
         }
     }
 }
 
-impl InProcessSession {
+impl InProcess {
     /// A run with the solver of the algorithm, set up on first use.
     fn solve(&mut self, step: &Step<'_>) -> Result<Observation, SolveError> {
         let label = step.algorithm.label();
@@ -169,11 +161,12 @@ mod tests {
         build: |_, _| panic!("no such luck"),
     };
 
-    fn on_a_triangle<T>(test: impl FnOnce(&mut InProcessSession) -> T) -> T {
+    fn on_a_triangle<T>(test: impl FnOnce(&mut InProcess) -> T) -> T {
         let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
         let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, vec![[0, 1, 2]])).unwrap();
-        test(&mut InProcessSession {
+        test(&mut InProcess {
             mesh,
+            record: ModelRecord::default(),
             solvers: Vec::new(),
         })
     }

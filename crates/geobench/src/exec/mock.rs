@@ -25,11 +25,7 @@ pub(crate) struct MockBackend {
 pub(crate) const VERTICES: usize = 4;
 
 impl Backend for MockBackend {
-    fn with_model(
-        &mut self,
-        model: &ModelRef,
-        work: &mut dyn FnMut(&ModelRecord, &mut dyn Session),
-    ) -> Result<(), Refusal> {
+    fn open<'b>(&'b mut self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal> {
         if self.refuse.contains(&model.name.as_str()) {
             return Err(Refusal {
                 message: format!("{}: edge 3-7 has 3 faces", model.path),
@@ -50,12 +46,23 @@ impl Backend for MockBackend {
             build_seconds: Some(0.25),
             ..model.record()
         };
-        work(&record, self);
-        Ok(())
+        Ok(Box::new(MockSession {
+            backend: self,
+            record,
+        }))
     }
 }
 
-impl Session for MockBackend {
+struct MockSession<'b> {
+    backend: &'b mut MockBackend,
+    record: ModelRecord,
+}
+
+impl Session for MockSession<'_> {
+    fn model(&self) -> &ModelRecord {
+        &self.record
+    }
+
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
         let name = step.algorithm.label();
         let pass = match step.pass {
@@ -64,7 +71,9 @@ impl Session for MockBackend {
             Pass::Count => "count",
             Pass::Profile => "clock",
         };
-        self.log.push(format!("{pass} {name} {}", step.source));
+        self.backend
+            .log
+            .push(format!("{pass} {name} {}", step.source));
         let size = name.len() as u64 + u64::from(name == "mmp") * 1_000_000;
         let mut observation = Observation {
             distances: vec![0.0, 1.0, 1.5, f64::INFINITY],
@@ -75,7 +84,7 @@ impl Session for MockBackend {
             Pass::Time => {
                 // Different for every run, so that a sample that is lost or taken twice shows.
                 let base = if name == "vtp" { 0.329 } else { 1.204 };
-                observation.seconds = Some(base + self.log.len() as f64 / 1024.0);
+                observation.seconds = Some(base + self.backend.log.len() as f64 / 1024.0);
             }
             Pass::Count => {
                 let mut counters = Counters::default();
@@ -97,7 +106,10 @@ impl Session for MockBackend {
                 };
             }
         }
-        let failure = self.alter.and_then(|alter| alter(step, &mut observation));
+        let failure = self
+            .backend
+            .alter
+            .and_then(|alter| alter(step, &mut observation));
         failure.map_or(Ok(observation), Err)
     }
 }

@@ -6,14 +6,13 @@
 
 pub mod affinity;
 pub mod expected;
-pub mod in_process;
+pub(crate) mod in_process;
 pub mod interrupt;
 pub mod isolate;
 pub mod limits;
 #[cfg(test)]
 pub(crate) mod mock;
 pub mod model;
-pub mod outside;
 mod protocol;
 
 use geobench_mesh::VertexId;
@@ -57,8 +56,8 @@ pub struct Step<'a> {
 /// Result of one run. Which figures are set depends on the [`Pass`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
-    /// The answer.
-    #[serde(with = "protocol::distances")]
+    /// The answer; journals do not hold it.
+    #[serde(skip)]
     pub distances: Vec<f64>,
     /// Seconds that the solve took.
     pub seconds: Option<f64>,
@@ -85,8 +84,20 @@ pub struct Failure {
     pub message: String,
 }
 
+impl Failure {
+    fn new(status: Status, message: impl Into<String>) -> Self {
+        Self {
+            status,
+            message: message.into(),
+        }
+    }
+}
+
 /// Runs algorithms on one loaded model.
 pub trait Session {
+    /// Record of the model.
+    fn model(&self) -> &ModelRecord;
+
     /// Carries out one run.
     ///
     /// # Errors
@@ -97,16 +108,12 @@ pub trait Session {
 
 /// Loads models and opens sessions.
 pub trait Backend {
-    /// Loads `model` and calls `work` with its record and a session for it.
+    /// Loads `model` and opens a session for it.
     ///
     /// # Errors
     ///
-    /// When the model cannot be used; then `work` is not called.
-    fn with_model(
-        &mut self,
-        model: &ModelRef,
-        work: &mut dyn FnMut(&ModelRecord, &mut dyn Session),
-    ) -> Result<(), Refusal>;
+    /// When the model cannot be used.
+    fn open<'b>(&'b mut self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal>;
 }
 
 /// A model that cannot be used.

@@ -1,29 +1,142 @@
-//! Messages between parent and child process, one line of JSON each, and the encoding of results.
+//! The protocol between this program and its children; `docs/protocol.md` describes it.
+//!
+//! A child writes a [`Reply`], one line of JSON, when it has loaded the model and after each
+//! request. Children are outside programs, and this program itself for the algorithms of the suite.
 
+use geobench_window::Counters;
 use serde::{Deserialize, Serialize};
 
-use crate::exec::{Failure, Observation, Pass};
-use crate::schema::ModelRecord;
+use crate::exec::{Observation, Pass};
+use crate::measure::memory::Peaks;
+use crate::schema::{ModelRecord, Phases, WavefrontRecord};
 
-/// Distances as base64 of little-endian f64: a third of the size of digits, exact, with infinity.
-pub(crate) mod distances {
+/// Request to an outside program. What it is to solve stands in its command.
+pub(crate) const SOLVE: &str = "solve";
+
+/// Request to a child of this program.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Request {
+    /// The algorithm with its parameters.
+    pub(crate) algorithm: String,
+    /// Number of the source vertex.
+    pub(crate) source: u32,
+    /// What the run is for.
+    pub(crate) pass: Pass,
+}
+
+/// Last argument of a child of this program.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct ChildSettings {
+    /// Name of the model.
+    pub(crate) name: String,
+    /// Process id of the parent; the child exits if it has gone.
+    pub(crate) parent: u32,
+    /// Memory limit in bytes, from which the data limit is set.
+    pub(crate) memory_limit: Option<u64>,
+    /// Bytes that a compressed model may decompress to; the default limit if null.
+    pub(crate) max_decompressed: Option<u64>,
+}
+
+/// A line of a child. Every field is optional; unknown fields are errors, so that a typo does not
+/// go unnoticed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct Reply {
+    /// The model is loaded.
+    pub(crate) ready: bool,
+    /// Record of the loaded model; from this program only.
+    pub(crate) model: Option<Box<ModelRecord>>,
+    /// Why the child cannot work on the model or the source.
+    pub(crate) refused: Option<String>,
+    /// How the algorithm failed, in a child that goes on.
+    pub(crate) crashed: Option<String>,
+    /// Seconds that the solve took.
+    pub(crate) seconds: Option<f64>,
+    /// Seconds of set-up that depends on the mesh alone, if part of this run.
+    pub(crate) setup_seconds: Option<f64>,
+    /// What was counted, by the names of result files.
+    #[serde(with = "counters")]
+    pub(crate) counters: Option<Counters>,
+    /// Most memory that the process occupied during the solve.
+    pub(crate) rss_peak_bytes: Option<u64>,
+    /// Most bytes on its heap during the solve, without the mesh.
+    pub(crate) heap_peak_bytes: Option<u64>,
+    /// Seconds in each phase.
+    pub(crate) phases: Option<Phases>,
+    /// The wavefront at even intervals of the run.
+    pub(crate) wavefront: Vec<WavefrontRecord>,
+    /// The answer of a child of this program, unless it equals the last one sent.
+    #[serde(with = "distances")]
+    pub(crate) distances: Option<Vec<f64>>,
+}
+
+impl Reply {
+    /// Parses a line; `None` if malformed.
+    pub(crate) fn parse(line: &[u8]) -> Option<Self> {
+        let line: Self = serde_json::from_slice(line).ok()?;
+        let sound = |seconds: Option<f64>| seconds.is_none_or(|s| s.is_finite() && s >= 0.0);
+        (sound(line.seconds) && sound(line.setup_seconds)).then_some(line)
+    }
+
+    /// The result of a run with these distances.
+    pub(crate) fn observation(self, distances: Vec<f64>) -> Observation {
+        Observation {
+            distances,
+            seconds: self.seconds,
+            setup_seconds: self.setup_seconds,
+            counters: self.counters,
+            wavefront: self.wavefront,
+            peaks: Peaks {
+                heap: self.heap_peak_bytes,
+                rss: self.rss_peak_bytes,
+            },
+            phases: self.phases,
+        }
+    }
+}
+
+impl From<Observation> for Reply {
+    fn from(observation: Observation) -> Self {
+        Self {
+            seconds: observation.seconds,
+            setup_seconds: observation.setup_seconds,
+            counters: observation.counters,
+            rss_peak_bytes: observation.peaks.rss,
+            heap_peak_bytes: observation.peaks.heap,
+            phases: observation.phases,
+            wavefront: observation.wavefront,
+            distances: Some(observation.distances),
+            ..Self::default()
+        }
+    }
+}
+
+/// Optional distances as base64 of little-endian f64: a third of the size of digits, exact, with
+/// infinity.
+mod distances {
     use base64::Engine;
     use base64::prelude::BASE64_STANDARD_NO_PAD;
     use serde::de::Error;
-    use serde::{Deserialize, Deserializer, Serializer};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-    pub(crate) fn serialize<S: Serializer>(
-        distances: &[f64],
+    #[expect(clippy::ref_option, reason = "serde calls it so")]
+    pub(super) fn serialize<S: Serializer>(
+        distances: &Option<Vec<f64>>,
         serializer: S,
     ) -> Result<S::Ok, S::Error> {
-        let bytes: Vec<u8> = distances.iter().flat_map(|d| d.to_le_bytes()).collect();
-        serializer.serialize_str(&BASE64_STANDARD_NO_PAD.encode(bytes))
+        let text = distances.as_ref().map(|distances| {
+            let bytes: Vec<u8> = distances.iter().flat_map(|d| d.to_le_bytes()).collect();
+            BASE64_STANDARD_NO_PAD.encode(bytes)
+        });
+        text.serialize(serializer)
     }
 
-    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
         deserializer: D,
-    ) -> Result<Vec<f64>, D::Error> {
-        let text = String::deserialize(deserializer)?;
+    ) -> Result<Option<Vec<f64>>, D::Error> {
+        let Some(text) = Option::<String>::deserialize(deserializer)? else {
+            return Ok(None);
+        };
         let bytes = BASE64_STANDARD_NO_PAD
             .decode(text)
             .map_err(|error| D::Error::custom(format!("distances in base64: {error}")))?;
@@ -31,7 +144,9 @@ pub(crate) mod distances {
         if !rest.is_empty() {
             return Err(D::Error::custom("distances in base64: not of 8 bytes each"));
         }
-        Ok(numbers.iter().map(|&d| f64::from_le_bytes(d)).collect())
+        Ok(Some(
+            numbers.iter().map(|&d| f64::from_le_bytes(d)).collect(),
+        ))
     }
 }
 
@@ -60,57 +175,11 @@ pub(crate) mod counters {
     }
 }
 
-/// Request of the parent.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum Request {
-    /// Load the model of the command line. Always first; answered by `Loaded` or `Refused`.
-    Load {
-        /// Name of the model.
-        name: String,
-        /// Process id of the parent; the child exits if it has gone.
-        parent: u32,
-        /// Processors to pin to; none means any.
-        cpus: Vec<usize>,
-        /// Memory limit in bytes, from which the data limit is set.
-        memory_limit: Option<u64>,
-        /// Bytes that a compressed model may decompress to; the default limit if null.
-        max_decompressed: Option<u64>,
-    },
-    /// Carry out one run. Answered by `Ran`, `RanAgain` or `Failed`.
-    Run {
-        /// The algorithm with its parameters.
-        algorithm: String,
-        /// Number of the source vertex.
-        source: u32,
-        /// What the run is for.
-        pass: Pass,
-    },
-}
-
-/// Reply of the child.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum Reply {
-    /// The model is in memory.
-    Loaded(Box<ModelRecord>),
-    /// The model cannot be used.
-    Refused(String),
-    /// Result of the run.
-    Ran(Box<Observation>),
-    /// The same, without distances: they equal the last ones sent.
-    RanAgain(Box<Observation>),
-    /// The run failed.
-    Failed(Failure),
-}
-
 #[cfg(test)]
 mod tests {
-    use geobench_window::{Counter, Counters};
+    use geobench_window::Counter;
 
-    use crate::exec::Observation;
-    use crate::measure::memory::Peaks;
-    use crate::schema::{Phases, WavefrontRecord};
+    use super::*;
 
     #[test]
     fn an_observation_comes_back_to_the_last_bit() {
@@ -140,8 +209,10 @@ mod tests {
                     ..Phases::default()
                 }),
             };
-            let text = serde_json::to_string(&observation).unwrap();
-            let back: Observation = serde_json::from_str(&text).unwrap();
+            let text = serde_json::to_vec(&Reply::from(observation.clone())).unwrap();
+            let mut reply = Reply::parse(&text).unwrap();
+            let distances = reply.distances.take().unwrap();
+            let back = reply.observation(distances);
             assert_eq!(back, observation);
             let bits =
                 |o: &Observation| o.distances.iter().map(|d| d.to_bits()).collect::<Vec<_>>();
@@ -151,22 +222,40 @@ mod tests {
 
     #[test]
     fn a_distance_that_is_no_number_stays_one() {
-        let observation = Observation {
-            distances: vec![f64::NAN],
-            ..Observation::default()
+        let reply = Reply {
+            distances: Some(vec![f64::NAN]),
+            ..Reply::default()
         };
-        let text = serde_json::to_string(&observation).unwrap();
-        let back: Observation = serde_json::from_str(&text).unwrap();
-        assert!(back.distances[0].is_nan());
+        let text = serde_json::to_vec(&reply).unwrap();
+        let back = Reply::parse(&text).unwrap();
+        assert!(back.distances.unwrap()[0].is_nan());
     }
 
     #[test]
     fn damaged_distances_are_refused() {
-        let text = serde_json::to_string(&Observation::default()).unwrap();
         for damage in ["AAAA", "?", "A"] {
-            let text = text.replace("\"distances\":\"\"", &format!("\"distances\":\"{damage}\""));
-            let error = serde_json::from_str::<Observation>(&text).unwrap_err();
+            let text = format!("{{\"distances\": \"{damage}\"}}");
+            let error = serde_json::from_str::<Reply>(&text).unwrap_err();
             assert!(error.to_string().contains("distances in base64"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_line_is_understood_whole_or_not_at_all() {
+        let line = Reply::parse(br#"{"seconds": 0.5, "counters": {"propagated": 7}}"#).unwrap();
+        assert_eq!(line.seconds, Some(0.5));
+        let counters = line.counters.unwrap();
+        assert_eq!(counters.get(Counter::Propagated), Some(7));
+        assert_eq!(counters.get(Counter::Kept), None);
+        assert!(Reply::parse(br#"{"ready": true}"#).unwrap().ready);
+        for garbage in [
+            "mesh has 4 vertices",
+            r#"{"second": 0.5}"#,
+            r#"{"seconds": -1}"#,
+            r#"{"seconds": "fast"}"#,
+            "{",
+        ] {
+            assert_eq!(Reply::parse(garbage.as_bytes()), None, "{garbage}");
         }
     }
 }

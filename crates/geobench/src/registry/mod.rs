@@ -11,15 +11,15 @@ use geobench_mesh::Mesh;
 use geobench_window::{Counter, Solver};
 
 mod ch;
+#[cfg(feature = "failing-algorithms")]
+mod failing;
 mod fwp;
-mod hidden;
 mod mmp;
 mod parameter;
 mod program;
 mod select;
 mod vtp;
 
-pub use hidden::VARIABLE as HIDDEN_ALGORITHMS;
 pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, Value, Values};
 pub(crate) use parameter::{instructions_named, next_narrower};
 pub(crate) use program::{Call, PLACEHOLDERS};
@@ -31,6 +31,14 @@ pub fn algorithms() -> &'static [Algorithm] {
     static ALL: LazyLock<Vec<Algorithm>> =
         LazyLock::new(|| [mmp::FAMILY, ch::FAMILY, fwp::FAMILY, vtp::FAMILY, vtp::FAST].concat());
     &ALL
+}
+
+/// Algorithms that fail, for tests; selected by name only.
+const fn failing() -> &'static [Algorithm] {
+    #[cfg(feature = "failing-algorithms")]
+    return failing::FAMILY;
+    #[cfg(not(feature = "failing-algorithms"))]
+    &[]
 }
 
 /// A registered algorithm.

@@ -10,7 +10,7 @@ use geobench_window::Solver;
 use super::parameter::THREADS;
 use super::program::{OUTSIDE, PREFIX};
 use super::program::{Program, Programs};
-use super::{Algorithm, Parameter, Value, Values, algorithms, hidden};
+use super::{Algorithm, Parameter, Value, Values, algorithms, failing};
 use crate::UsageError;
 
 /// An algorithm with the values of its parameters.
@@ -217,7 +217,7 @@ fn matches(item: &str, list: &str) -> Result<Vec<Selection>, UsageError> {
             "exact" => a.exact,
             _ => a.name == name || a.family == name,
         })
-        .chain(hidden::algorithms().iter().filter(|a| a.name == name))
+        .chain(failing().iter().filter(|a| a.name == name))
         .collect();
     if found.is_empty() {
         return Err(unknown(&name));

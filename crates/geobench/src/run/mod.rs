@@ -94,12 +94,8 @@ impl Benchmark<'_> {
             return Ok((known, cells));
         }
         self.listener.loading(&model.name);
-        let mut result = Ok((ModelRecord::default(), Vec::new()));
-        let done = backend.with_model(model, &mut |found, session| {
-            result = self.run_loaded(found, session);
-        });
-        match done {
-            Ok(()) => result,
+        match backend.open(model) {
+            Ok(mut session) => self.run_loaded(&mut *session),
             // The interruption may have caused the refusal.
             Err(_) if self.listener.interrupted() => Ok((model.record(), Vec::new())),
             Err(refusal) => {
@@ -159,9 +155,9 @@ impl Benchmark<'_> {
 
     fn run_loaded(
         &mut self,
-        found: &ModelRecord,
         session: &mut dyn Session,
     ) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
+        let found = session.model();
         let model = match self.journal.as_deref().and_then(|j| j.model(&found.name)) {
             Some(known) if known.sha256 != found.sha256 => bail!(
                 "{}: the model is not the one that the journal holds results of: its SHA-256 is {}, \

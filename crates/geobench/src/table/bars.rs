@@ -7,18 +7,14 @@ use crate::schema::{Cell, GroupRecord, Status};
 use crate::table::figures::figure;
 
 /// An algorithm with its bar.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Bar {
+#[derive(Debug)]
+struct Bar {
     /// Its label.
-    pub label: String,
-    /// What is to be said about it in a few letters, such as how many runs are done.
-    pub note: String,
+    label: String,
     /// Its time in seconds, as far as it is known.
-    pub seconds: Option<f64>,
+    seconds: Option<f64>,
     /// How it failed, if it did.
-    pub failure: Option<String>,
-    /// Whether it runs at this moment.
-    pub current: bool,
+    failure: Option<String>,
 }
 
 /// Narrowest bar that says something.
@@ -28,9 +24,9 @@ const SHORTEST: usize = 8;
 const LONGEST_LABEL: usize = 32;
 
 /// One line for each algorithm, no wider than `width`: its time, how many times that of `base` it
-/// is, and a bar, the length of which is the time on a scale that the longest fills. In a narrow
-/// terminal first the bars go, then the notes.
-pub fn lines(bars: &[Bar], base: Option<&str>, width: usize) -> Vec<String> {
+/// is, and a bar, the length of which is the time on a scale that the longest fills. A narrow
+/// terminal has no bars.
+fn lines(bars: &[Bar], base: Option<&str>, width: usize) -> Vec<String> {
     let known = || bars.iter().filter_map(|bar| bar.seconds);
     let longest = known().fold(0.0, f64::max);
     let base = base.and_then(|base| bars.iter().find(|bar| bar.label == base)?.seconds);
@@ -53,25 +49,15 @@ pub fn lines(bars: &[Bar], base: Option<&str>, width: usize) -> Vec<String> {
         .min(width / 3);
     let time_width = widest(&mut times.iter().map(|text| text.chars().count()));
     let ratio_width = widest(&mut ratios.iter().map(|text| text.chars().count()));
-    let note_width = widest(&mut bars.iter().map(|bar| bar.note.chars().count()));
-    // Between columns stand two spaces, before the first a sign and a space.
-    let least = 2 + label_width + 2 + time_width + 2 + ratio_width;
-    let with_notes = note_width > 0 && least + 2 + note_width <= width;
-    let used = least + if with_notes { 2 + note_width } else { 0 };
+    // Two spaces stand before each column.
+    let used = 2 + label_width + 2 + time_width + 2 + ratio_width;
     let room = width.saturating_sub(used + 2 + 1);
     bars.iter()
         .zip(times.iter().zip(&ratios))
         .map(|(bar, (time, ratio))| {
-            let sign = if bar.current { '>' } else { ' ' };
             let label = shortened(&bar.label, label_width);
-            let note = if with_notes {
-                format!("  {:>note_width$}", bar.note)
-            } else {
-                String::new()
-            };
-            let mut line = format!(
-                "{sign} {label:label_width$}{note}  {time:>time_width$}  {ratio:>ratio_width$}"
-            );
+            let mut line =
+                format!("  {label:label_width$}  {time:>time_width$}  {ratio:>ratio_width$}");
             if room >= SHORTEST
                 && let Some(seconds) = bar.seconds.filter(|_| longest > 0.0)
             {
@@ -106,7 +92,6 @@ pub fn model_bars(group: &GroupRecord, cells: &[Cell], width: usize) -> String {
                 label: printable(name).into_owned(),
                 seconds: overall(time, &own, None),
                 failure: failed.map(|cell| cell.status.in_words()),
-                ..Bar::default()
             }
         })
         .collect();
@@ -160,24 +145,17 @@ mod tests {
         let bar = |label: &str, seconds: Option<f64>| Bar {
             label: label.to_owned(),
             seconds,
-            note: "3/5".to_owned(),
-            ..Bar::default()
+            failure: None,
         };
         vec![
             bar("mmp", Some(1.35)),
-            Bar {
-                current: true,
-                ..bar("vtp", Some(0.296))
-            },
+            bar("vtp", Some(0.296)),
             bar("vtp-fast", Some(0.0601)),
             Bar {
                 failure: Some("timeout".to_owned()),
                 ..bar("ich", None)
             },
-            Bar {
-                note: "0/5".to_owned(),
-                ..bar("fwp-mmp{k=200,bucket=0.25}", None)
-            },
+            bar("fwp-mmp{k=200,bucket=0.25}", None),
         ]
     }
 

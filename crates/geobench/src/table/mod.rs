@@ -21,7 +21,7 @@ pub mod output;
 mod tests;
 pub(crate) mod view;
 
-pub use bars::{Bar, lines as bar_lines, model_bars};
+pub use bars::model_bars;
 pub use comparison::ComparisonFormat;
 pub use csv::header as csv_header;
 pub use figures::{Figure, UnknownFigure, figure};

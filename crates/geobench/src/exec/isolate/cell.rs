@@ -8,12 +8,11 @@ use geobench_mesh::VertexId;
 use sha2::{Digest, Sha256};
 
 use super::system;
-use crate::exec::affinity;
 use crate::exec::in_process::InProcess;
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
-use crate::exec::protocol::{Reply, Request};
-use crate::exec::{Backend, Failure, Observation, Pass, Session, Step};
+use crate::exec::protocol::{ChildSettings, Reply, Request};
+use crate::exec::{Failure, Pass, Session, Step};
 use crate::measure::memory;
 use crate::registry;
 use crate::schema::Status;
@@ -21,115 +20,90 @@ use crate::schema::Status;
 /// Location of the last panic.
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
 
-/// Serves requests about `model` over standard input and output.
+/// Serves requests over standard input and output; the arguments are the model and [`ChildSettings`].
 ///
 /// # Errors
 ///
 /// When a request is not understood or a reply cannot be written.
-pub(crate) fn cell(model: &OsStr) -> io::Result<()> {
-    system::die_with_parent();
-    system::name_this_process();
-    system::disable_core_dumps();
+pub(crate) fn cell(model: &OsStr, settings: &str) -> io::Result<()> {
     std::panic::set_hook(Box::new(|panic| {
         let mut place = PANIC.lock().unwrap_or_else(PoisonError::into_inner);
         *place = panic.location().map(ToString::to_string);
     }));
-    let mut requests = io::stdin().lock().lines();
-    let Some(Request::Load {
-        name,
-        parent,
-        cpus,
-        memory_limit,
-        max_decompressed,
-    }) = next(&mut requests)?
-    else {
+    let settings: ChildSettings = serde_json::from_str(settings)?;
+    let data_limit = settings.memory_limit.map(|bytes| bytes.saturating_mul(2));
+    if !system::become_child(settings.parent, data_limit) {
         return Ok(());
-    };
-    if !system::is_parent(parent) {
-        return Ok(());
-    }
-    if let Some(bytes) = memory_limit {
-        system::limit_data(bytes.saturating_mul(2));
-    }
-    if !cpus.is_empty() {
-        affinity::pin(&cpus)?;
     }
     system::raise_oom_score(true);
-    let model = match ModelRef::named_by(model, name) {
+    let refuse = |message| {
+        answer(&Reply {
+            refused: Some(message),
+            ..Reply::default()
+        })
+    };
+    let model = match ModelRef::named_by(model, settings.name) {
         Ok(model) => model,
-        Err(error) => return answer(&Reply::Refused(error.to_string())),
+        Err(error) => return refuse(error.to_string()),
     };
-    let mut done = Ok(());
-    let mut backend = InProcess {
-        decompressed: DecompressionLimit(max_decompressed),
+    let limit = DecompressionLimit(settings.max_decompressed);
+    let session = match InProcess::open(&model, limit) {
+        Ok(session) => session,
+        Err(refusal) => return refuse(refusal.message),
     };
-    let loaded = backend.with_model(&model, &mut |record, session| {
-        memory::give_back_clean_pages();
-        done = answer(&Reply::Loaded(Box::new(record.clone())))
-            .and_then(|()| serve(&mut requests, &record.name, session));
-    });
-    match loaded {
-        Ok(()) => done,
-        Err(refusal) => answer(&Reply::Refused(refusal.message)),
-    }
+    memory::give_back_clean_pages();
+    answer(&Reply {
+        ready: true,
+        model: Some(Box::new(session.model().clone())),
+        ..Reply::default()
+    })?;
+    serve(&model.name, session)
 }
 
-/// Carries out the requested runs.
-fn serve(
-    requests: &mut impl Iterator<Item = io::Result<String>>,
-    model: &str,
-    session: &mut dyn Session,
-) -> io::Result<()> {
+/// Carries out the requested runs until standard input ends.
+fn serve(model: &str, mut session: InProcess) -> io::Result<()> {
     let mut sent = None;
+    let mut requests = io::stdin().lock().lines();
     loop {
         system::raise_oom_score(false);
-        let Some(request) = next(requests)? else {
+        let Some(line) = requests.next() else {
             return Ok(());
         };
+        let request: Request = serde_json::from_str(&line?)?;
         system::raise_oom_score(true);
-        let Request::Run {
-            algorithm,
-            source,
-            pass,
-        } = request
-        else {
-            return Err(io::ErrorKind::InvalidInput.into());
-        };
-        let algorithm = registry::select_one(&algorithm).map_err(io::Error::other)?;
+        let algorithm = registry::select_one(&request.algorithm).map_err(io::Error::other)?;
         let step = Step {
             model,
             algorithm: &algorithm,
-            source: VertexId::new(source),
-            pass,
+            source: VertexId::new(request.source),
+            pass: request.pass,
         };
-        if pass == Pass::Profile {
+        if step.pass == Pass::Profile {
             // Pages that the run needs come back, and count.
             memory::give_back_clean_pages();
         }
-        let reply = match session.execute(&step) {
+        answer(&match session.execute(&step) {
             Ok(observation) => {
                 let digest = Some(digest(&observation.distances));
+                let mut reply = Reply::from(observation);
                 if sent == digest {
-                    Reply::RanAgain(Box::new(Observation {
-                        distances: Vec::new(),
-                        ..observation
-                    }))
-                } else {
-                    sent = digest;
-                    Reply::Ran(Box::new(observation))
+                    reply.distances = None;
                 }
+                sent = digest;
+                reply
             }
-            Err(failure) => Reply::Failed(with_place_of_panic(failure)),
-        };
-        answer(&reply)?;
-    }
-}
-
-/// The next request; `None` if the parent has closed its end.
-fn next(requests: &mut impl Iterator<Item = io::Result<String>>) -> io::Result<Option<Request>> {
-    match requests.next() {
-        Some(line) => Ok(Some(serde_json::from_str(&line?)?)),
-        None => Ok(None),
+            Err(Failure {
+                status: Status::Crashed,
+                message,
+            }) => Reply {
+                crashed: Some(with_place_of_panic(message)),
+                ..Reply::default()
+            },
+            Err(Failure { message, .. }) => Reply {
+                refused: Some(message),
+                ..Reply::default()
+            },
+        })?;
     }
 }
 
@@ -150,17 +124,10 @@ fn digest(distances: &[f64]) -> [u8; 32] {
 }
 
 /// A crash reported by this process itself is a panic.
-fn with_place_of_panic(failure: Failure) -> Failure {
-    let place = PANIC
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .take()
-        .filter(|_| failure.status == Status::Crashed);
-    match place {
-        Some(place) => Failure {
-            message: format!("{} ({place})", failure.message),
-            ..failure
-        },
-        None => failure,
+fn with_place_of_panic(message: String) -> String {
+    let mut place = PANIC.lock().unwrap_or_else(PoisonError::into_inner);
+    match place.take() {
+        Some(place) => format!("{message} ({place})"),
+        None => message,
     }
 }

@@ -1,6 +1,5 @@
 //! The parent's end of a child process.
 
-use std::collections::VecDeque;
 use std::fmt;
 use std::io::{self, Read, Write};
 use std::os::fd::AsFd;
@@ -15,12 +14,12 @@ use signal_hook::low_level::signal_name;
 
 use super::system;
 use super::system::Descendants;
-use crate::exec::limits::Limits;
-use crate::exec::protocol::{Reply, Request};
-use crate::exec::{Failure, interrupt};
+use crate::exec::limits::{Limits, MemoryLimit, Timeout};
+use crate::exec::protocol::Reply;
+use crate::exec::{Failure, affinity, interrupt};
 use crate::schema::Status;
 
-/// Interval of memory checks. `system::limit_data` bounds what a child can allocate between two.
+/// Interval of memory checks. A data limit bounds what a child can allocate between two.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// Time to end after closing standard output.
@@ -28,9 +27,10 @@ const GRACE: Duration = Duration::from_secs(1);
 
 /// A process that answers requests. It leads a process group, which is killed on drop.
 #[derive(Debug)]
-pub(crate) struct ChildProcess {
+pub(super) struct ChildProcess {
     process: process::Child,
     descendants: Descendants,
+    limits: Limits,
     requests: ChildStdin,
     replies: ChildStdout,
     errors: Option<ChildStderr>,
@@ -42,25 +42,40 @@ pub(crate) struct ChildProcess {
 }
 
 impl ChildProcess {
-    /// Starts `command`.
-    pub(crate) fn start(mut command: Command) -> io::Result<Self> {
+    /// Starts `command` with these limits on these processors; any if none are given.
+    pub(super) fn start(
+        mut command: Command,
+        limits: Limits,
+        cpus: &[usize],
+    ) -> Result<Self, ChildError> {
         command
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .process_group(0);
-        let (mut process, descendants) = Descendants::of(&mut command)?;
-        let (requests, replies, errors) = (
+        let started = affinity::inherited(cpus, || Descendants::of(&mut command));
+        let child =
+            started.and_then(|(process, descendants)| Self::new(process, descendants, limits));
+        child.map_err(|error| ChildError::Start(command.get_program().display().to_string(), error))
+    }
+
+    fn new(
+        mut process: process::Child,
+        descendants: Descendants,
+        limits: Limits,
+    ) -> io::Result<Self> {
+        let pipes = (
             process.stdin.take(),
             process.stdout.take(),
             process.stderr.take(),
         );
-        let (Some(requests), Some(replies), Some(errors)) = (requests, replies, errors) else {
+        let (Some(requests), Some(replies), Some(errors)) = pipes else {
             return Err(io::ErrorKind::BrokenPipe.into());
         };
         let child = Self {
             process,
             descendants,
+            limits,
             requests,
             replies,
             errors: Some(errors),
@@ -76,86 +91,51 @@ impl ChildProcess {
     }
 
     /// Resident bytes of the process and its descendants.
-    pub(crate) fn resident(&self) -> Option<u64> {
+    pub(super) fn resident(&self) -> Option<u64> {
         let own = system::resident(self.process.id())?;
         Some(own + self.descendants.resident_orphans())
     }
 
-    /// Process id.
-    pub(crate) fn id(&self) -> u32 {
-        self.process.id()
-    }
-
-    /// Sends a request and waits for a reply of at most `longest` bytes. The parent sleeps
-    /// meanwhile, except for memory checks.
-    pub(super) fn ask(
-        &mut self,
-        request: &Request,
-        limits: &Limits,
-        longest: usize,
-    ) -> Result<Reply, ChildError> {
-        let mut line =
-            serde_json::to_vec(request).map_err(|error| ChildError::Pipe(error.into()))?;
-        line.push(b'\n');
-        let answer = self.ask_line(&line, limits, longest)?;
-        serde_json::from_slice(&answer).map_err(|_| {
-            self.kill();
-            ChildError::garbage(&answer)
-        })
-    }
-
-    /// Sends `request`, unless it is empty, and waits for a line of at most `longest` bytes.
-    pub(crate) fn ask_line(
-        &mut self,
-        request: &[u8],
-        limits: &Limits,
-        longest: usize,
-    ) -> Result<Vec<u8>, ChildError> {
+    /// Sends `request` as a line, unless it is empty, and waits for a reply of at most `longest`
+    /// bytes. The parent sleeps meanwhile, except for memory checks.
+    pub(super) fn ask(&mut self, request: &str, longest: usize) -> Result<Reply, ChildError> {
         let kills = system::kernel_out_of_memory_kills();
-        let answer = self.converse(request, limits, longest);
-        match answer {
-            Ok(Some(line)) => Ok(line),
-            // End of the pipe.
-            Ok(None) => {
-                let Some(status) = self.wait_for_end() else {
-                    self.kill();
-                    return Err(ChildError::Closed);
-                };
-                if !self.received.is_empty() {
-                    return Err(ChildError::garbage(&self.received));
-                }
-                Err(ChildError::Ended(ExitReport {
-                    status,
-                    stderr_tail: self.stderr_tail.to_string(),
-                    kernel_out_of_memory: kills < system::kernel_out_of_memory_kills(),
-                }))
-            }
-            Err(error) => {
-                self.kill();
-                Err(error)
-            }
-        }
+        let error = match self.converse(request, longest) {
+            Ok(line) => match Reply::parse(&line) {
+                Some(Reply {
+                    refused: Some(why), ..
+                }) => ChildError::Refused(why),
+                Some(Reply {
+                    crashed: Some(how), ..
+                }) => ChildError::Crashed(how),
+                Some(reply) => return Ok(reply),
+                None => ChildError::garbage(&line),
+            },
+            Err(ChildError::Closed) => self.why_closed(kills),
+            Err(error) => error,
+        };
+        self.kill();
+        Err(error)
     }
 
-    /// The line that answers a request, or `None` if the pipe ends first.
-    fn converse(
-        &mut self,
-        request: &[u8],
-        limits: &Limits,
-        longest: usize,
-    ) -> Result<Option<Vec<u8>>, ChildError> {
-        let start = Instant::now();
-        let deadline = limits.timeout.0.and_then(|time| start.checked_add(time));
-        match self.requests.write_all(request) {
-            // The process has ended; the reason is found below.
-            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {}
-            done => done.map_err(ChildError::Pipe)?,
+    /// The line that answers a request.
+    fn converse(&mut self, request: &str, longest: usize) -> Result<Vec<u8>, ChildError> {
+        let Limits {
+            timeout, memory, ..
+        } = self.limits;
+        let deadline = timeout.0.and_then(|time| Instant::now().checked_add(time));
+        if !request.is_empty() {
+            match self.requests.write_all(format!("{request}\n").as_bytes()) {
+                // The process has ended; the reason is found below.
+                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {}
+                done => done?,
+            }
         }
         let mut searched = 0;
         loop {
             if let Some(end) = self.received[searched..].iter().position(|b| *b == b'\n') {
                 let rest = self.received.split_off(searched + end + 1);
-                return Ok(Some(std::mem::replace(&mut self.received, rest)));
+                return Ok(std::mem::replace(&mut self.received, rest));
             }
             searched = self.received.len();
             if searched > longest {
@@ -166,19 +146,18 @@ impl ChildProcess {
             }
             let left = deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
             if left.is_some_and(|left| left.is_zero()) {
-                return Err(ChildError::Timeout);
+                return Err(ChildError::Timeout(timeout));
             }
-            if let Some(most) = limits.memory.0
+            if let Some(most) = memory.0
                 && let Some(bytes) = self.resident().filter(|bytes| *bytes > most)
             {
-                return Err(ChildError::Memory(bytes));
+                return Err(ChildError::Memory(MemoryLimit(Some(bytes)), memory));
             }
-            let look = limits.memory.0.map(|_| LOOK);
-            self.sleep([left, look].into_iter().flatten().min())
-                .map_err(ChildError::Pipe)?;
+            let look = memory.0.map(|_| LOOK);
+            self.sleep([left, look].into_iter().flatten().min())?;
             self.listen_to_errors();
-            if !self.receive().map_err(ChildError::Pipe)? {
-                return Ok(None);
+            if !self.receive()? {
+                return Err(ChildError::Closed);
             }
         }
     }
@@ -225,18 +204,26 @@ impl ChildProcess {
         }
     }
 
-    /// Waits for the process to end and reads the rest of its standard error; `None` if it does not
-    /// end.
-    fn wait_for_end(&mut self) -> Option<ExitStatus> {
+    /// Why the output of the process has ended: the process has, unless it goes on for a while.
+    /// Since its last request the kernel had killed `kills` processes.
+    fn why_closed(&mut self, kills: Option<u64>) -> ChildError {
         let deadline = Instant::now() + GRACE;
         while !self.has_ended() {
             if Instant::now() >= deadline {
-                return None;
+                return ChildError::Closed;
             }
             std::thread::sleep(Duration::from_millis(1));
         }
         self.listen_to_errors();
-        self.kill()
+        match self.kill() {
+            Some(_) if !self.received.is_empty() => ChildError::garbage(&self.received),
+            Some(status) => ChildError::Ended(ExitReport {
+                status,
+                stderr_tail: self.stderr_tail.to_string(),
+                kernel_out_of_memory: kills < system::kernel_out_of_memory_kills(),
+            }),
+            None => ChildError::Closed,
+        }
     }
 
     /// Whether the process has ended. Its id stays reserved until [`kill`](Self::kill).
@@ -291,10 +278,10 @@ const CHARACTERS: usize = 400;
 
 /// The end of a byte stream; displays its last lines as one.
 #[derive(Debug, Default)]
-pub(super) struct Tail(VecDeque<u8>);
+struct Tail(Vec<u8>);
 
 impl Tail {
-    pub(super) fn push(&mut self, bytes: &[u8]) {
+    fn push(&mut self, bytes: &[u8]) {
         self.0.extend(bytes);
         let surplus = self.0.len().saturating_sub(BYTES);
         self.0.drain(..surplus);
@@ -303,8 +290,7 @@ impl Tail {
 
 impl fmt::Display for Tail {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let bytes: Vec<u8> = self.0.iter().copied().collect();
-        let text = String::from_utf8_lossy(&bytes);
+        let text = String::from_utf8_lossy(&self.0);
         let lines: Vec<&str> = text
             .lines()
             .map(str::trim)
@@ -318,40 +304,54 @@ impl fmt::Display for Tail {
 }
 
 /// Why there is no reply. The child is gone in every case.
-#[derive(Debug)]
-pub(crate) enum ChildError {
+#[derive(Debug, thiserror::Error)]
+pub(super) enum ChildError {
     /// Interrupted by a signal.
+    #[error("interrupted")]
     Interrupted,
     /// Over the time limit.
-    Timeout,
-    /// Over the memory limit, with this many bytes.
-    Memory(u64),
+    #[error("took longer than the {0} allowed")]
+    Timeout(Timeout),
+    /// The memory occupied and its limit.
+    #[error("occupied {0}, more than the {1} allowed")]
+    Memory(MemoryLimit, MemoryLimit),
     /// Output that is not a reply.
+    #[error("printed what is no answer: {0:?}")]
     Garbage(String),
     /// Standard output closed, process still running.
+    #[error("closed its standard output without an answer")]
     Closed,
     /// The process ended.
+    #[error("{}", .0.meaning().1)]
     Ended(ExitReport),
-    /// The process cannot be started.
-    Start(io::Error),
+    /// A program cannot be started.
+    #[error("{0} cannot be started: {1}")]
+    Start(String, io::Error),
     /// The pipe failed.
-    Pipe(io::Error),
+    #[error("cannot communicate with the child process: {0}")]
+    Pipe(#[from] io::Error),
+    /// The child refused the model or the source.
+    #[error("{0}")]
+    Refused(String),
+    /// The algorithm failed, according to the child.
+    #[error("{0}")]
+    Crashed(String),
 }
 
 /// How a process ended.
 #[derive(Debug)]
-pub(crate) struct ExitReport {
+pub(super) struct ExitReport {
     /// Exit status.
-    pub(crate) status: ExitStatus,
+    pub(super) status: ExitStatus,
     /// End of its standard error.
-    pub(crate) stderr_tail: String,
+    pub(super) stderr_tail: String,
     /// Whether the kernel killed a process for lack of memory meanwhile.
-    pub(crate) kernel_out_of_memory: bool,
+    pub(super) kernel_out_of_memory: bool,
 }
 
 impl ChildError {
     /// A line that is not a reply.
-    pub(crate) fn garbage(line: &[u8]) -> Self {
+    pub(super) fn garbage(line: &[u8]) -> Self {
         const MOST: usize = 60;
         let text = String::from_utf8_lossy(&line[..line.len().min(4 * MOST)]);
         let text = text.trim();
@@ -362,43 +362,16 @@ impl ChildError {
     }
 
     /// Status and message of the row, for a failure while the child was `doing` something.
-    pub(crate) fn failure(&self, limits: &Limits, doing: &str) -> Failure {
-        let (status, message) = match self {
-            Self::Interrupted => (Status::Crashed, "interrupted".to_owned()),
-            Self::Timeout => (
-                Status::Timeout,
-                format!("took longer than the {} allowed", limits.timeout),
-            ),
-            Self::Memory(bytes) => (
-                Status::OutOfMemory,
-                format!(
-                    "occupied {}, more than the {} allowed",
-                    crate::exec::limits::MemoryLimit(Some(*bytes)),
-                    limits.memory
-                ),
-            ),
-            Self::Garbage(text) => (
-                Status::Crashed,
-                format!("printed what is no answer: {text:?}"),
-            ),
-            Self::Closed => (
-                Status::Crashed,
-                "closed its standard output without an answer".to_owned(),
-            ),
-            Self::Ended(report) => report.meaning(),
-            Self::Start(error) => (
-                Status::Crashed,
-                format!("its process cannot be started: {error}"),
-            ),
-            Self::Pipe(error) => (
-                Status::Crashed,
-                format!("cannot communicate with the child process: {error}"),
-            ),
+    pub(super) fn failure(&self, doing: &str) -> Failure {
+        let status = match self {
+            Self::Timeout(_) => Status::Timeout,
+            Self::Memory(..) => Status::OutOfMemory,
+            Self::Ended(report) => report.meaning().0,
+            Self::Refused(why) => return Failure::new(Status::Refused, why),
+            Self::Crashed(how) => return Failure::new(Status::Crashed, how),
+            _ => Status::Crashed,
         };
-        Failure {
-            status,
-            message: format!("{message} ({doing})"),
-        }
+        Failure::new(status, format!("{self} ({doing})"))
     }
 }
 

@@ -1,16 +1,17 @@
-//! One child process per cell, so that a crash, an endless loop or a memory leak costs one row.
+//! Child processes: one per cell, so that a crash, an endless loop or a memory leak costs one row.
 //!
-//! A child is this program with a hidden command. Parent and child exchange lines of JSON
-//! (`exec::protocol`) over the standard input and output of the child; its
-//! standard error is kept for the message of a crash. The parent never loads a mesh.
+//! A child is this program with a hidden command, or an outside program (`ext:NAME`), often a small
+//! adapter around a library. Both load the model, solve on request and write lines of JSON to
+//! standard output (`exec::protocol`); standard error is kept for the message of a crash. The
+//! parent never loads a mesh.
 //!
-//! **Lifetime.** The runs of one model and source are interleaved between algorithms, so the child
-//! of a cell loads the model once, makes all its runs and ends with the next source or model.
-//! Between runs it sleeps and keeps its mesh and solver. All children together may hold half of the
-//! memory available at the start. Beyond that, a child ends after its run; a new one, with one more
-//! warm-up, replaces it when its next run is due. The first child to load a model reports the
+//! **Lifetime.** The runs of one model and source are interleaved between algorithms, so a child
+//! loads the model once, makes all runs of its cell and ends with the next source or model. Between
+//! runs it sleeps and keeps its mesh and solver. All children together may hold half of the memory
+//! available at the start. Beyond that, a child ends after its run; a new one, with one more
+//! warm-up, replaces it when its next run is due. The first child of this program reports the
 //! record of the model and becomes the child of the first cell. `verify`, which measures nothing,
-//! uses one child for all algorithms ([`Sharing::All`]), and a new one after a failure.
+//! uses one child for all algorithms of the suite, and a new one after a failure.
 //!
 //! **Limits** ([`crate::exec::limits`]). The parent sleeps in `poll` until a reply, the deadline or
 //! a signal. With a memory limit it wakes every 10 ms to read the resident memory of the child and
@@ -23,33 +24,42 @@
 //! `PR_SET_PDEATHSIG` and by the end of its standard input. When the kernel runs out of memory it
 //! kills the child at work first (`oom_score_adj`), not the parent with all results.
 //!
-//! **Clock.** The child reads it around the solve and nothing else ([`crate::exec::in_process`]).
-//! Distances are sent afterwards, and only if they differ from the last ones sent.
+//! **Clock.** The child reads it around the solve and nothing else (`exec::in_process`).
+//! Distances are sent afterwards, and only if they differ from the last ones sent. Outside programs
+//! read clocks of their own and write distances to a file, which is checked (`answer`).
 
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::Command;
+use std::sync::Arc;
+use std::time::Instant;
 
-use geobench_mesh::VertexId;
+use geobench_mesh::{VertexId, io as mesh_io};
+use tempfile::TempDir;
 
 use crate::exec::affinity::CpuList;
-use crate::exec::limits::Limits;
+use crate::exec::in_process::InProcess;
+use crate::exec::limits::{DecompressionLimit, Limits, Timeout};
 use crate::exec::model::ModelRef;
-use crate::exec::protocol::{Reply, Request};
+use crate::exec::protocol::{ChildSettings, Reply, Request, SOLVE};
 use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::host::kibibytes;
+use crate::registry::{Call, ProcessLifetime, Program};
 use crate::schema::{ModelRecord, Status};
 
+mod answer;
 mod cell;
 mod child;
 mod system;
 
+use child::{ChildError, ChildProcess};
+
 pub(crate) use cell::cell;
-pub(crate) use child::{ChildError, ChildProcess};
 pub(crate) use system::adopt_orphans;
 
-/// First argument of a child; the model is the second and last.
+/// First argument of a child of this program, before the model and its settings.
 const COMMAND: &str = "__cell";
 
 /// A setting of glibc: blocks of this size and more get pages of their own, which return to the
@@ -59,110 +69,64 @@ const COMMAND: &str = "__cell";
 /// faces. Times differ by less than 3 %.
 const OWN_PAGES: (&str, &str) = ("MALLOC_MMAP_THRESHOLD_", "131072");
 
-/// The model of a child with these arguments, or `None` for other commands. The command-line parser
-/// is not used: its code and tables would count to the memory of every cell.
-pub(crate) fn wanted(arguments: impl Iterator<Item = OsString>) -> Option<OsString> {
-    let mut arguments = arguments.skip(1);
-    let model = (arguments.next()? == COMMAND).then(|| arguments.next())?;
-    model.filter(|_| arguments.next().is_none())
+/// Model and settings of a child with these arguments, or `None` for other commands. The
+/// command-line parser is not used: its code and tables would count to the memory of every cell.
+pub(crate) fn wanted(mut arguments: impl Iterator<Item = OsString>) -> Option<(OsString, String)> {
+    let command = arguments.nth(1)?;
+    let model = (command == COMMAND).then(|| arguments.next())??;
+    let settings = arguments.next()?.into_string().ok()?;
+    arguments.next().is_none().then_some((model, settings))
 }
 
-/// Backend with child processes of this program.
-#[derive(Clone, Debug)]
+/// Backend with child processes.
+#[derive(Clone, Debug, Default)]
 pub struct Isolated {
-    limits: Limits,
-    cpus: Option<CpuList>,
-    sharing: Sharing,
-    program: Option<PathBuf>,
+    /// Limits of every child.
+    pub limits: Limits,
+    /// Processors to run children on; any if `None`.
+    pub cpus: Option<CpuList>,
+    /// Whether one child serves all algorithms of the suite, as long as no failure ends it.
+    pub shared: bool,
+    /// The `geobench` to start, for callers that are none.
+    pub program: Option<PathBuf>,
     /// Bytes that all children of a model may hold between runs; half of the available memory if
     /// `None`.
-    budget: Option<u64>,
-}
-
-/// Which cells of one model share a process.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Sharing {
-    /// None.
-    #[default]
-    None,
-    /// All, as long as no failure ends it.
-    All,
-}
-
-impl Isolated {
-    /// Processes with these limits.
-    pub const fn new(limits: Limits) -> Self {
-        Self {
-            limits,
-            cpus: None,
-            sharing: Sharing::None,
-            program: None,
-            budget: None,
-        }
-    }
-
-    /// The same, pinned to these processors.
-    #[must_use]
-    pub fn on_cpus(self, cpus: Option<CpuList>) -> Self {
-        Self { cpus, ..self }
-    }
-
-    /// The same, shared like this.
-    #[must_use]
-    pub fn shared(self, sharing: Sharing) -> Self {
-        Self { sharing, ..self }
-    }
-
-    /// The same with another program, which must be a `geobench`, for callers that are not.
-    #[must_use]
-    pub fn with_program(self, program: PathBuf) -> Self {
-        Self {
-            program: Some(program),
-            ..self
-        }
-    }
-
-    /// The same with this many bytes for all children of a model between runs.
-    #[must_use]
-    pub fn with_budget(self, bytes: u64) -> Self {
-        Self {
-            budget: Some(bytes),
-            ..self
-        }
-    }
-
-    /// The command of a child that is to work on `model`.
-    fn command_for(&self, model: &ModelRef) -> Command {
-        let mut command = self
-            .program
-            .as_ref()
-            .map_or_else(system::this_program, Command::new);
-        command
-            .arg0("geobench")
-            .arg(COMMAND)
-            .arg(model.argument())
-            // The standard error of a crash shows the reason, not a backtrace.
-            .env("RUST_BACKTRACE", "0")
-            .env(OWN_PAGES.0, OWN_PAGES.1);
-        command
-    }
+    pub budget: Option<u64>,
+    /// Whether this process runs the algorithms of the suite, and children outside programs only.
+    pub here: bool,
 }
 
 impl Backend for Isolated {
-    fn with_model(
-        &mut self,
-        model: &ModelRef,
-        work: &mut dyn FnMut(&ModelRecord, &mut dyn Session),
-    ) -> Result<(), Refusal> {
-        let mut pool = ChildPool::new(self, model);
-        let record = pool.load_model().map_err(|failure| Refusal {
-            message: match failure.status {
-                Status::Refused => failure.message,
-                _ => format!("{}: {}", model.path, failure.message),
-            },
-        })?;
-        work(&record, &mut pool);
-        Ok(())
+    fn open<'b>(&'b mut self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal> {
+        let half_of_memory = || kibibytes("/proc/meminfo", "MemAvailable").map(|bytes| bytes / 2);
+        let mut pool = ChildPool {
+            options: self,
+            model,
+            budget: self.budget.or_else(half_of_memory).unwrap_or(u64::MAX),
+            record: ModelRecord::default(),
+            here: None,
+            source: None,
+            children: Vec::new(),
+            spare: None,
+            evicted: Vec::new(),
+            handover: None,
+            solved: BTreeMap::new(),
+        };
+        if self.here {
+            let here = InProcess::open(model, self.limits.decompressed)?;
+            pool.record = here.model().clone();
+            pool.here = Some(here);
+        } else {
+            let (child, record) = pool.load().map_err(|failure| Refusal {
+                message: match failure.status {
+                    Status::Refused => failure.message,
+                    _ => format!("{}: {}", model.path, failure.message),
+                },
+            })?;
+            pool.record = record;
+            pool.spare = Some(child);
+        }
+        Ok(Box::new(pool))
     }
 }
 
@@ -170,11 +134,15 @@ impl Backend for Isolated {
 const LONGEST: usize = 1 << 20;
 
 /// The child processes of one model.
-struct ChildPool<'w> {
-    place: &'w Isolated,
-    model: &'w ModelRef,
+struct ChildPool<'b> {
+    options: &'b Isolated,
+    model: &'b ModelRef,
+    /// Bytes that all may hold between runs.
+    budget: u64,
     /// Record of the model from the first child. The others must find the same hash.
-    record: Option<ModelRecord>,
+    record: ModelRecord,
+    /// Runs the algorithms of the suite instead.
+    here: Option<InProcess>,
     /// The source under way.
     source: Option<VertexId>,
     children: Vec<Child>,
@@ -182,102 +150,173 @@ struct ChildPool<'w> {
     spare: Option<Child>,
     /// Cells whose child ended because all together held too much memory.
     evicted: Vec<String>,
-    /// Bytes that all may hold between runs.
-    budget: u64,
+    /// What outside programs exchange files in.
+    handover: Option<Handover>,
+    /// Last result of each outside program from this source.
+    solved: BTreeMap<String, Observation>,
 }
 
-/// A child that has loaded the model.
+/// A child that has loaded the model, or does so in its only run.
 struct Child {
     process: ChildProcess,
-    /// Label of the algorithm.
+    /// Label of the algorithm; empty if it serves all.
     cell: String,
     /// The last distances received from it.
     distances: Vec<f64>,
+    /// The outside program that it is.
+    outside: Option<Outside>,
 }
 
-impl<'w> ChildPool<'w> {
-    fn new(place: &'w Isolated, model: &'w ModelRef) -> Self {
-        let half_of_memory = || kibibytes("/proc/meminfo", "MemAvailable").map(|bytes| bytes / 2);
-        Self {
-            place,
-            model,
-            record: None,
-            source: None,
-            children: Vec::new(),
-            spare: None,
-            evicted: Vec::new(),
-            budget: place.budget.or_else(half_of_memory).unwrap_or(u64::MAX),
-        }
-    }
+struct Outside {
+    program: Arc<Program>,
+    /// Where it writes its distances.
+    output: PathBuf,
+}
 
-    /// Loads the model in a first child.
-    fn load_model(&mut self) -> Result<ModelRecord, Failure> {
-        let (child, record) = self.load()?;
-        self.spare = Some(child);
-        self.record = Some(record.clone());
-        Ok(record)
-    }
+/// Temporary folder for the model and the distances.
+struct Handover {
+    folder: TempDir,
+    /// The model as an OBJ file, with unchanged vertex numbers.
+    model: PathBuf,
+}
 
-    /// A child that has loaded the model, and the record of the model.
-    fn load(&self) -> Result<(Child, ModelRecord), Failure> {
-        let failure = |error: &ChildError| error.failure(&self.place.limits, "loading the model");
-        let mut process = ChildProcess::start(self.place.command_for(self.model))
-            .map_err(|error| failure(&ChildError::Start(error)))?;
-        let request = Request::Load {
-            name: self.model.name.clone(),
-            parent: std::process::id(),
-            cpus: self
-                .place
-                .cpus
-                .as_ref()
-                .map_or_else(Vec::new, |cpus| cpus.numbers().to_vec()),
-            memory_limit: self.place.limits.memory.0,
-            max_decompressed: self.place.limits.decompressed.0,
+impl Handover {
+    fn new(model: &ModelRef, limit: DecompressionLimit) -> Result<Self, Failure> {
+        let make = || -> anyhow::Result<Self> {
+            let folder = tempfile::Builder::new().prefix("geobench-").tempdir()?;
+            let path = folder.path().join("model.obj");
+            mesh_io::write(&path, &model.read(limit)?)?;
+            Ok(Self {
+                folder,
+                model: path,
+            })
         };
-        match process.ask(&request, &self.place.limits, LONGEST) {
-            Ok(Reply::Loaded(record)) => Ok((
-                Child {
-                    process,
-                    cell: String::new(),
-                    distances: Vec::new(),
-                },
-                *record,
-            )),
-            Ok(Reply::Refused(message)) => Err(Failure {
-                status: Status::Refused,
-                message,
-            }),
-            Ok(other) => Err(failure(&out_of_turn(&other))),
-            Err(error) => Err(failure(&error)),
-        }
-    }
-
-    /// A new child for `cell`.
-    fn child_for(&mut self, cell: &str) -> Result<Child, Failure> {
-        let child = if let Some(spare) = self.spare.take() {
-            spare
-        } else {
-            let (child, found) = self.load()?;
-            let hash = |record: &ModelRecord| record.sha256.clone();
-            if self.record.as_ref().map(hash) != Some(hash(&found)) {
-                return Err(Failure {
-                    status: Status::Refused,
-                    message: format!("{} has changed since the run began", self.model.path),
-                });
-            }
-            child
-        };
-        Ok(Child {
-            cell: cell.to_owned(),
-            ..child
+        make().map_err(|error| {
+            let message = format!("the model cannot be handed over: {error}");
+            Failure::new(Status::Crashed, message)
         })
     }
+}
 
-    /// Ends `child` if all together hold too much, else keeps it for its next run.
+impl ChildPool<'_> {
+    /// A child of this program that has loaded the model, and the record of the model.
+    fn load(&self) -> Result<(Child, ModelRecord), Failure> {
+        let settings = serde_json::json!(ChildSettings {
+            name: self.model.name.clone(),
+            parent: std::process::id(),
+            memory_limit: self.options.limits.memory.0,
+            max_decompressed: self.options.limits.decompressed.0,
+        });
+        let program = self.options.program.as_ref();
+        let mut command = program.map_or_else(system::this_program, Command::new);
+        command
+            .arg0("geobench")
+            .args([COMMAND.as_ref(), self.model.argument()])
+            .arg(settings.to_string())
+            // The standard error of a crash shows the reason, not a backtrace.
+            .env("RUST_BACKTRACE", "0")
+            .env(OWN_PAGES.0, OWN_PAGES.1);
+        let (child, record) = self.start(command, None)?;
+        Ok((
+            child,
+            record.map_or_else(ModelRecord::default, |record| *record),
+        ))
+    }
+
+    /// Starts a child, and waits until it has loaded the model unless it has protocol `once`.
+    fn start(
+        &self,
+        command: Command,
+        outside: Option<Outside>,
+    ) -> Result<(Child, Option<Box<ModelRecord>>), Failure> {
+        const DOING: &str = "loading the model";
+        let cpus = self.options.cpus.as_ref();
+        let cpus = cpus.map_or(&[][..], CpuList::numbers);
+        let process = ChildProcess::start(command, self.options.limits, cpus);
+        let mut child = Child {
+            process: process.map_err(|error| error.failure(DOING))?,
+            cell: String::new(),
+            distances: Vec::new(),
+            outside,
+        };
+        if child.solves_once() {
+            return Ok((child, None));
+        }
+        let reply = child.ask("", LONGEST, DOING)?;
+        if !reply.ready {
+            return Err(ChildError::Garbage("not \"ready\": true".into()).failure(DOING));
+        }
+        Ok((child, reply.model))
+    }
+
+    /// A new child for an algorithm of the suite.
+    fn own_child(&mut self) -> Result<Child, Failure> {
+        if let Some(spare) = self.spare.take() {
+            return Ok(spare);
+        }
+        let (child, found) = self.load()?;
+        if found.sha256 != self.record.sha256 {
+            let message = format!("{} has changed since the run began", self.model.path);
+            return Err(Failure::new(Status::Refused, message));
+        }
+        Ok(child)
+    }
+
+    /// A new child for an outside program.
+    fn outside_child(&mut self, program: &Arc<Program>, step: &Step<'_>) -> Result<Child, Failure> {
+        let handover = match &mut self.handover {
+            Some(handover) => handover,
+            none => none.insert(Handover::new(self.model, self.options.limits.decompressed)?),
+        };
+        let output = handover.folder.path().join(format!("{}.csv", program.name));
+        let command = program.command(Call {
+            model: &handover.model,
+            source: step.source.raw(),
+            threads: step.algorithm.threads(),
+            output: &output,
+        });
+        let outside = Outside {
+            program: program.clone(),
+            output,
+        };
+        outside.forget();
+        Ok(self.start(command, Some(outside))?.0)
+    }
+
+    /// Carries out a run in the child of `cell`, a new one if it has none.
+    fn run(&mut self, cell: &str, step: &Step<'_>) -> Result<Observation, Failure> {
+        let known = self.children.iter().position(|child| child.cell == cell);
+        let mut child = match (known, step.algorithm.program()) {
+            (Some(place), _) => self.children.swap_remove(place),
+            (None, Some(program)) => self.outside_child(program, step)?,
+            (None, None) => self.own_child()?,
+        };
+        cell.clone_into(&mut child.cell);
+        let vertices = self.record.vertices.unwrap_or(0) as usize;
+        if let Some(place) = self.evicted.iter().position(|evicted| evicted == cell) {
+            self.evicted.swap_remove(place);
+            if step.pass == Pass::Time {
+                let pass = Pass::Warmup;
+                child.execute(
+                    self.options.limits.timeout,
+                    vertices,
+                    &Step { pass, ..*step },
+                )?;
+            }
+        }
+        let observation = child.execute(self.options.limits.timeout, vertices, step)?;
+        self.keep(child);
+        Ok(observation)
+    }
+
+    /// Keeps `child` for its next run, unless it has none or all together hold too much.
     fn keep(&mut self, child: Child) {
+        if child.solves_once() {
+            return;
+        }
         self.children.push(child);
         let children = self.children.iter();
-        let held: u64 = children.filter_map(|w| w.process.resident()).sum();
+        let held: u64 = children.filter_map(|c| c.process.resident()).sum();
         if held > self.budget && self.children.len() > 1 {
             self.evicted
                 .extend(self.children.pop().map(|child| child.cell));
@@ -286,100 +325,146 @@ impl<'w> ChildPool<'w> {
 }
 
 impl Session for ChildPool<'_> {
+    fn model(&self) -> &ModelRecord {
+        &self.record
+    }
+
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
-        let cell = match self.place.sharing {
-            Sharing::None => {
-                if self.source != Some(step.source) {
-                    self.children.clear();
-                    self.evicted.clear();
-                }
-                step.algorithm.label()
-            }
-            Sharing::All => "",
-        };
-        self.source = Some(step.source);
-        let known = self.children.iter().position(|child| child.cell == cell);
-        let mut child = match known {
-            Some(place) => self.children.swap_remove(place),
-            None => self.child_for(cell)?,
-        };
-        let vertices = self.record.as_ref().and_then(|record| record.vertices);
-        // 8 bytes take 11 characters of base64 at most.
-        let longest = LONGEST + 11 * vertices.unwrap_or(0) as usize;
-        if let Some(place) = self.evicted.iter().position(|evicted| evicted == cell) {
-            self.evicted.swap_remove(place);
-            if step.pass == Pass::Time {
-                let pass = Pass::Warmup;
-                child.execute(self.place, longest, &Step { pass, ..*step })?;
-            }
+        if self.source != Some(step.source) {
+            self.children.retain(|child| child.cell.is_empty());
+            self.evicted.clear();
+            self.solved.clear();
         }
-        let observation = child.execute(self.place, longest, step)?;
-        self.keep(child);
-        Ok(observation)
+        self.source = Some(step.source);
+        let label = step.algorithm.label();
+        if step.algorithm.program().is_none() {
+            return match &mut self.here {
+                Some(here) => here.execute(step),
+                None if self.options.shared => self.run("", step),
+                None => self.run(label, step),
+            };
+        }
+        // Outside programs report counts with each run, and have no phases.
+        let counts = matches!(step.pass, Pass::Count | Pass::Profile);
+        let solved = match self.solved.get(label) {
+            Some(solved) if counts => solved.clone(),
+            _ => self.run(label, step)?,
+        };
+        self.solved.insert(label.to_owned(), solved.clone());
+        Ok(match step.pass {
+            Pass::Warmup | Pass::Time => solved,
+            Pass::Count => Observation {
+                seconds: None,
+                setup_seconds: None,
+                ..solved
+            },
+            Pass::Profile => Observation {
+                distances: solved.distances,
+                ..Observation::default()
+            },
+        })
     }
 }
 
 impl Child {
+    /// Whether it is an outside program with protocol `once`.
+    fn solves_once(&self) -> bool {
+        let outside = self.outside.as_ref();
+        outside.is_some_and(|outside| outside.program.lifetime == ProcessLifetime::Once)
+    }
+
     fn execute(
         &mut self,
-        place: &Isolated,
-        longest: usize,
+        timeout: Timeout,
+        vertices: usize,
         step: &Step<'_>,
     ) -> Result<Observation, Failure> {
-        let request = Request::Run {
-            algorithm: step.algorithm.spelled(),
-            source: step.source.raw(),
-            pass: step.pass,
+        let start = Instant::now();
+        let doing = match (&self.outside, step.pass) {
+            (Some(_), _) => "solving",
+            (None, Pass::Warmup) => "warming up",
+            (None, Pass::Time) => "being timed",
+            (None, Pass::Count) => "being counted",
+            (None, Pass::Profile) => "having its phases clocked",
         };
-        let doing = match step.pass {
-            Pass::Warmup => "warming up",
-            Pass::Time => "being timed",
-            Pass::Count => "being counted",
-            Pass::Profile => "having its phases clocked",
-        };
-        match self.process.ask(&request, &place.limits, longest) {
-            Ok(Reply::Ran(observation)) => {
-                self.distances.clone_from(&observation.distances);
-                Ok(*observation)
-            }
-            Ok(Reply::RanAgain(observation)) => Ok(Observation {
-                distances: self.distances.clone(),
-                ..*observation
-            }),
-            Ok(Reply::Failed(failure)) => Err(failure),
-            Ok(other) => Err(out_of_turn(&other).failure(&place.limits, doing)),
-            Err(error) => Err(error.failure(&place.limits, doing)),
+        // 8 bytes take 11 characters of base64 at most.
+        let longest = LONGEST + 11 * vertices;
+        let mut reply = self.ask(&self.request(step), longest, doing)?;
+        if reply.ready && self.solves_once() {
+            reply = self.ask("", longest, doing)?;
         }
+        let Some(outside) = &self.outside else {
+            if let Some(distances) = reply.distances.take() {
+                self.distances = distances;
+            }
+            return Ok(reply.observation(self.distances.clone()));
+        };
+        if reply.seconds.is_none() {
+            return Err(ChildError::Garbage("no \"seconds\"".into()).failure(doing));
+        }
+        let distances = answer::read_distances(&outside.output, vertices, timeout, start)?;
+        Ok(reply.observation(distances))
+    }
+
+    /// The request of a run.
+    fn request(&self, step: &Step<'_>) -> String {
+        match &self.outside {
+            None => serde_json::json!(Request {
+                algorithm: step.algorithm.spelled(),
+                source: step.source.raw(),
+                pass: step.pass,
+            })
+            .to_string(),
+            // It solves from its start.
+            Some(_) if self.solves_once() => String::new(),
+            Some(outside) => {
+                outside.forget();
+                SOLVE.to_owned()
+            }
+        }
+    }
+
+    fn ask(&mut self, request: &str, longest: usize, doing: &str) -> Result<Reply, Failure> {
+        let reply = self.process.ask(request, longest);
+        reply.map_err(|error| match (error, &self.outside) {
+            (ChildError::Refused(why), Some(Outside { program, .. })) => {
+                let message = format!("ext:{} refused: {why}", program.name);
+                Failure::new(Status::Refused, message)
+            }
+            (error, _) => error.failure(doing),
+        })
     }
 }
 
-/// The reply belongs to another request.
-fn out_of_turn(reply: &Reply) -> ChildError {
-    let mut text = format!("{reply:?}");
-    text.truncate(text.find(['(', '{']).unwrap_or(text.len()));
-    ChildError::Garbage(text)
+impl Outside {
+    /// Removes the distances of an earlier run.
+    fn forget(&self) {
+        let _ = std::fs::remove_file(&self.output);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn model_of(arguments: &[&str]) -> Option<OsString> {
+    fn child_of(arguments: &[&str]) -> Option<(OsString, String)> {
         wanted(arguments.iter().map(OsString::from))
     }
 
     #[test]
     fn only_the_call_of_a_parent_makes_a_child() {
         for model in ["horse.obj", "-o", "__cell", "gen:cube,n=2"] {
-            assert_eq!(model_of(&["geobench", COMMAND, model]), Some(model.into()));
+            let found = child_of(&["geobench", COMMAND, model, "{}"]);
+            assert_eq!(found, Some((model.into(), "{}".into())));
         }
         for arguments in [
             &["geobench"][..],
             &["geobench", COMMAND],
-            &["geobench", "run", "horse.obj"],
-            &["geobench", COMMAND, "horse.obj", "cow.off"],
+            &["geobench", COMMAND, "horse.obj"],
+            &["geobench", "run", "horse.obj", "{}"],
+            &["geobench", COMMAND, "horse.obj", "cow.off", "{}"],
         ] {
-            assert_eq!(model_of(arguments), None, "{arguments:?}");
+            assert_eq!(child_of(arguments), None, "{arguments:?}");
         }
     }
 }

@@ -21,39 +21,26 @@ pub(super) fn this_program() -> Command {
     }
 }
 
-/// Kills this process when its parent ends.
-pub(super) fn die_with_parent() {
+/// Makes this process a child of process `parent`: it ends with it, has a name of its own and writes
+/// no core dumps, which take long. Allocations fail beyond `data_limit` bytes of private data,
+/// touched or not. False if the parent has gone.
+pub(super) fn become_child(parent: u32, data_limit: Option<u64>) -> bool {
     #[cfg(target_os = "linux")]
-    let _ = rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL));
-}
-
-/// Whether process `parent` is still the parent of this one.
-pub(super) fn is_parent(parent: u32) -> bool {
+    {
+        let _ = rustix::process::set_parent_process_death_signal(Some(Signal::KILL));
+        // Shown by `ps` and `top`.
+        let _ = rustix::thread::set_name(c"geobench-cell");
+    }
+    for (resource, bytes) in [(Resource::Core, Some(0)), (Resource::Data, data_limit)] {
+        if bytes.is_some() {
+            let limit = Rlimit {
+                current: bytes,
+                maximum: bytes,
+            };
+            let _ = setrlimit(resource, limit);
+        }
+    }
     getppid().is_some_and(|pid| u32::try_from(pid.as_raw_pid()) == Ok(parent))
-}
-
-/// Sets the name that `ps` and `top` show.
-pub(super) fn name_this_process() {
-    #[cfg(target_os = "linux")]
-    let _ = rustix::thread::set_name(c"geobench-cell");
-}
-
-/// Disables core dumps, which take long to write.
-pub(super) fn disable_core_dumps() {
-    let none = Rlimit {
-        current: Some(0),
-        maximum: Some(0),
-    };
-    let _ = setrlimit(Resource::Core, none);
-}
-
-/// Makes allocations fail beyond `bytes` of private data, touched or not.
-pub(super) fn limit_data(bytes: u64) {
-    let bound = Rlimit {
-        current: Some(bytes),
-        maximum: Some(bytes),
-    };
-    let _ = setrlimit(Resource::Data, bound);
 }
 
 /// Sets which process the kernel kills first when out of memory: one at work, rather than a waiting

@@ -1,5 +1,5 @@
-//! Algorithms that misbehave, to see what a run makes of it. They are found by name only, and only
-//! where the environment variable [`VARIABLE`] is set.
+//! Algorithms that fail, for tests of what a run makes of it. They are built with the feature
+//! `failing-algorithms` only, which no release has, and are selected by name only.
 
 use std::hint::black_box;
 use std::process::{Command, Stdio};
@@ -12,9 +12,6 @@ use geobench_window::{Counter, Counters, Phases, Solution, SolveError, Solver};
 use rustix::process::{Signal, getpid, kill_process};
 
 use super::{Algorithm, Parameter, Values};
-
-/// The environment variable that lets them be found, whatever its value.
-pub const VARIABLE: &str = "GEOBENCH_TEST_ALGORITHMS";
 
 const AFTER: Parameter = Parameter::integer(
     "after",
@@ -46,25 +43,17 @@ const UNLESS: Parameter = Parameter::word(
     "the instructions with which Valgrind knows all of them",
 );
 
-/// Everything there is of them, if they are to be found.
-pub(super) fn algorithms() -> &'static [Algorithm] {
-    match std::env::var_os(VARIABLE) {
-        Some(_) => FAMILY,
-        None => &[],
-    }
-}
-
-const FAMILY: &[Algorithm] = &[
+pub(super) const FAMILY: &[Algorithm] = &[
     algorithm("test-panic", &[AFTER], |mesh, values| {
         misbehave(mesh, values, || panic!("no such luck"))
     }),
     algorithm("test-loop", &[AFTER], |mesh, values| {
         misbehave(mesh, values, || {
-            // For those who wait for it.
+            // A test waits for this name.
             #[cfg(target_os = "linux")]
             let _ = rustix::thread::set_name(c"test-loop");
             loop {
-                // As endless as any other, and kind to what else runs on the machine.
+                // Endless, without taking a processor from other tests.
                 std::thread::sleep(Duration::from_millis(1));
             }
         })

@@ -25,7 +25,7 @@ pub(super) fn keep(values: &Values) -> Keep {
 pub(super) const FILTER: Parameter = Parameter::word(
     "filter",
     &["vertices", "none"],
-    "`vertices` drops windows that a path through an end of their edge beats, as ich does by three tests; `none` compares all with those of the edge, as in the paper",
+    "`vertices` drops windows that a path through an end of their edge beats, by two of the three tests of ich; `none` compares all with those of the edge, as in the paper",
 );
 
 /// What `values` say of [`FILTER`].

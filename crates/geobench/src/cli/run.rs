@@ -20,7 +20,7 @@ use crate::plan::{self, Plan, Reference};
 use crate::run::journal::{Header, Journal};
 use crate::run::{self, agreement};
 use crate::schema::{
-    Cell, GroupRecord, Host, InstructionCount, ModelRecord, PlanRecord, ResultFile, SCHEMA,
+    Cell, GroupRecord, InstructionCount, ModelRecord, PlanRecord, ResultFile, SCHEMA,
     SessionRecord, Status,
 };
 use crate::table::output::{self, OutputFile};
@@ -303,10 +303,7 @@ fn open_journal(
     }
     let header = Header::new(host::tool(), plan.clone());
     let journal = Journal::open(path, &header, session)?;
-    let elsewhere = |earlier: &SessionRecord| {
-        let machine = |host: &Host| (host.cpu.clone(), host.cores, host.memory_bytes);
-        machine(&earlier.host) != machine(&session.host)
-    };
+    let elsewhere = |earlier: &SessionRecord| !session.host.is_same_machine(&earlier.host);
     if !quiet && journal.sessions().iter().any(elsewhere) {
         terminal::warning(&format!(
             "journal {}: some of its runs were made on another machine; their times do not compare with those of this one",

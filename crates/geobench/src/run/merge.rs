@@ -10,7 +10,7 @@ use crate::measure::conditions;
 use crate::plan::source::SourceSpec;
 use crate::schema::Shard;
 use crate::schema::plan_record::{PlanRecord, PlannedGroup, first_difference};
-use crate::schema::{Cell, Host, ModelRecord, ResultFile};
+use crate::schema::{Cell, ModelRecord, ResultFile};
 
 /// Why parts cannot be joined.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -125,10 +125,8 @@ pub fn merge(parts: Vec<(String, ResultFile)>) -> Result<ResultFile, MergeError>
 
 /// Whether all sessions of `file` ran on one machine, as far as can be told.
 pub fn is_of_one_machine(file: &ResultFile) -> bool {
-    let machine = |host: &Host| (host.cpu.clone(), host.cores, host.memory_bytes);
-    let mut machines = file.sessions.iter().map(|session| machine(&session.host));
-    let first = machines.next();
-    machines.all(|other| Some(other) == first)
+    let mut pairs = file.sessions.windows(2);
+    pairs.all(|pair| pair[0].host.is_same_machine(&pair[1].host))
 }
 
 fn part(name: String, mut file: ResultFile) -> Result<Part, MergeError> {

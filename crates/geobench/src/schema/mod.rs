@@ -114,6 +114,18 @@ pub struct Host {
     pub simd: Option<String>,
 }
 
+impl Host {
+    /// Whether `other` is the same machine, as far as can be told: processor, cores and main
+    /// memory, of which kernels report a little more or less.
+    pub fn is_same_machine(&self, other: &Self) -> bool {
+        let same_memory = match (self.memory_bytes, other.memory_bytes) {
+            (Some(a), Some(b)) => a.abs_diff(b) <= a.max(b) / 100,
+            (a, b) => a == b,
+        };
+        self.cpu == other.cpu && self.cores == other.cores && same_memory
+    }
+}
+
 /// Where cells ran.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct IsolationRecord {

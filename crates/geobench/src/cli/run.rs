@@ -347,11 +347,8 @@ impl Reporter {
 
     /// A group is done.
     pub(super) fn end(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
-        self.show(&table::ratio_table(
-            group,
-            &self.result.cells,
-            self.terminal.look(),
-        ))
+        let look = self.terminal.look();
+        self.show(&table::ratio_table(group, &self.result, look))
     }
 
     /// Prints a part of the tables, if the format is a table.
@@ -456,8 +453,9 @@ impl Listener for Reporter {
                 let mut text = table::model_table(group, model, cells, look);
                 // The last column stays free, as in the progress table.
                 let width = look.width.map(|width| width.saturating_sub(1));
-                text +=
-                    &width.map_or_else(String::new, |width| table::model_bars(group, cells, width));
+                text += &width.map_or_else(String::new, |width| {
+                    table::model_bars(group, model, cells, width)
+                });
                 terminal::print_rendered(&text)?;
             }
             anyhow::Ok(())

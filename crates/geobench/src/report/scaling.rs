@@ -2,11 +2,13 @@
 
 use geobench_mesh::generate::Spec;
 
-use super::chart::{Axis, Chart, Lines, Series, Value};
+use super::Setting;
+use super::chart::{Axis, Chart, Lines, Series};
 use super::document::{Plot, slug};
-use super::group::{Group, Setting, known};
 use crate::measure::number::grouped;
 use crate::schema::ModelRecord;
+use crate::table::figures::time;
+use crate::table::group::{Group, Value};
 
 /// What models differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,9 +147,6 @@ fn against_plots(
     models: &[(f64, &ModelRecord)],
     joined: bool,
 ) -> Vec<Plot> {
-    let Some(time) = known("time") else {
-        return Vec::new();
-    };
     let series = |value: &dyn Fn(&str, &str) -> Option<Value>| -> Vec<Series> {
         let series = group.algorithms.iter().map(|name| Series {
             style: setting.style(name),
@@ -203,11 +202,11 @@ fn against_plots(
             }),
         })
     };
-    let times = series(&|model, algorithm| group.value(time, model, algorithm));
+    let times = series(&|model, algorithm| group.value(time(), model, algorithm));
     let mut plots = Vec::new();
     plots.extend(plot("time", "Time", "Time (s)".to_owned(), None, times));
     if let Some(base) = setting.base {
-        let ratios = series(&|model, algorithm| group.ratio(time, model, algorithm, base));
+        let ratios = series(&|model, algorithm| group.ratio(time(), model, algorithm, base));
         if ratios.len() > 1 {
             let label = format!("Time as a multiple of {base}");
             plots.extend(plot("ratio", "Ratio", label, Some(1.0), ratios));

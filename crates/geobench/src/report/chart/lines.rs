@@ -2,8 +2,9 @@
 
 use super::axis::{self, Axis, Scale};
 use super::dots::axis_below;
-use super::{Datum, Value, WIDTH, draw_marker, legend, marker_class};
+use super::{Datum, WIDTH, draw_marker, legend, marker_class};
 use crate::report::svg::{Svg, fitted, px};
+use crate::table::group::Value;
 
 /// Height of the field in which lines are drawn.
 const HEIGHT: f64 = 230.0;

@@ -6,6 +6,7 @@
 
 use super::picture::Picture;
 use crate::report::svg::{Svg, px, width_of};
+use crate::table::group::Value;
 
 mod axis;
 mod bars;
@@ -30,14 +31,6 @@ pub(crate) enum Chart {
     Bars(Bars),
     Lines(Lines),
     Picture(Picture),
-}
-
-/// A value with its uncertainty.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Value {
-    pub(crate) value: f64,
-    /// The ends of its 95 % interval.
-    pub(crate) interval: Option<[f64; 2]>,
 }
 
 /// A value that is shown by the marker of an algorithm.

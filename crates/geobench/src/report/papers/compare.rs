@@ -2,10 +2,13 @@
 
 use super::PaperTable;
 use crate::measure::number::grouped;
-use crate::report::chart::{Axis, Band, Chart, Dots, Lane, Point, Value};
-use crate::report::document::{Block, Column, Entry, Plot, Table, TablePart, slug};
-use crate::report::group::Group;
+use crate::report::Setting;
+use crate::report::chart::{Axis, Band, Chart, Dots, Lane, Point};
+use crate::report::document::{Block, Plot, slug};
 use crate::table::figures::Figure;
+use crate::table::group::{Group, Value, distinct};
+use crate::table::results::mean_and_deviation;
+use crate::table::{Column, Entry, Part, Table};
 
 /// What the paper and we have of one figure of two algorithms.
 #[derive(Clone, Debug)]
@@ -28,15 +31,14 @@ struct Known {
 }
 
 /// The ratios of `table` beside those of `group`, as far as they have figures and algorithms in
-/// common; to `base` if the table has it, else to the last algorithm of the table.
+/// common; to the base of `setting` if the table has it, else to the last algorithm of the table.
 pub(crate) fn compare(
     group: &Group<'_>,
     table: &PaperTable,
-    base: Option<&str>,
-    styles: &[&str],
+    setting: Setting<'_>,
     prefix: &str,
 ) -> Vec<Block> {
-    let pairs = pairs(group, table, base);
+    let pairs = pairs(group, table, setting.base);
     if pairs.is_empty() {
         return Vec::new();
     }
@@ -58,7 +60,7 @@ pub(crate) fn compare(
         Block::Heading(format!("Beside {source}")),
         Block::Text(text),
         Block::Table(side_by_side(&pairs, &same, &source, prefix)),
-        Block::Plots(plots(&pairs, styles, &source, prefix)),
+        Block::Plots(plots(&pairs, setting, &source, prefix)),
     ]
 }
 
@@ -120,13 +122,7 @@ fn pairs(group: &Group<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair>
     }
     pairs.retain(|pair| !pair.ours.is_empty());
     // Figure by figure, algorithms in the paper's order.
-    let mut order: Vec<&str> = Vec::new();
-    for pair in &pairs {
-        if !order.contains(&pair.figure.key) {
-            order.push(pair.figure.key);
-        }
-    }
-    let order: Vec<&str> = order;
+    let order = distinct(pairs.iter().map(|pair| pair.figure.key));
     pairs.sort_by_key(|pair| order.iter().position(|key| *key == pair.figure.key));
     pairs
 }
@@ -202,15 +198,16 @@ fn side_by_side(pairs: &[Pair], same: &[(String, String)], source: &str, prefix:
         }
         row.into_iter().map(Entry::new).collect()
     };
-    let mut parts: Vec<TablePart> = Vec::new();
+    let mut parts: Vec<Part> = Vec::new();
     for pair in pairs {
         let title = without_unit(&pair.figure.label).to_owned();
         match parts.last_mut().filter(|part| part.title == title) {
             Some(part) => part.rows.push(row(pair)),
-            None => parts.push(TablePart {
+            None => parts.push(Part {
                 title,
                 detail: models(pair),
                 rows: vec![row(pair)],
+                ..Part::default()
             }),
         }
     }
@@ -221,6 +218,7 @@ fn side_by_side(pairs: &[Pair], same: &[(String, String)], source: &str, prefix:
         ),
         columns,
         parts,
+        ..Table::default()
     }
 }
 
@@ -241,17 +239,11 @@ fn counted(models: usize) -> String {
 }
 
 fn mean(values: &[f64]) -> String {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    if values.len() < 2 {
-        return plain(mean);
+    match mean_and_deviation(values) {
+        None => "-".to_owned(),
+        Some((mean, None)) => plain(mean),
+        Some((mean, Some(deviation))) => format!("{} \u{b1} {}", plain(mean), plain(deviation)),
     }
-    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    format!(
-        "{} \u{b1} {}",
-        plain(mean),
-        plain((squares / (n - 1.0)).sqrt())
-    )
 }
 
 fn range(values: &[f64]) -> String {
@@ -274,14 +266,14 @@ fn plain(ratio: f64) -> String {
 }
 
 /// A plot for each figure, the ratios of which may be of very different sizes.
-fn plots(pairs: &[Pair], styles: &[&str], source: &str, prefix: &str) -> Vec<Plot> {
+fn plots(pairs: &[Pair], setting: Setting<'_>, source: &str, prefix: &str) -> Vec<Plot> {
     let of_figure = pairs.chunk_by(|a, b| a.figure.key == b.figure.key);
     of_figure
-        .map(|pairs| plot(pairs, styles, source, prefix))
+        .map(|pairs| plot(pairs, setting, source, prefix))
         .collect()
 }
 
-fn plot(pairs: &[Pair], styles: &[&str], source: &str, prefix: &str) -> Plot {
+fn plot(pairs: &[Pair], setting: Setting<'_>, source: &str, prefix: &str) -> Plot {
     let figure = pairs[0].figure;
     let name = without_unit(&figure.label);
     Plot {
@@ -298,7 +290,7 @@ fn plot(pairs: &[Pair], styles: &[&str], source: &str, prefix: &str) -> Plot {
             reference: Some(1.0),
             bands: vec![Band {
                 title: String::new(),
-                lanes: pairs.iter().map(|pair| lane(pair, styles)).collect(),
+                lanes: pairs.iter().map(|pair| lane(pair, setting)).collect(),
             }],
             legend: vec![(0, true, "paper".to_owned()), (0, false, "here".to_owned())],
         }),
@@ -306,9 +298,8 @@ fn plot(pairs: &[Pair], styles: &[&str], source: &str, prefix: &str) -> Plot {
 }
 
 /// The paper's models and ours.
-fn lane(pair: &Pair, styles: &[&str]) -> Lane {
-    let found = styles.iter().position(|name| *name == pair.algorithm);
-    let style = found.unwrap_or(0);
+fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
+    let style = setting.style(&pair.algorithm);
     let paper = pair.paper.iter().map(|known| Point {
         style,
         name: format!("paper, {}", known.model),
@@ -325,10 +316,7 @@ fn lane(pair: &Pair, styles: &[&str]) -> Lane {
     let ours = pair.ours.iter().map(|(model, ratio)| Point {
         style,
         name: format!("here, {model}"),
-        value: Value {
-            value: ratio.value,
-            interval: None,
-        },
+        value: ratio.value.into(),
         hollow: false,
     });
     Lane {

@@ -38,7 +38,7 @@ impl ComparisonFormat {
     ///
     /// When it asks for none.
     pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        of_ending(path, &ENDINGS)
+        of_ending(path, "results", &ENDINGS)
     }
 
     /// A comparison in this form, ending in a line break; `styled` allows the table to use colour.

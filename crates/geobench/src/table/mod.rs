@@ -20,7 +20,7 @@ pub mod output;
 pub(crate) mod results;
 pub(crate) mod terminal;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use bars::{Bar, lines as bar_lines, model_bars};
 pub use comparison::ComparisonFormat;
@@ -54,16 +54,22 @@ const ENDINGS: [(&str, Format); 4] = [
 
 /// A path whose ending is not that of a file that can be written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{path}: the ending says in which form to write results; use {endings}")]
+#[error("{path}: the ending says in which form to write {what}; use {endings}")]
 pub struct UnknownEnding {
     /// The path.
     pub path: String,
+    /// What is to be written.
+    pub what: &'static str,
     /// The endings that are understood, in words.
     pub endings: String,
 }
 
 /// The form that the ending of `path` stands for, in any letter case.
-fn of_ending<F: Copy>(path: &Path, endings: &[(&str, F)]) -> Result<F, UnknownEnding> {
+fn of_ending<F: Copy>(
+    path: &Path,
+    what: &'static str,
+    endings: &[(&str, F)],
+) -> Result<F, UnknownEnding> {
     let ending = path.extension().unwrap_or_default();
     let found = endings
         .iter()
@@ -72,6 +78,7 @@ fn of_ending<F: Copy>(path: &Path, endings: &[(&str, F)]) -> Result<F, UnknownEn
         let names: Vec<String> = endings.iter().map(|(name, _)| format!(".{name}")).collect();
         UnknownEnding {
             path: path.display().to_string(),
+            what,
             endings: match names.split_last() {
                 Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
                 _ => names.concat(),
@@ -87,7 +94,7 @@ impl Format {
     ///
     /// When it asks for none.
     pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        of_ending(path, &ENDINGS)
+        of_ending(path, "results", &ENDINGS)
     }
 
     /// Results in this form, ending in a line break.

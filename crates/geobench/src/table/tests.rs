@@ -5,24 +5,26 @@ use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
 use crate::run::mock::{plan, result, run_mock};
 use crate::schema::{GroupRecord, ResultFile};
 
-/// Two models, one of them with a wrong answer, and a refused one.
-fn mixed() -> ResultFile {
+/// A good model, one named `spoilt` with a wrong answer, and a refused one.
+pub(crate) fn mixed_with(spoilt: &str) -> ResultFile {
     let mut good = run_mock(
         &plan(&["horse"], "mmp,ich,vtp", "0"),
         &mut MockBackend::default(),
     );
-    let mut spoilt = MockBackend {
+    let mut backend = MockBackend {
         alter: Some(spoil_vtp),
         refuse: vec!["broken_mesh"],
         ..MockBackend::default()
     };
-    let bad = run_mock(
-        &plan(&["cow|2", "broken_mesh"], "mmp,ich,vtp", "3"),
-        &mut spoilt,
-    );
+    let bad = plan(&[spoilt, "broken_mesh"], "mmp,ich,vtp", "3");
+    let bad = run_mock(&bad, &mut backend);
     good.models.extend(bad.models);
     good.cells.extend(bad.cells);
     result(good)
+}
+
+fn mixed() -> ResultFile {
+    mixed_with("cow|2")
 }
 
 #[test]

@@ -62,6 +62,13 @@ pub(crate) struct Plot {
     pub(crate) chart: Chart,
 }
 
+impl Plot {
+    /// The drawing, in a page or `alone` in a file.
+    pub(crate) fn draw(&self, alone: bool) -> String {
+        self.chart.draw(&self.id, &self.title, &self.caption, alone)
+    }
+}
+
 impl Document {
     /// Every table, in order.
     pub(crate) fn tables(&self) -> impl Iterator<Item = &Table> {

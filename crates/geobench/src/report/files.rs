@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
-use super::chart::{Chart, Datum, Spoken};
+use super::chart::{Chart, Datum};
 use super::document::{Document, Plot};
 use super::{Report, html, tex};
 use crate::table::output::OutputFile;
@@ -54,12 +54,7 @@ pub(super) fn files(report: &Report, form: Form) -> anyhow::Result<Vec<(String, 
 }
 
 fn drawing(plot: &Plot) -> (String, Vec<u8>) {
-    let spoken = Spoken {
-        id: &plot.id,
-        title: &plot.title,
-        description: &plot.caption,
-    };
-    let svg = plot.chart.draw(spoken, true);
+    let svg = plot.draw(true);
     let text = format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{svg}");
     (format!("{}.svg", plot.id), text.into_bytes())
 }

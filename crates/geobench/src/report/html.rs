@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::Report;
-use super::chart::{self, Spoken};
+use super::chart;
 use super::document::{Block, Document, Plot, Section};
 use crate::table::{self, escape::xml as escape};
 
@@ -120,11 +120,6 @@ fn write_block(html: &mut String, block: &Block) {
 }
 
 fn write_plot(html: &mut String, plot: &Plot) {
-    let spoken = Spoken {
-        id: &plot.id,
-        title: &plot.title,
-        description: &plot.caption,
-    };
     line(
         html,
         format_args!(
@@ -132,7 +127,7 @@ fn write_plot(html: &mut String, plot: &Plot) {
             plot.id,
             escape(&plot.title),
             escape(&plot.caption),
-            plot.chart.draw(spoken, false)
+            plot.draw(false)
         ),
     );
 }

@@ -230,24 +230,22 @@ fn of_result(
             id,
         });
     }
-    all.push(Section {
-        id: format!("{prefix}models"),
-        heading: "Models".to_owned(),
-        top: false,
-        blocks: vec![Block::Table(tables::models(
-            &format!("{prefix}models-table"),
-            result,
-        ))],
-    });
-    all.push(Section {
-        id: format!("{prefix}environment"),
-        heading: "Environment".to_owned(),
-        top: false,
-        blocks: vec![
-            Block::Facts(environment::facts(result)),
-            Block::Text(reading(result)),
-        ],
-    });
+    let models = tables::models(&format!("{prefix}models-table"), result);
+    let environment = vec![
+        Block::Facts(environment::facts(result)),
+        Block::Text(reading(result)),
+    ];
+    for (heading, blocks) in [
+        ("Models", vec![Block::Table(models)]),
+        ("Environment", environment),
+    ] {
+        all.push(Section {
+            id: format!("{prefix}{}", slug(heading)),
+            heading: heading.to_owned(),
+            top: false,
+            blocks,
+        });
+    }
     all
 }
 

@@ -1,6 +1,6 @@
 //! A paper's ratios and ours side by side.
 
-use super::PaperTable;
+use super::{PaperTable, Printed};
 use crate::measure::number::grouped;
 use crate::report::Setting;
 use crate::report::chart::{Axis, Band, Chart, Dots, Lane, Point};
@@ -16,18 +16,10 @@ struct Pair {
     figure: &'static Figure,
     algorithm: String,
     to: String,
-    paper: Vec<Known>,
+    /// What the paper prints, as ratios.
+    paper: Vec<Printed>,
     /// Our ratios, one for each model.
     ours: Vec<(String, Value)>,
-}
-
-/// A ratio that the paper has, printed or from what it printed.
-#[derive(Clone, Debug)]
-struct Known {
-    model: String,
-    faces: Option<u64>,
-    value: f64,
-    deviation: Option<f64>,
 }
 
 /// The ratios of `table` beside those of `group`, as far as they have figures and algorithms in
@@ -66,50 +58,44 @@ pub(crate) fn compare(
 
 /// Every ratio that both have.
 fn pairs(group: &Group<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair> {
+    let measured = || table.printed.iter().filter(|row| row.to.is_none());
+    let last = measured().next_back().map(|row| row.algorithm.as_str());
+    let base = base.filter(|base| measured().any(|row| row.algorithm == *base));
+    let base = base.or(last);
+    let ratio = |row: &Printed| {
+        if row.to.is_some() {
+            return Some(row.clone());
+        }
+        let base = base.filter(|base| row.algorithm != *base)?;
+        let under = measured().find(|other| {
+            other.algorithm == base
+                && other.model == row.model
+                && other.figure.key == row.figure.key
+        })?;
+        Some(Printed {
+            to: Some(base.to_owned()),
+            value: row.value / under.value,
+            ..row.clone()
+        })
+    };
     let mut pairs: Vec<Pair> = Vec::new();
-    let mut add = |figure: &'static Figure, algorithm: &str, to: &str, known: Known| {
+    for printed in table.printed.iter().filter_map(ratio) {
+        let to = printed.to.clone().unwrap_or_default();
         let found = pairs.iter_mut().find(|pair| {
-            pair.figure.key == figure.key && pair.algorithm == algorithm && pair.to == to
+            pair.figure.key == printed.figure.key
+                && pair.algorithm == printed.algorithm
+                && pair.to == to
         });
         match found {
-            Some(pair) => pair.paper.push(known),
+            Some(pair) => pair.paper.push(printed),
             None => pairs.push(Pair {
-                figure,
-                algorithm: algorithm.to_owned(),
-                to: to.to_owned(),
-                paper: vec![known],
+                figure: printed.figure,
+                algorithm: printed.algorithm.clone(),
+                to,
+                paper: vec![printed],
                 ours: Vec::new(),
             }),
         }
-    };
-    let has = |name: &str| table.measured.iter().any(|m| m.algorithm == name);
-    let last = table.measured.last().map(|m| m.algorithm.as_str());
-    if let Some(base) = base.filter(|base| has(base)).or(last) {
-        for measured in table.measured.iter().filter(|m| m.algorithm != base) {
-            let under = table.measured.iter().find(|other| {
-                other.algorithm == base
-                    && other.model == measured.model
-                    && other.figure.key == measured.figure.key
-            });
-            if let Some(under) = under {
-                let known = Known {
-                    model: measured.model.clone(),
-                    faces: measured.faces,
-                    value: measured.value / under.value,
-                    deviation: None,
-                };
-                add(measured.figure, &measured.algorithm, base, known);
-            }
-        }
-    }
-    for ratio in &table.ratios {
-        let known = Known {
-            model: ratio.model.clone(),
-            faces: ratio.faces,
-            value: ratio.value,
-            deviation: ratio.deviation,
-        };
-        add(ratio.figure, &ratio.algorithm, &ratio.to, known);
     }
     for pair in &mut pairs {
         let models = group.models.iter();
@@ -130,24 +116,19 @@ fn pairs(group: &Group<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair>
 /// The paper's models that are in the group too, with their names there: the one name is part of
 /// the other, and the numbers of faces are within one in a hundred.
 fn same_models(group: &Group<'_>, pairs: &[Pair]) -> Vec<(String, String)> {
+    let found = |known: &Printed| {
+        let (faces, name) = (known.faces?, known.model.to_lowercase());
+        let model = group.models.iter().find(|model| {
+            let close = |ours: u64| ours.abs_diff(faces) * 100 <= faces;
+            model.name.to_lowercase().contains(&name) && model.faces.is_some_and(close)
+        })?;
+        Some((known.model.clone(), model.name.clone()))
+    };
+    let known = pairs.iter().flat_map(|pair| &pair.paper);
     let mut same: Vec<(String, String)> = Vec::new();
-    for known in pairs.iter().flat_map(|pair| &pair.paper) {
-        let Some(faces) = known.faces else {
-            continue;
-        };
-        let found = group.models.iter().find(|model| {
-            model
-                .name
-                .to_lowercase()
-                .contains(&known.model.to_lowercase())
-                && model
-                    .faces
-                    .is_some_and(|ours| ours.abs_diff(faces) * 100 <= faces)
-        });
-        if let Some(model) = found
-            && same.iter().all(|(paper, _)| *paper != known.model)
-        {
-            same.push((known.model.clone(), model.name.clone()));
+    for pair in known.filter_map(found) {
+        if same.iter().all(|(paper, _)| *paper != pair.0) {
+            same.push(pair);
         }
     }
     same
@@ -173,7 +154,7 @@ fn side_by_side(pairs: &[Pair], same: &[(String, String)], source: &str, prefix:
         let ours: Vec<f64> = pair.ours.iter().map(|(_, ratio)| ratio.value).collect();
         let printed = match &pair.paper[..] {
             [
-                Known {
+                Printed {
                     deviation: Some(deviation),
                     value,
                     ..

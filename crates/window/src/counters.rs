@@ -1,6 +1,6 @@
 //! What an algorithm counts, each thing defined once, here.
 
-use crate::wavefront::WavefrontSample;
+use crate::wavefront::WavefrontRecord;
 
 macro_rules! counters {
     ($($(#[doc = $doc:literal])+ $name:ident = $key:literal,)+) => {
@@ -104,7 +104,7 @@ pub struct Counters {
     pub wavefront_deviation: Option<f64>,
     /// The wavefront at even intervals of the run, some dozens of times; empty if the algorithm
     /// does not show it.
-    pub wavefront: Vec<WavefrontSample>,
+    pub wavefront: Vec<WavefrontRecord>,
 }
 
 impl Counters {

@@ -49,5 +49,5 @@ pub use probe::{Clock, Count, Phase, Phases, Probe};
 pub use solver::{Propagate, Solution, SolveError, Solver, Sources};
 pub use spawn::spawn_window;
 pub use tie::{TiePoints, tie_points};
-pub use wavefront::WavefrontSample;
+pub use wavefront::WavefrontRecord;
 pub use window::Window;

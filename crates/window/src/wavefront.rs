@@ -6,7 +6,7 @@ const CAPACITY: usize = 512;
 /// The wavefront at one moment of a run. Distances are the windows' least ones, in the units of the
 /// mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WavefrontSample {
+pub struct WavefrontRecord {
     /// Windows propagated until then.
     pub parents: u64,
     /// Windows that wait to be propagated, at least one; never more than
@@ -25,7 +25,7 @@ pub struct WavefrontSample {
 /// Samples at even intervals of propagated windows, however many these will be.
 #[derive(Clone, Debug)]
 pub(crate) struct Wavefront {
-    samples: Vec<WavefrontSample>,
+    samples: Vec<WavefrontRecord>,
     parents: u64,
     /// Windows propagated from one sample to the next, and those left until the next one.
     interval: u64,
@@ -64,7 +64,7 @@ impl Wavefront {
             squares += delta * (label - mean);
         }
         if windows > 0 {
-            self.samples.push(WavefrontSample {
+            self.samples.push(WavefrontRecord {
                 parents: self.parents,
                 windows,
                 distance: mean,
@@ -91,7 +91,7 @@ impl Wavefront {
 
     /// The samples in the order of the run, fewer than twice `wanted` and, if there are so many, at
     /// least `wanted`, which is not 0.
-    pub(crate) fn course(&self, wanted: usize) -> Vec<WavefrontSample> {
+    pub(crate) fn course(&self, wanted: usize) -> Vec<WavefrontRecord> {
         let step = (self.samples.len() / wanted).max(1);
         self.samples.iter().copied().step_by(step).collect()
     }
@@ -112,14 +112,14 @@ mod tests {
         assert_eq!(wavefront.deviation(), Some(1.0));
         // Nothing waits: there is no wavefront to speak of.
         wavefront.sample([].into_iter(), Some(3));
-        let first = WavefrontSample {
+        let first = WavefrontRecord {
             parents: 7,
             windows: 8,
             distance: 5.0,
             deviation: 2.0,
             k: None,
         };
-        let second = WavefrontSample {
+        let second = WavefrontRecord {
             windows: 1,
             distance: 1.0,
             deviation: 0.0,

@@ -1,45 +1,87 @@
 //! `geobench algos`.
 
-use comfy_table::{ContentArrangement, Table, presets};
 use geobench_window::{Counter, Counters};
 use serde::Serialize;
 
 use super::Verdict;
 use super::args::{AlgosFormat, AlgosOptions};
 use super::terminal::{self, Terminal};
-use crate::registry::{Algorithm, Numbers, Parameter, Value};
+use crate::registry::{self, Algorithm, Numbers, Parameter, Selection, Value};
+use crate::table::terminal::listing;
+use crate::table::{Column, Entry, Table};
+
+/// Which algorithm to take for what; `docs/algorithms` says the same.
+const ADVICE: [(&str, &str); 6] = [
+    (
+        "distances, fast",
+        "vtp-fast; on several idle processors pvtp",
+    ),
+    ("a reference for others", "mmp"),
+    ("MMP as published", "mmp{turn=window,lists=keep}"),
+    (
+        "ICH, FWP, VTP as published",
+        "ich, fwp-ch, fwp-mmp{turn=window,lists=keep}, vtp",
+    ),
+    ("the least memory", "vtp-fast or vtp, then ich"),
+    (
+        "what a part of VTP does",
+        "vtp-no-rule1, vtp-no-rules23, vtp-mmp, vtp-ch, ftp, opvtp",
+    ),
+];
+
+/// Width of what is not read on a terminal.
+const WIDTH: usize = 80;
 
 pub(super) fn algos(options: &AlgosOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
-    // Parameters do not matter here: an algorithm named with several sets of them is shown once.
-    let mut chosen: Vec<&Algorithm> = Vec::new();
-    for selection in &options.list.0 {
-        let algorithm = selection.algorithm();
-        if chosen.iter().all(|a| a.name != algorithm.name) {
-            chosen.push(algorithm);
+    let show = |table: &Table, width| {
+        let mut look = terminal.look();
+        look.width = look.width.or(width);
+        listing(table, look)
+    };
+    let text = match (options.counters, options.format, &options.list) {
+        (false, AlgosFormat::Table, None) => {
+            let advice = show(&advice(), Some(WIDTH));
+            let all = show(&overview(registry::algorithms()), Some(WIDTH));
+            format!(
+                "{all}\nWhich one to take (`geobench algos NAME` tells all about one):\n\n{advice}"
+            )
         }
-    }
-    let text = match (options.counters, options.format) {
-        (false, AlgosFormat::Table) => facts(&chosen, terminal),
-        (false, AlgosFormat::Json) => {
-            let entries: Vec<Entry> = chosen.into_iter().map(Entry::from).collect();
+        (false, AlgosFormat::Table, Some(_)) => show(&facts(&chosen(options)), None),
+        (false, AlgosFormat::Json, _) => {
+            let entries: Vec<_> = chosen(options)
+                .into_iter()
+                .map(AlgorithmEntry::from)
+                .collect();
             serde_json::to_string_pretty(&entries)? + "\n"
         }
-        (true, AlgosFormat::Table) => {
-            let mut table = plain_table(terminal);
-            for counter in counters() {
-                table.add_row([counter.name, counter.definition]);
-            }
-            table.trim_fmt() + "\n"
+        (true, AlgosFormat::Table, _) => {
+            let rows = counters().into_iter().map(|c| [c.name, c.definition]);
+            show(&plain(["", ""], rows.collect()), None)
         }
-        (true, AlgosFormat::Json) => serde_json::to_string_pretty(&counters())? + "\n",
+        (true, AlgosFormat::Json, _) => serde_json::to_string_pretty(&counters())? + "\n",
     };
     terminal::print_rendered(&text)?;
     Ok(Verdict::Passed)
 }
 
+/// The algorithms of the list, each once whatever its parameters; all without a list.
+fn chosen(options: &AlgosOptions) -> Vec<&Algorithm> {
+    let Some(list) = &options.list else {
+        return registry::algorithms().iter().collect();
+    };
+    let mut algorithms: Vec<&Algorithm> = list.0.iter().map(Selection::algorithm).collect();
+    let mut seen = Vec::new();
+    algorithms.retain(|algorithm| {
+        let is_new = !seen.contains(&algorithm.name);
+        seen.push(algorithm.name);
+        is_new
+    });
+    algorithms
+}
+
 /// An algorithm in JSON.
 #[derive(Serialize)]
-struct Entry {
+struct AlgorithmEntry {
     name: &'static str,
     family: &'static str,
     exact: bool,
@@ -48,6 +90,7 @@ struct Entry {
     complexity: &'static str,
     keeps: &'static str,
     choose: &'static str,
+    departs: &'static str,
     parameters: Vec<ParameterEntry>,
 }
 
@@ -70,7 +113,7 @@ struct CounterEntry {
     definition: &'static str,
 }
 
-impl From<&Algorithm> for Entry {
+impl From<&Algorithm> for AlgorithmEntry {
     fn from(algorithm: &Algorithm) -> Self {
         Self {
             name: algorithm.name,
@@ -81,6 +124,7 @@ impl From<&Algorithm> for Entry {
             complexity: algorithm.complexity,
             keeps: algorithm.keeps,
             choose: algorithm.choose,
+            departs: algorithm.departs(),
             parameters: algorithm.parameters.iter().map(Into::into).collect(),
         }
     }
@@ -126,49 +170,129 @@ fn counters() -> Vec<CounterEntry> {
         .collect()
 }
 
+/// A row for each algorithm.
+fn overview(algorithms: &[Algorithm]) -> Table {
+    let row = |algorithm: &Algorithm| {
+        // What is off by default would only repeat itself.
+        let defaults = algorithm.parameters.iter();
+        let defaults = defaults.filter(|p| p.default != Value::Word("none"));
+        let defaults: Vec<String> = defaults
+            .map(|p| format!("{}={}", p.name, p.default))
+            .collect();
+        let what = match defaults.join(", ") {
+            none if none.is_empty() => algorithm.summary.to_owned(),
+            defaults => format!("{}\n{{{defaults}}}", algorithm.summary),
+        };
+        let exact = if algorithm.exact { "yes" } else { "no" };
+        let [name, exact] = [algorithm.name, exact].map(str::to_owned);
+        [name, exact, short(algorithm.paper), what]
+    };
+    let heads = ["Name", "Exact", "Paper", "What {parameters and defaults}"];
+    plain(heads, algorithms.iter().map(row).collect())
+}
+
+/// The first paper of a citation with at most two authors: `Mitchell et al. 1987`.
+fn short(paper: &str) -> String {
+    let first = paper.split(';').next().unwrap_or_default();
+    let is_digit = |c: char| c.is_ascii_digit();
+    let Some(year) = first.find(is_digit) else {
+        return first.to_owned();
+    };
+    let (names, rest) = first.split_at(year);
+    let year = rest.split(|c| !is_digit(c)).next().unwrap_or_default();
+    match names.trim_end().split(", ").collect::<Vec<_>>()[..] {
+        [first, _, _, ..] => format!("{first} et al. {year}"),
+        _ => format!("{names}{year}"),
+    }
+}
+
+fn advice() -> Table {
+    plain(
+        ["You want", "Take"],
+        ADVICE.map(|(want, take)| [want, take]).into(),
+    )
+}
+
 /// A block for each algorithm.
-fn facts(algorithms: &[&Algorithm], terminal: Terminal) -> String {
-    let mut table = plain_table(terminal);
-    for (i, algorithm) in algorithms.iter().enumerate() {
-        if i > 0 {
-            table.add_row(["", ""]);
+fn facts(algorithms: &[&Algorithm]) -> Table {
+    let mut rows: Vec<[String; 2]> = Vec::new();
+    for algorithm in algorithms {
+        if !rows.is_empty() {
+            rows.push(Default::default());
         }
         let exact = if algorithm.exact {
             "exact"
         } else {
             "approximate"
         };
-        table.add_row([algorithm.name, &format!("{exact}, {}", algorithm.family)]);
-        for (label, fact) in [
-            ("  what", algorithm.summary),
-            ("  source", algorithm.paper),
-            ("  cost", algorithm.complexity),
-            ("  keeps", algorithm.keeps),
-            ("  choose it", algorithm.choose),
-        ] {
-            table.add_row([label, fact]);
-        }
-        for parameter in algorithm.parameters {
-            table.add_row([
-                format!("  {{{}}}", parameter.name),
-                format!(
-                    "{}; {}, default {}",
-                    parameter.meaning, parameter.allowed, parameter.default
-                ),
-            ]);
-        }
+        rows.push([
+            algorithm.name.to_owned(),
+            format!("{exact}, {}", algorithm.family),
+        ]);
+        let facts = [
+            ("what", algorithm.summary),
+            ("source", algorithm.paper),
+            ("departs", algorithm.departs()),
+            ("cost", algorithm.complexity),
+            ("keeps", algorithm.keeps),
+            ("choose it", algorithm.choose),
+        ];
+        let facts = facts.iter().filter(|(_, fact)| !fact.is_empty());
+        rows.extend(facts.map(|(label, fact)| [format!("  {label}"), (*fact).to_owned()]));
+        rows.extend(algorithm.parameters.iter().map(|parameter| {
+            let Parameter {
+                name,
+                meaning,
+                allowed,
+                default,
+                ..
+            } = parameter;
+            [
+                format!("  {{{name}}}"),
+                format!("{meaning}; {allowed}, default {default}"),
+            ]
+        }));
     }
-    table.trim_fmt() + "\n"
+    plain(["", ""], rows)
 }
 
-/// A table without rules, as wide as the terminal.
-fn plain_table(terminal: Terminal) -> Table {
-    let mut table = Table::new();
-    table
-        .load_style(presets::NOTHING)
-        .set_content_arrangement(ContentArrangement::Dynamic);
-    if !terminal.styled {
-        table.force_no_tty();
+/// A table of texts.
+fn plain<const N: usize>(heads: [&str; N], rows: Vec<[impl Into<String>; N]>) -> Table {
+    let row = |row: [_; N]| row.map(Entry::new).into();
+    Table::new(
+        heads.map(Column::text).into(),
+        rows.into_iter().map(row).collect(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn papers_are_short() {
+        for (paper, expected) in [
+            (
+                "Mitchell, Mount, Papadimitriou 1987; Surazhsky et al. 2005",
+                "Mitchell et al. 1987",
+            ),
+            ("Xin, Wang 2009, sections 2 and 3.1", "Xin, Wang 2009"),
+            ("Qin et al. 2016, made parallel by us", "Qin et al. 2016"),
+            ("none", "none"),
+        ] {
+            assert_eq!(short(paper), expected);
+        }
     }
-    table
+
+    #[test]
+    fn advised_algorithms_exist() {
+        for (_, take) in ADVICE {
+            let words = take
+                .split([' ', ';'])
+                .map(|word| word.trim_end_matches(','));
+            for name in words.filter(|word| word.contains(['-', '{'])) {
+                registry::select(name).unwrap();
+            }
+        }
+    }
 }

@@ -76,7 +76,7 @@ pub(super) enum Command {
     Gen(GenOptions),
     /// Show counts, defects, genus and anisotropy of models
     Info(InfoOptions),
-    /// List the algorithms with their papers, costs, uses and parameters
+    /// List the algorithms and which one to take, or all about some: paper, cost, use, parameters
     Algos(AlgosOptions),
     /// Join the parts of a benchmark that was run with --shard
     Merge(MergeOptions),
@@ -455,9 +455,10 @@ pub(super) struct CountOneSolveOptions {
 
 #[derive(Args, Debug)]
 pub(super) struct AlgosOptions {
-    /// Algorithms by name, by family, or exact, or all; separated by commas
-    #[arg(value_name = "LIST", default_value = "all", value_parser = algorithms)]
-    pub(super) list: Algorithms,
+    /// Algorithms to describe in full: by name, by family, or exact, or all; separated by commas.
+    /// Without any, one line for each of all, and which one to take
+    #[arg(value_name = "LIST", value_parser = algorithms)]
+    pub(super) list: Option<Algorithms>,
 
     /// List the counters of result files instead, each with its definition
     #[arg(long)]

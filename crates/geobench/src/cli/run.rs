@@ -308,7 +308,7 @@ fn open_journal(
     }
     let header = JournalHeader::new(host::tool(), plan.clone());
     let journal = Journal::open(path, &header, session)?;
-    let elsewhere = |earlier: &SessionRecord| !earlier.host.is_same_machine(&session.host);
+    let elsewhere = |earlier: &SessionRecord| !session.host.is_same_machine(&earlier.host);
     if !quiet && journal.sessions().iter().any(elsewhere) {
         terminal::warning(&format!(
             "journal {}: some of its runs were made on another machine; their times do not compare with those of this one",
@@ -351,11 +351,8 @@ impl Reporter {
 
     /// A group is done.
     pub(super) fn end(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
-        self.show(&table::ratio_table(
-            group,
-            &self.result.cells,
-            self.terminal.look(),
-        ))
+        let look = self.terminal.look();
+        self.show(&table::ratio_table(group, &self.result, look))
     }
 
     /// Prints a part of the tables, if the format is a table.
@@ -459,8 +456,9 @@ impl Listener for Reporter {
                 let mut text = table::model_table(group, model, cells, look);
                 // The last column stays free: some terminals break the line there.
                 let width = look.width.map(|width| width.saturating_sub(1));
-                text +=
-                    &width.map_or_else(String::new, |width| table::model_bars(group, cells, width));
+                text += &width.map_or_else(String::new, |width| {
+                    table::model_bars(group, model, cells, width)
+                });
                 terminal::print_rendered(&text)?;
             }
             anyhow::Ok(())

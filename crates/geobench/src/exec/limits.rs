@@ -4,8 +4,10 @@ use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-use crate::UsageError;
+use bytesize::ByteSize;
 use geobench_mesh::io::ReadOptions;
+
+use crate::UsageError;
 
 /// Limits of the process of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,25 +73,6 @@ impl FromStr for Timeout {
     }
 }
 
-/// Units of memory, in lower case, and their bytes. Bare letters are binary, as `ulimit`, `dd` and
-/// systemd have them.
-const UNITS: [(&str, u64); 14] = [
-    ("", 1),
-    ("b", 1),
-    ("k", 1 << 10),
-    ("m", 1 << 20),
-    ("g", 1 << 30),
-    ("t", 1 << 40),
-    ("kib", 1 << 10),
-    ("mib", 1 << 20),
-    ("gib", 1 << 30),
-    ("tib", 1 << 40),
-    ("kb", 1_000),
-    ("mb", 1_000_000),
-    ("gb", 1_000_000_000),
-    ("tb", 1_000_000_000_000),
-];
-
 impl FromStr for MemoryLimit {
     type Err = UsageError;
 
@@ -121,20 +104,19 @@ impl FromStr for DecompressionLimit {
 
 /// The bytes that a number and a unit say.
 fn size(text: &str) -> Option<u64> {
-    let lower = text.trim().to_ascii_lowercase();
-    let end = lower
-        .find(|c: char| !c.is_ascii_digit() && c != '.')
-        .unwrap_or(lower.len());
-    let (number, unit) = lower.split_at(end);
-    let (_, unit) = UNITS.iter().find(|(name, _)| *name == unit.trim_start())?;
-    let bytes = number.parse::<f64>().ok()? * *unit as f64;
-    // Beyond 2^53 no machine has it, and the number would not be exact.
-    (1.0..=9e15).contains(&bytes).then(|| whole(bytes))
-}
-
-#[expect(clippy::cast_sign_loss, reason = "it is 1 or more")]
-const fn whole(bytes: f64) -> u64 {
-    bytes as u64
+    let text = text.trim();
+    // Bare letters are binary, as `ulimit`, `dd` and systemd have them; `bytesize` takes them for
+    // decimal.
+    let unit = match text.chars().last()?.to_ascii_lowercase() {
+        'k' | 'm' | 'g' | 't' => "ib",
+        c if c == '.' || c.is_ascii_digit() => "b",
+        _ => "",
+    };
+    let bytes = format!("{text}{unit}").parse::<ByteSize>().ok()?.as_u64();
+    // Beyond 2^53 no machine has it.
+    (1..=9_000_000_000_000_000)
+        .contains(&bytes)
+        .then_some(bytes)
 }
 
 impl fmt::Display for Timeout {
@@ -152,14 +134,11 @@ impl fmt::Display for MemoryLimit {
         let Some(bytes) = self.0 else {
             return f.write_str("none");
         };
-        let units = [("TiB", 40), ("GiB", 30), ("MiB", 20), ("KiB", 10)];
-        match units.iter().find(|(_, shift)| bytes >> shift > 0) {
-            Some((unit, shift)) => {
-                let number = format!("{:.1}", bytes as f64 / (1_u64 << shift) as f64);
-                write!(f, "{} {unit}", number.strip_suffix(".0").unwrap_or(&number))
-            }
-            None => write!(f, "{bytes} bytes"),
+        if bytes < bytesize::KIB {
+            return write!(f, "{bytes} bytes");
         }
+        let size = format!("{:.1}", ByteSize(bytes).display().iec());
+        f.write_str(&size.replace(".0 ", " "))
     }
 }
 
@@ -189,6 +168,8 @@ mod tests {
             ("8GiB", 8 << 30, "8 GiB"),
             ("8g", 8 << 30, "8 GiB"),
             ("1.5 MiB", 3 << 19, "1.5 MiB"),
+            ("2.T", 2 << 40, "2 TiB"),
+            ("20 kb", 20_000, "19.5 KiB"),
             ("500MB", 500_000_000, "476.8 MiB"),
             ("1000", 1000, "1000 bytes"),
         ] {

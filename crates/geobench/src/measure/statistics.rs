@@ -231,8 +231,8 @@ pub struct MannWhitney {
 /// distribution, corrected for ties (Lehmann 1975, section 1.4) and for continuity. O(n³ log n) for
 /// the exact one, of at most fifty; else O(n log n).
 ///
-/// Written out because `statrs` 0.19 returns the exact probability of the other tail wherever the
-/// first set is not the larger one.
+/// Written out because the exact test of `statrs` 0.19 takes the wrong tail unless the first set is
+/// the larger one, and goes through every arrangement, of which 8 and 100 samples have 10^11.
 pub fn mann_whitney(first: &[f64], second: &[f64]) -> Option<MannWhitney> {
     let (m, n) = (first.len(), second.len());
     if m == 0 || n == 0 {

@@ -25,7 +25,7 @@ pub(super) fn keep(values: &Values) -> Keep {
 pub(super) const FILTER: Parameter = Parameter::word(
     "filter",
     &["vertices", "none"],
-    "`vertices` drops windows that a path through an end of their edge beats, as ich does by three tests; `none` compares all with those of the edge, as in the paper",
+    "`vertices` drops windows that a path through an end of their edge beats, by two of the three tests of ich; `none` compares all with those of the edge, as in the paper",
 );
 
 /// The value of [`FILTER`].
@@ -60,7 +60,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         name: "mmp",
         family: "mmp-family",
         paper: "Mitchell, Mount, Papadimitriou 1987; Surazhsky et al. 2005, section 3",
-        summary: "windows filtered, kept on half-edges, overlaps trimmed at tie points, those of a half-edge taken together, nearest first",
+        summary: "windows kept on half-edges, trimmed at tie points, nearest first",
         complexity: "time O(n^2 log n) with turn=window, space O(n^2)",
         keeps: "the windows around the wavefront; with lists=keep every window until the end, about n^1.5 of them",
         choose: "as the reference; with filter=none,lists=keep it stores as much as the papers' programs do, with turn=window it keeps to their order and has no filter",
@@ -82,7 +82,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         name: "mmp-edge",
         family: "mmp-family",
         paper: "Liu 2013; Mitchell, Mount, Papadimitriou 1987",
-        summary: "MMP with the windows of both sides of an edge trimmed against each other",
+        summary: "mmp with the windows of both sides of an edge trimmed together",
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "as mmp; of all windows there are a tenth to a half fewer",
         choose: "instead of mmp where few windows matter more than time; it takes them one by one, so compare it with mmp{turn=window}",

@@ -1,6 +1,7 @@
 //! What a report holds, whatever it is written as.
 
 use super::chart::Chart;
+use crate::table::{Note, Table};
 
 /// A whole report.
 #[derive(Clone, Debug)]
@@ -39,14 +40,6 @@ pub(crate) enum Block {
     Links(Vec<Link>),
 }
 
-/// A remark.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Note {
-    pub(crate) text: String,
-    /// Whether it says that something failed.
-    pub(crate) failure: bool,
-}
-
 /// A file to take away.
 #[derive(Clone, Debug)]
 pub(crate) struct Link {
@@ -55,54 +48,6 @@ pub(crate) struct Link {
     pub(crate) address: String,
     /// The name under which it is stored.
     pub(crate) file: String,
-}
-
-/// A table. Its first column names the rows.
-#[derive(Clone, Debug)]
-pub(crate) struct Table {
-    /// Unique in the report; the name of its file.
-    pub(crate) id: String,
-    pub(crate) caption: String,
-    pub(crate) columns: Vec<Column>,
-    pub(crate) parts: Vec<TablePart>,
-}
-
-/// A column of a table.
-#[derive(Clone, Debug)]
-pub(crate) struct Column {
-    /// What stands above it and its neighbours that say the same; nothing if empty.
-    pub(crate) over: String,
-    pub(crate) head: String,
-    /// Whether it holds numbers, which are set flush right.
-    pub(crate) numeric: bool,
-}
-
-/// Rows that belong together.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct TablePart {
-    /// What they have in common; nothing if empty.
-    pub(crate) title: String,
-    /// What else there is to say of that.
-    pub(crate) detail: String,
-    pub(crate) rows: Vec<Vec<Entry>>,
-}
-
-/// What stands in a row and a column.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Entry {
-    pub(crate) text: String,
-    pub(crate) mark: Mark,
-}
-
-/// What is to be seen of an entry at once.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Mark {
-    #[default]
-    None,
-    /// It is the best of its row.
-    Best,
-    /// It says that something failed.
-    Failed,
 }
 
 /// A chart with what is said about it.
@@ -117,29 +62,10 @@ pub(crate) struct Plot {
     pub(crate) chart: Chart,
 }
 
-impl Column {
-    pub(crate) fn text(head: &str) -> Self {
-        Self {
-            over: String::new(),
-            head: head.to_owned(),
-            numeric: false,
-        }
-    }
-
-    pub(crate) fn number(head: &str) -> Self {
-        Self {
-            numeric: true,
-            ..Self::text(head)
-        }
-    }
-}
-
-impl Entry {
-    pub(crate) fn new(text: impl Into<String>) -> Self {
-        Self {
-            text: text.into(),
-            mark: Mark::None,
-        }
+impl Plot {
+    /// The drawing, in a page or `alone` in a file.
+    pub(crate) fn draw(&self, alone: bool) -> String {
+        self.chart.draw(&self.id, &self.title, &self.caption, alone)
     }
 }
 

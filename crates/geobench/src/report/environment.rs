@@ -168,7 +168,7 @@ pub(crate) fn summary(result: &ResultFile) -> String {
 }
 
 fn algorithms(result: &ResultFile) -> usize {
-    crate::table::view::algorithms(&result.cells).len()
+    crate::table::group::algorithms(&result.cells).len()
 }
 
 fn counted(count: usize, thing: &str) -> String {

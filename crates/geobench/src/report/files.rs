@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
-use super::chart::{Chart, Spoken};
-use super::document::{Document, Plot, Table};
+use super::chart::{Chart, Datum};
+use super::document::{Document, Plot};
 use super::{Report, html, tex};
-use crate::table::escape::csv_text;
 use crate::table::output::OutputFile;
+use crate::table::{Column, Entry, Table, csv};
 
 /// A form of the files of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -54,12 +54,7 @@ pub(super) fn files(report: &Report, form: Form) -> anyhow::Result<Vec<(String, 
 }
 
 fn drawing(plot: &Plot) -> (String, Vec<u8>) {
-    let spoken = Spoken {
-        id: &plot.id,
-        title: &plot.title,
-        description: &plot.caption,
-    };
-    let svg = plot.chart.draw(spoken, true);
+    let svg = plot.draw(true);
     let text = format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{svg}");
     (format!("{}.svg", plot.id), text.into_bytes())
 }
@@ -67,59 +62,35 @@ fn drawing(plot: &Plot) -> (String, Vec<u8>) {
 fn csvs(document: &Document) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     let mut files = Vec::new();
     for table in document.tables() {
-        files.push((format!("{}.csv", table.id), table_csv(table)?));
+        files.push((format!("{}.csv", table.id), csv::table(table)?.into_bytes()));
     }
     for plot in document.plots() {
         // Of a picture there are no numbers.
         if !matches!(plot.chart, Chart::Picture(_)) {
-            files.push((format!("{}.csv", plot.id), plot_csv(plot)?));
+            let text = csv::table(&numbers(plot))?;
+            files.push((format!("{}.csv", plot.id), text.into_bytes()));
         }
     }
     Ok(files)
 }
 
-/// A table, the titles of its parts in a column of their own.
-fn table_csv(table: &Table) -> anyhow::Result<Vec<u8>> {
-    let parted = table.parts.iter().any(|part| !part.title.is_empty());
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let heads = table.columns.iter().map(|column| {
-        let parts = [column.over.as_str(), column.head.as_str()];
-        let parts: Vec<&str> = parts.into_iter().filter(|p| !p.is_empty()).collect();
-        parts.join(", ")
-    });
-    let first = parted.then(|| "Of".to_owned());
-    writer.write_record(
-        first
-            .into_iter()
-            .chain(heads.map(|head| csv_text(&head).into_owned())),
-    )?;
-    for part in &table.parts {
-        for row in &part.rows {
-            let title = parted.then_some(part.title.as_str());
-            let texts = title.into_iter().chain(row.iter().map(|e| e.text.as_str()));
-            writer.write_record(texts.map(|text| csv_text(text).into_owned()))?;
-        }
-    }
-    Ok(writer.into_inner()?)
-}
-
 /// The numbers behind a plot, one point in each line.
-fn plot_csv(plot: &Plot) -> anyhow::Result<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(["of", "series", "x", "value", "low", "high", "absent"])?;
-    for datum in plot.chart.data() {
+fn numbers(plot: &Plot) -> Table {
+    let heads = ["of", "series", "x", "value", "low", "high", "absent"];
+    let row = |datum: Datum| {
         let number = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
-        writer.write_record([
-            csv_text(&datum.of).into_owned(),
-            csv_text(&datum.series).into_owned(),
-            number(datum.x),
-            number(datum.value),
-            number(datum.interval.map(|[low, _]| low)),
-            number(datum.interval.map(|[_, high]| high)),
-            csv_text(&datum.absent.unwrap_or_default()).into_owned(),
-        ])?;
-    }
-    Ok(writer.into_inner()?)
+        let [low, high] = datum.interval.map_or([None; 2], |ends| ends.map(Some));
+        let numbers = [datum.x, datum.value, low, high].map(number);
+        let texts = [datum.of, datum.series].into_iter().chain(numbers);
+        texts
+            .chain(datum.absent.or(Some(String::new())))
+            .map(Entry::new)
+            .collect()
+    };
+    Table::new(
+        heads.map(Column::text).into(),
+        plot.chart.data().into_iter().map(row).collect(),
+    )
 }
 
 fn texs(document: &Document) -> Vec<(String, Vec<u8>)> {

@@ -5,7 +5,7 @@
 //! listed as numbers. `html`, `files` and `tex` write the document down: as one page that needs
 //! nothing else, or as a file for each table and plot.
 //!
-//! What tables show is decided in `export::view`, so that a report says the same as the tables in
+//! What tables show is decided in `table::results`, so that a report says the same as the tables in
 //! the terminal. The SVG is written here and not by a crate, because the page needs what those that
 //! were looked at do not give: text as text, ink in the colour of the page, whatever that is,
 //! descriptions for those who do not see, and patterns beside colours.
@@ -17,7 +17,6 @@ mod chart;
 mod document;
 mod environment;
 mod files;
-mod group;
 mod html;
 mod papers;
 mod picture;
@@ -36,10 +35,9 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::exec::limits::DecompressionLimit;
 use crate::schema::{GroupRecord, ResultFile};
-use crate::table::Format;
-use crate::table::view::{self, algorithms, sections};
-use document::{Block, Document, Link, Note, Section, slug};
-use group::{Group, Setting};
+use crate::table::group::{Group, algorithms};
+use crate::table::{Format, Note, results};
+use document::{Block, Document, Link, Section, slug};
 
 pub use files::{Form, write_files};
 pub use html::page;
@@ -75,6 +73,24 @@ pub struct Report {
     document: Document,
 }
 
+/// What every plot needs to know beside its group.
+#[derive(Clone, Copy, Debug)]
+struct Setting<'a> {
+    /// What the identifiers of plots start with.
+    prefix: &'a str,
+    /// The algorithms of the whole result, in an order that gives each its marker.
+    styles: &'a [&'a str],
+    /// The algorithm to which ratios are taken.
+    base: Option<&'a str>,
+}
+
+impl Setting<'_> {
+    fn style(&self, algorithm: &str) -> usize {
+        let found = self.styles.iter().position(|name| *name == algorithm);
+        found.unwrap_or(0)
+    }
+}
+
 /// What a report cannot be made from.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -102,17 +118,12 @@ const MOST_EMBEDDED: usize = 4 << 20;
 /// When what `options` ask for is not in the results.
 pub fn build(inputs: &[Input], options: &Options) -> Result<Report, ReportError> {
     if let Some(name) = &options.ratio_to {
-        let mut known: Vec<String> = Vec::new();
-        for input in inputs {
-            for algorithm in algorithms(&input.result.cells) {
-                if !known.iter().any(|k| k == algorithm) {
-                    known.push(algorithm.to_owned());
-                }
-            }
-        }
-        if !known.contains(name) {
-            let name = name.clone();
-            return Err(ReportError::UnknownBase { name, known });
+        let known = algorithms(inputs.iter().flat_map(|input| &input.result.cells));
+        if !known.contains(&name.as_str()) {
+            return Err(ReportError::UnknownBase {
+                name: name.clone(),
+                known: known.into_iter().map(str::to_owned).collect(),
+            });
         }
     }
     let mut sections = Vec::new();
@@ -163,17 +174,12 @@ fn with_base(result: &ResultFile, wanted: Option<&str>) -> ResultFile {
     if result.groups.is_empty() {
         result.groups.push(GroupRecord::unnamed());
     }
-    let bases: Vec<Option<String>> = result
-        .groups
+    let bases: Vec<Option<String>> = results::groups(&result)
         .iter()
-        .map(|record| {
-            let group = Group::new(record, &result);
+        .map(|group| {
+            let base = group.base()?;
             let wanted = wanted.filter(|name| group.algorithms.contains(name));
-            let one = group.algorithms.len() < 2;
-            wanted
-                .filter(|_| !one)
-                .or_else(|| group.base())
-                .map(str::to_owned)
+            Some(wanted.unwrap_or(base).to_owned())
         })
         .collect();
     for (group, base) in result.groups.iter_mut().zip(bases) {
@@ -201,9 +207,8 @@ fn of_result(
     }];
     let styles = algorithms(&result.cells);
     let tables = options.tables.of(&result.command);
-    let sections = sections(result);
-    for (i, (record, section)) in result.groups.iter().zip(&sections).enumerate() {
-        let group = Group::new(record, result);
+    for (i, group) in results::groups(result).iter().enumerate() {
+        let record = group.record;
         let id = match record.name.as_deref().map(slug) {
             Some(slug) if !slug.is_empty() => format!("{prefix}g{}-{slug}", i + 1),
             _ => format!("{prefix}g{}", i + 1),
@@ -213,16 +218,10 @@ fn of_result(
             styles: &styles,
             base: record.ratios_to.as_deref(),
         };
-        let mut blocks = of_group(&group, section, setting);
+        let mut blocks = of_group(group, setting);
         for (k, table) in tables.iter().enumerate() {
             let prefix = format!("{id}-paper-{}", k + 1);
-            blocks.extend(papers::compare(
-                &group,
-                table,
-                setting.base,
-                &styles,
-                &prefix,
-            ));
+            blocks.extend(papers::compare(group, table, setting, &prefix));
         }
         all.push(Section {
             heading: record.name.clone().unwrap_or_else(|| "Figures".to_owned()),
@@ -231,28 +230,26 @@ fn of_result(
             id,
         });
     }
-    all.push(Section {
-        id: format!("{prefix}models"),
-        heading: "Models".to_owned(),
-        top: false,
-        blocks: vec![Block::Table(tables::models(
-            &format!("{prefix}models-table"),
-            result,
-        ))],
-    });
-    all.push(Section {
-        id: format!("{prefix}environment"),
-        heading: "Environment".to_owned(),
-        top: false,
-        blocks: vec![
-            Block::Facts(environment::facts(result)),
-            Block::Text(reading(result)),
-        ],
-    });
+    let models = tables::models(&format!("{prefix}models-table"), result);
+    let environment = vec![
+        Block::Facts(environment::facts(result)),
+        Block::Text(reading(result)),
+    ];
+    for (heading, blocks) in [
+        ("Models", vec![Block::Table(models)]),
+        ("Environment", environment),
+    ] {
+        all.push(Section {
+            id: format!("{prefix}{}", slug(heading)),
+            heading: heading.to_owned(),
+            top: false,
+            blocks,
+        });
+    }
     all
 }
 
-fn of_group(group: &Group<'_>, section: &view::Section<'_>, setting: Setting<'_>) -> Vec<Block> {
+fn of_group(group: &Group<'_>, setting: Setting<'_>) -> Vec<Block> {
     let mut blocks = Vec::new();
     if let Some(shows) = &group.record.shows {
         blocks.push(Block::Text(
@@ -267,11 +264,9 @@ fn of_group(group: &Group<'_>, section: &view::Section<'_>, setting: Setting<'_>
         }]));
         return blocks;
     }
-    blocks.push(Block::Table(tables::figures(
-        &format!("{}-table", setting.prefix),
-        section,
-    )));
-    let notes = tables::notes(section);
+    let table = tables::figures(&format!("{}-table", setting.prefix), group);
+    let notes = tables::notes(&table);
+    blocks.push(Block::Table(table));
     if !notes.is_empty() {
         blocks.push(Block::Notes(notes));
     }

@@ -1,22 +1,17 @@
 //! The plots of a group.
 
-use super::chart::{
-    Axis, Band, Bar, BarGroup, Bars, Chart, Dots, Lane, Lines, Point, Series, Value,
-};
+use super::chart::{Axis, Band, Bar, BarGroup, Bars, Chart, Dots, Lane, Lines, Point, Series};
 use super::document::{Plot, slug};
-use super::group::{Group, Setting, known};
-use super::scaling;
+use super::{Setting, scaling};
 use crate::schema::{Cell, ModelRecord, Phases, Status, WavefrontRecord};
-use crate::table::figures::{Figure, figures};
+use crate::table::figures::{Figure, figures, time};
+use crate::table::group::{Group, Value};
 
 /// All plots of a group.
 pub(crate) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
-    let time = known("time");
     let mut plots = Vec::new();
-    plots.extend(time.and_then(|time| values(group, setting, time)));
-    if let (Some(time), Some(base)) = (time, setting.base) {
-        plots.extend(ratios(group, setting, time, base));
-    }
+    plots.extend(values(group, setting, time()));
+    plots.extend(setting.base.and_then(|base| ratios(group, setting, base)));
     plots.extend(scaling::plots(group, setting));
     plots.extend(phases(group, setting));
     plots.extend(course_plots(group, setting));
@@ -101,14 +96,9 @@ fn values(group: &Group<'_>, setting: Setting<'_>, figure: &'static Figure) -> O
 }
 
 /// How many times as long as `base`.
-fn ratios(
-    group: &Group<'_>,
-    setting: Setting<'_>,
-    time: &'static Figure,
-    base: &str,
-) -> Option<Plot> {
+fn ratios(group: &Group<'_>, setting: Setting<'_>, base: &str) -> Option<Plot> {
     let mut bands = bands(group, setting, Some(base), |model, algorithm| {
-        group.ratio(time, model, algorithm, base)
+        group.ratio(time(), model, algorithm, base)
     });
     // Its own ratio is 1 everywhere.
     for band in &mut bands {
@@ -313,11 +303,7 @@ fn course_points(
         .map_or(1.0, |last| last.parents as f64);
     let points = cell.wavefront.iter().filter_map(|sample| {
         let (at, value) = point(sample, parents)?;
-        let value = Value {
-            value,
-            interval: None,
-        };
-        (at.is_finite() && value.value.is_finite()).then_some((at, value))
+        (at.is_finite() && value.is_finite()).then_some((at, value.into()))
     });
     let mut points: Vec<(f64, Value)> = points.collect();
     // The mean distance of a wavefront may step back.

@@ -2,11 +2,13 @@
 
 use geobench_mesh::generate::Spec;
 
-use super::chart::{Axis, Chart, Lines, Series, Value};
+use super::Setting;
+use super::chart::{Axis, Chart, Lines, Series};
 use super::document::{Plot, slug};
-use super::group::{Group, Setting, known};
 use crate::measure::number::grouped;
 use crate::schema::ModelRecord;
+use crate::table::figures::time;
+use crate::table::group::{Group, Value, distinct};
 
 /// What models differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,57 +76,41 @@ impl Against {
 /// Fewest models that make a line.
 const FEWEST: usize = 3;
 
+/// What plots call the models that have no family in common.
+const ALL: &str = "all models";
+
 /// Time, and its ratio to the base, against what the models of the group differ in.
 pub(super) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
     let mut plots = Vec::new();
     for against in Against::ALL {
-        let mut families: Vec<(String, Vec<(f64, &ModelRecord)>)> = Vec::new();
-        for model in &group.models {
-            let Some(at) = against.of(model) else {
-                continue;
-            };
-            let name = against.family(model);
-            match families.iter_mut().find(|(family, _)| *family == name) {
-                Some((_, models)) => models.push((at, model)),
-                None => families.push((name, vec![(at, model)])),
-            }
-        }
-        for (_, models) in &mut families {
-            models.sort_by(|a, b| a.0.total_cmp(&b.0));
-        }
+        let mut models: Vec<(f64, &ModelRecord)> = Vec::new();
+        models.extend(
+            group
+                .models
+                .iter()
+                .filter_map(|m| Some((against.of(m)?, *m))),
+        );
+        let families = distinct(models.iter().map(|(_, model)| against.family(model)));
+        models.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Lines only mean something between models that differ in nothing else.
-        let lines: Vec<_> = families
-            .iter()
-            .filter(|(_, models)| differ(models) >= FEWEST)
-            .collect();
-        for (i, (family, models)) in lines.iter().enumerate() {
-            let name = if family.is_empty() {
-                "all models"
-            } else {
-                family
-            };
-            plots.extend(against_plots(
-                group,
-                setting,
-                against,
-                (i, name),
-                models,
-                true,
-            ));
-        }
-        if lines.is_empty() && against == Against::Faces {
-            let mut all: Vec<_> = families.into_iter().flat_map(|(_, m)| m).collect();
-            all.sort_by(|a, b| a.0.total_cmp(&b.0));
-            if differ(&all) >= FEWEST {
-                plots.extend(against_plots(
-                    group,
-                    setting,
-                    against,
-                    (0, "all models"),
-                    &all,
-                    false,
-                ));
+        let mut lines: Vec<(&str, Vec<(f64, &ModelRecord)>)> = Vec::new();
+        for family in &families {
+            let own = models.iter().filter(|(_, m)| against.family(m) == *family);
+            let own: Vec<_> = own.copied().collect();
+            if differ(&own) >= FEWEST {
+                let all = family.is_empty().then_some(ALL);
+                lines.push((all.unwrap_or(family), own));
             }
+        }
+        let joined = !lines.is_empty();
+        if !joined && against == Against::Faces && differ(&models) >= FEWEST {
+            lines.push((ALL, models));
+        }
+        for (i, (family, models)) in lines.into_iter().enumerate() {
+            let family = (i, family);
+            plots.extend(against_plots(
+                group, setting, against, family, &models, joined,
+            ));
         }
     }
     plots
@@ -145,9 +131,6 @@ fn against_plots(
     models: &[(f64, &ModelRecord)],
     joined: bool,
 ) -> Vec<Plot> {
-    let Some(time) = known("time") else {
-        return Vec::new();
-    };
     let series = |value: &dyn Fn(&str, &str) -> Option<Value>| -> Vec<Series> {
         let series = group.algorithms.iter().map(|name| Series {
             style: setting.style(name),
@@ -203,11 +186,11 @@ fn against_plots(
             }),
         })
     };
-    let times = series(&|model, algorithm| group.value(time, model, algorithm));
+    let times = series(&|model, algorithm| group.value(time(), model, algorithm));
     let mut plots = Vec::new();
     plots.extend(plot("time", "Time", "Time (s)".to_owned(), None, times));
     if let Some(base) = setting.base {
-        let ratios = series(&|model, algorithm| group.ratio(time, model, algorithm, base));
+        let ratios = series(&|model, algorithm| group.ratio(time(), model, algorithm, base));
         if ratios.len() > 1 {
             let label = format!("Time as a multiple of {base}");
             plots.extend(plot("ratio", "Ratio", label, Some(1.0), ratios));

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use crate::table::escape::xml as escape;
+
 /// An SVG document, or a part of one, that is being written.
 #[derive(Debug, Default)]
 pub(crate) struct Svg {
@@ -93,25 +95,6 @@ pub(crate) fn px(length: f64) -> String {
     }
 }
 
-/// `text` with the characters that mean something in XML and HTML made harmless, in and outside
-/// of attributes; what XML cannot hold is left out.
-pub(crate) fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            '\n' | '\t' => escaped.push(' '),
-            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => {}
-            c => escaped.push(c),
-        }
-    }
-    escaped
-}
-
 /// Estimated width of `text` when drawn, for a wide font: the fonts of the reader are unknown.
 pub(crate) fn width_of(text: &str) -> f64 {
     text.chars().map(letter).sum()
@@ -146,11 +129,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_means_something_is_harmless() {
-        assert_eq!(
-            escape("<a href=\"x\">'&\u{1}</a>"),
-            "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&lt;/a&gt;"
-        );
+    fn attributes_and_texts_are_escaped() {
         let mut svg = Svg::default();
         svg.open("g", &[("class", "a\"b".into())]);
         svg.text([1.0, 2.25], "t", "<&>");

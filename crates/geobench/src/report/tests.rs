@@ -5,32 +5,17 @@ use std::path::PathBuf;
 use super::files::files;
 use super::{Form, Input, Options, Report, Tables, Wanted, build, page};
 use crate::exec::limits::DecompressionLimit;
-use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
+use crate::exec::mock::{MockBackend, crash_ich};
 use crate::exec::model::ModelRef;
 use crate::run::mock::{plan, result, run_mock};
 use crate::schema::{GroupRecord, ResultFile};
+use crate::table::tests::mixed_with;
 
 /// A model of that name, whatever it holds.
 const NASTY: &str = "<b>&\"'";
 
-/// A good model, one with a wrong answer and a nasty name, a refused one.
 fn mixed() -> ResultFile {
-    let mut good = run_mock(
-        &plan(&["horse"], "mmp,ich,vtp", "0"),
-        &mut MockBackend::default(),
-    );
-    let mut spoilt = MockBackend {
-        alter: Some(spoil_vtp),
-        refuse: vec!["broken_mesh"],
-        ..MockBackend::default()
-    };
-    let bad = run_mock(
-        &plan(&[NASTY, "broken_mesh"], "mmp,ich,vtp", "3"),
-        &mut spoilt,
-    );
-    good.models.extend(bad.models);
-    good.cells.extend(bad.cells);
-    result(good)
+    mixed_with(NASTY)
 }
 
 fn options() -> Options {

@@ -4,67 +4,17 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
-use super::chart::{Axis, Bars, Chart, Dots, Lines, Point, Value, pgf_mark};
-use super::document::{Entry, Mark, Plot, Table};
-use super::html::overs;
+use super::chart::{Axis, Bars, Chart, Dots, Lines, Point, pgf_mark};
+use super::document::Plot;
+use crate::table::Table;
 use crate::table::escape::printable;
-use crate::table::latex::escape;
+use crate::table::group::{Value, distinct};
+use crate::table::latex::{self, escape};
 
-/// A `tabular`.
+/// A `tabular` under its caption.
 pub(super) fn table(table: &Table) -> String {
-    let kinds: String = table
-        .columns
-        .iter()
-        .map(|column| if column.numeric { 'r' } else { 'l' })
-        .collect();
-    let mut tex = format!(
-        "% {}\n% Needs \\usepackage{{booktabs}}.\n",
-        remark(&table.caption)
-    );
-    tex += &format!("\\begin{{tabular}}{{{kinds}}}\n\\toprule\n");
-    if table.columns.iter().any(|column| !column.over.is_empty()) {
-        let cells = overs(table).into_iter().map(|(text, width)| match text {
-            "" => vec![""; width].join(" & "),
-            text => format!("\\multicolumn{{{width}}}{{c}}{{{}}}", symbols(text)),
-        });
-        tex += &row(cells);
-    }
-    tex += &row(table.columns.iter().map(|column| symbols(&column.head)));
-    for part in &table.parts {
-        tex += "\\midrule\n";
-        if !part.title.is_empty() {
-            let mut title = symbols(&part.title);
-            if !part.detail.is_empty() {
-                title += &format!(" ({})", symbols(&part.detail));
-            }
-            tex += &format!(
-                "\\multicolumn{{{}}}{{l}}{{{title}}} \\\\\n",
-                table.columns.len()
-            );
-        }
-        for entries in &part.rows {
-            tex += &row(entries.iter().map(entry));
-        }
-    }
-    tex + "\\bottomrule\n\\end{tabular}\n"
-}
-
-fn row(cells: impl Iterator<Item = String>) -> String {
-    cells.collect::<Vec<_>>().join(" & ") + " \\\\\n"
-}
-
-fn entry(entry: &Entry) -> String {
-    let text = symbols(&entry.text);
-    match entry.mark {
-        Mark::Best => format!("\\textbf{{{text}}}"),
-        Mark::Failed => format!("\\emph{{{text}}}"),
-        Mark::None => text,
-    }
-}
-
-/// Text in LaTeX, with what is no ASCII and stands in reports.
-fn symbols(text: &str) -> String {
-    escape(text).replace('\u{b1}', "$\\pm$")
+    let caption = remark(&table.caption);
+    format!("% {caption}\n{}{}", latex::NEEDS, latex::tabular(table))
 }
 
 /// Text that can stand behind a `%`.
@@ -93,7 +43,7 @@ fn axis_of(name: char, axis: &Axis) -> String {
     let mode = if axis.log { "log" } else { "linear" };
     format!(
         "  {name}mode={mode}, {name}label={{{}}},\n",
-        symbols(&axis.label)
+        escape(&axis.label)
     )
 }
 
@@ -102,7 +52,7 @@ fn rows(labels: &[String]) -> String {
     let places: Vec<String> = (0..labels.len()).map(|i| i.to_string()).collect();
     let labels: Vec<String> = labels
         .iter()
-        .map(|label| format!("{{{}}}", symbols(label)))
+        .map(|label| format!("{{{}}}", escape(label)))
         .collect();
     format!(
         "  y dir=reverse, ymin=-0.7, ymax={:.1}, height={:.1}cm,\n  ytick={{{}}}, yticklabels={{{}}},\n",
@@ -152,13 +102,8 @@ fn dots(chart: &Dots) -> String {
             "\\draw[dashed] ({{axis cs:{place},0}} |- {{rel axis cs:0,0}}) -- ({{axis cs:{place},0}} |- {{rel axis cs:0,1}});"
         );
     }
-    let mut series: Vec<(usize, bool)> = Vec::new();
-    for (_, point) in &points {
-        if !series.contains(&(point.style, point.hollow)) {
-            series.push((point.style, point.hollow));
-        }
-    }
-    for (style, hollow) in series {
+    let series = points.iter().map(|(_, point)| (point.style, point.hollow));
+    for (style, hollow) in distinct(series) {
         let of = points
             .iter()
             .filter(|(_, p)| (p.style, p.hollow) == (style, hollow));
@@ -215,7 +160,7 @@ fn bars(chart: &Bars) -> String {
             tex,
             "\\addplot+[mark=none] coordinates {{ {} }};\n\\addlegendentry{{{}}}",
             coordinates.join(" "),
-            symbols(name)
+            escape(name)
         );
     }
     tex + "\\end{axis}\n\\end{tikzpicture}\n"
@@ -235,7 +180,7 @@ fn lines(chart: &Lines) -> String {
             at + &errors(*value, |error| format!("(0,{error})"))
         });
         tex += &addplot(series.style, false, "y", coordinates);
-        let _ = writeln!(tex, "\\addlegendentry{{{}}}", symbols(&series.name));
+        let _ = writeln!(tex, "\\addlegendentry{{{}}}", escape(&series.name));
     }
     tex + "\\end{axis}\n\\end{tikzpicture}\n"
 }

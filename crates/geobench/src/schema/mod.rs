@@ -114,10 +114,14 @@ pub struct Host {
 }
 
 impl Host {
-    /// Whether this may be the same machine as `other`: processor, cores and memory are equal.
+    /// Whether `other` is the same machine, as far as can be told: processor, cores and main
+    /// memory, of which kernels report a little more or less.
     pub fn is_same_machine(&self, other: &Self) -> bool {
-        let machine = |host: &Self| (host.cpu.clone(), host.cores, host.memory_bytes);
-        machine(self) == machine(other)
+        let same_memory = match (self.memory_bytes, other.memory_bytes) {
+            (Some(a), Some(b)) => a.abs_diff(b) <= a.max(b) / 100,
+            (a, b) => a == b,
+        };
+        self.cpu == other.cpu && self.cores == other.cores && same_memory
     }
 }
 
@@ -288,8 +292,8 @@ pub struct WavefrontRecord {
     pub k: Option<u64>,
 }
 
-impl From<geobench_window::WavefrontSample> for WavefrontRecord {
-    fn from(sample: geobench_window::WavefrontSample) -> Self {
+impl From<geobench_window::WavefrontRecord> for WavefrontRecord {
+    fn from(sample: geobench_window::WavefrontRecord) -> Self {
         Self {
             parents: sample.parents,
             windows: sample.windows,

@@ -1,10 +1,9 @@
 //! Times as bars in a terminal, for eyes that look for ratios.
 
 use super::escape::printable;
-use super::view;
-use super::view::{algorithms, overall};
-use crate::schema::{Cell, GroupRecord, Status};
-use crate::table::figures::figure;
+use super::figures::time;
+use super::group::Group;
+use crate::schema::{Cell, GroupRecord, ModelRecord};
 
 /// An algorithm with its bar.
 #[derive(Debug)]
@@ -73,28 +72,24 @@ fn lines(bars: &[Bar], base: Option<&str>, width: usize) -> Vec<String> {
 
 /// The times of all algorithms on one model as bars, under a line that says what they are, and
 /// followed by an empty one; empty if there are not two of them. `cells` are those of the model.
-pub fn model_bars(group: &GroupRecord, cells: &[Cell], width: usize) -> String {
-    let cells: Vec<&Cell> = cells.iter().collect();
-    let names = algorithms(cells.iter().copied());
-    let (Ok(time), Some(base)) = (figure("time"), view::base(group, &names, &cells)) else {
+pub fn model_bars(
+    group: &GroupRecord,
+    model: &ModelRecord,
+    cells: &[Cell],
+    width: usize,
+) -> String {
+    let group = Group::new(group, std::slice::from_ref(model), cells);
+    let Some(base) = group.base() else {
         return String::new();
     };
-    let bars: Vec<Bar> = names
-        .iter()
-        .map(|name| {
-            let own: Vec<&Cell> = cells
-                .iter()
-                .copied()
-                .filter(|c| c.algorithm == *name)
-                .collect();
-            let failed = own.iter().find(|cell| cell.status != Status::Ok);
-            Bar {
-                label: printable(name).into_owned(),
-                seconds: overall(time, &own, None),
-                failure: failed.map(|cell| cell.status.in_words()),
-            }
-        })
-        .collect();
+    let bar = |name: &&str| Bar {
+        label: printable(name).into_owned(),
+        seconds: group
+            .value(time(), &model.name, name)
+            .map(|time| time.value),
+        failure: group.failure(&model.name, name),
+    };
+    let bars: Vec<Bar> = group.algorithms.iter().map(bar).collect();
     if bars.iter().filter(|bar| bar.seconds.is_some()).count() < 2 {
         return String::new();
     }

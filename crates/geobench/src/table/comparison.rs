@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use super::escape::{markdown as escape, printable};
-use super::grid::{Entry, Grid, Look};
-use super::{UnknownEnding, of_ending};
+use super::group::distinct;
+use super::model::{Column, Entry, Mark, Table};
+use super::terminal::{self, Look};
+use super::{UnknownEnding, markdown, of_ending};
 use crate::history::compare::{
     CellChange, Comparison, FigureChange, Key, Regression, Side, TimeMethod, exact, percent,
 };
@@ -36,7 +38,7 @@ impl ComparisonFormat {
     ///
     /// When it asks for none.
     pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        of_ending(path, &ENDINGS)
+        of_ending(path, "results", &ENDINGS)
     }
 
     /// A comparison in this form, ending in a line break; `styled` allows the table to use colour.
@@ -46,8 +48,8 @@ impl ComparisonFormat {
     /// Only if a number cannot be represented, which comparisons exclude.
     pub fn render(self, comparison: &Comparison, styled: bool) -> anyhow::Result<String> {
         Ok(match self {
-            Self::Table => table(comparison, styled),
-            Self::Markdown => markdown(comparison),
+            Self::Table => in_terminal(comparison, styled),
+            Self::Markdown => in_markdown(comparison),
             Self::Json => serde_json::to_string_pretty(comparison)? + "\n",
         })
     }
@@ -56,16 +58,14 @@ impl ComparisonFormat {
 /// Figures that the table shows whether or not there is a rule on them, as far as there are any.
 const USUAL: [&str; 3] = ["propagated", "instructions", "heap_peak_bytes"];
 
-fn table(comparison: &Comparison, styled: bool) -> String {
+fn in_terminal(comparison: &Comparison, styled: bool) -> String {
+    let (table, width) = (changes(comparison), None);
     let mut text = format!(
         "old: {}\nnew: {}\n{}\n\n{}\n",
         printable(&side(&comparison.old)),
         printable(&side(&comparison.new)),
         printable(&method(comparison)),
-        changes(comparison).terminal(Look {
-            styled,
-            width: None,
-        })
+        terminal::grid(&table, &table.parts[0].rows, Look { styled, width })
     );
     for (title, lines) in [
         ("worse", worse(comparison)),
@@ -81,7 +81,7 @@ fn table(comparison: &Comparison, styled: bool) -> String {
     text + &printable(&summary(comparison)) + "\n"
 }
 
-fn markdown(comparison: &Comparison) -> String {
+fn in_markdown(comparison: &Comparison) -> String {
     let mut lines = vec![
         format!("### geobench: {}", escape(&summary(comparison))),
         String::new(),
@@ -97,7 +97,7 @@ fn markdown(comparison: &Comparison) -> String {
         lines.extend(bullets(&worse));
         lines.push(String::new());
     }
-    lines.extend(changes(comparison).markdown());
+    lines.extend(markdown::grid(&changes(comparison)));
     lines.push(String::new());
     lines.push(format!(
         "Old: {}. New: {}. {}.",
@@ -120,7 +120,7 @@ fn markdown(comparison: &Comparison) -> String {
     };
     fold(
         "Times, and all other figures that differ".to_owned(),
-        figures(comparison).markdown(),
+        markdown::grid(&figures(comparison)),
     );
     for (which, keys) in [("old", &comparison.missing), ("new", &comparison.added)] {
         if !keys.is_empty() {
@@ -201,32 +201,30 @@ fn name(comparison: &Comparison, key: &Key) -> String {
 }
 
 /// A row for each cell: how its time and the most important figures have changed.
-fn changes(comparison: &Comparison) -> Grid {
+fn changes(comparison: &Comparison) -> Table {
     let ruled = |name: &str| {
         let rule = |rule: &String| rule.split('=').next() == Some(name);
         comparison.rules.iter().any(rule)
     };
-    let mut names: Vec<&str> = Vec::new();
-    for figure in comparison.cells.iter().flat_map(|c| &c.figures) {
-        let wanted = USUAL.contains(&figure.name) || ruled(figure.name);
-        if wanted && !names.contains(&figure.name) {
-            names.push(figure.name);
-        }
-    }
-    let header = ["Cell", "Time"].into_iter().chain(names.iter().copied());
+    let figures = comparison.cells.iter().flat_map(|c| &c.figures);
+    let names = figures.map(|figure| figure.name);
+    let names = distinct(names.filter(|name| USUAL.contains(name) || ruled(name)));
+    let numbers = std::iter::once("Time").chain(names.iter().copied());
+    let numbers = numbers.map(|name| Column::number(&heading(name)));
     let row = |change: &CellChange| {
-        let mut row = vec![Entry::plain(name(comparison, &change.cell)), time(change)];
+        let mut row = vec![Entry::new(name(comparison, &change.cell)), time(change)];
         row.extend(names.iter().map(|name| {
             let figure = change.figures.iter().find(|f| f.name == *name);
-            figure.map_or_else(|| Entry::plain("-"), |figure| entry(change, figure))
+            figure.map_or_else(|| Entry::new("-"), |figure| entry(change, figure))
         }));
         row
     };
-    Grid {
-        texts: 1,
-        header: header.map(heading).collect(),
-        rows: comparison.cells.iter().map(row).collect(),
-    }
+    Table::new(
+        std::iter::once(Column::text("Cell"))
+            .chain(numbers)
+            .collect(),
+        comparison.cells.iter().map(row).collect(),
+    )
 }
 
 /// The name of a figure as a heading.
@@ -246,10 +244,10 @@ fn is_broken(change: &CellChange, name: &str) -> bool {
 
 /// A text, marked if its rule is broken.
 fn marked(text: String, broken: bool) -> Entry {
-    Entry {
-        text: if broken { text + " !" } else { text },
-        failed: broken,
-        ..Entry::default()
+    if broken {
+        Entry::marked(text + " !", Mark::Failed)
+    } else {
+        Entry::new(text)
     }
 }
 
@@ -265,7 +263,7 @@ fn time(change: &CellChange) -> Entry {
         (None, [Status::Ok, Status::Ok]) if is_broken(change, "time") => {
             marked("missing".to_owned(), true)
         }
-        (None, [Status::Ok, Status::Ok]) => Entry::plain("-"),
+        (None, [Status::Ok, Status::Ok]) => Entry::new("-"),
         (None, [old, new]) => {
             let [from, to] = [old, new].map(Status::in_words);
             marked(
@@ -291,14 +289,14 @@ fn entry(change: &CellChange, figure: &FigureChange) -> Entry {
 }
 
 /// Old and new values: the times of all cells, and everything else that differs.
-fn figures(comparison: &Comparison) -> Grid {
+fn figures(comparison: &Comparison) -> Table {
     let mut rows = Vec::new();
     for change in &comparison.cells {
         let mut push = |figure: String, [old, new]: [String; 2], change_in_words: String| {
             let cell = name(comparison, &change.cell);
             rows.push(
                 [cell, figure, old, new, change_in_words]
-                    .map(Entry::plain)
+                    .map(Entry::new)
                     .into(),
             );
         };
@@ -324,11 +322,7 @@ fn figures(comparison: &Comparison) -> Grid {
             );
         }
     }
-    Grid {
-        texts: 2,
-        header: ["Cell", "Figure", "Old", "New", "Change"]
-            .map(str::to_owned)
-            .into(),
-        rows,
-    }
+    let texts = ["Cell", "Figure"].map(Column::text);
+    let numbers = ["Old", "New", "Change"].map(Column::number);
+    Table::new(texts.into_iter().chain(numbers).collect(), rows)
 }

@@ -1,6 +1,5 @@
-//! One row per cell. A column is named after its place in the JSON file, joined by `_`; `null` is
-//! an empty field, and a list is joined by `;`. A text that a spreadsheet would take for a formula
-//! has an apostrophe before it.
+//! CSV: any table, and results with a row for each cell. A text that a spreadsheet would take for a
+//! formula has an apostrophe before it.
 
 use std::fmt::Display;
 
@@ -8,19 +7,53 @@ use csv::Writer;
 use geobench_window::Counters;
 
 use super::escape::csv_text;
+use super::model::{Column, Entry, Table};
 use crate::schema::{Cell, ResultFile};
 
-/// The rows of all cells under their header.
-pub(super) fn render(result: &ResultFile) -> anyhow::Result<String> {
+/// A table, the titles of its parts in a column of their own.
+pub(crate) fn table(table: &Table) -> anyhow::Result<String> {
+    let titled = table.parts.iter().any(|part| !part.title.is_empty());
     let mut writer = Writer::from_writer(Vec::new());
-    writer.write_record(header())?;
-    for cell in &result.cells {
-        writer.write_record(columns(cell).into_iter().map(|(_, value)| value))?;
+    let heads = table.columns.iter().map(|column| {
+        let heads = [column.over.as_str(), column.head.as_str()].into_iter();
+        let heads: Vec<&str> = heads.filter(|head| !head.is_empty()).collect();
+        heads.join(", ")
+    });
+    let heads: Vec<String> = titled
+        .then(|| "Of".to_owned())
+        .into_iter()
+        .chain(heads)
+        .collect();
+    writer.write_record(heads.iter().map(|head| csv_text(head).into_owned()))?;
+    for part in &table.parts {
+        let title = titled.then_some(part.title.as_str());
+        for row in &part.rows {
+            let texts = title.into_iter().chain(row.iter().map(|e| e.text.as_str()));
+            writer.write_record(texts.map(|text| csv_text(text).into_owned()))?;
+        }
     }
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-/// The names of the columns.
+/// A row for each cell. A column is named after its place in the JSON file, joined by `_`; `null` is
+/// an empty field, and a list is joined by `;`.
+pub(super) fn results(result: &ResultFile) -> Table {
+    let row = |cell: &Cell| {
+        columns(cell)
+            .into_iter()
+            .map(|(_, value)| Entry::new(value))
+    };
+    Table::new(
+        header().iter().map(|name| Column::text(name)).collect(),
+        result
+            .cells
+            .iter()
+            .map(|cell| row(cell).collect())
+            .collect(),
+    )
+}
+
+/// The names of the columns of results.
 pub fn header() -> Vec<String> {
     let nothing = Cell::new("", "");
     columns(&nothing)
@@ -32,12 +65,12 @@ pub fn header() -> Vec<String> {
 /// Name and value of every column.
 fn columns(cell: &Cell) -> Vec<(String, String)> {
     let mut columns: Vec<(String, String)> = [
-        ("model", csv_text(&cell.model).into_owned()),
-        ("algorithm", csv_text(&cell.algorithm).into_owned()),
+        ("model", cell.model.clone()),
+        ("algorithm", cell.algorithm.clone()),
         ("source", text(cell.source)),
         ("threads", cell.threads.to_string()),
         ("status", cell.status.name().to_owned()),
-        ("message", words(cell.message.as_deref())),
+        ("message", text(cell.message.as_ref())),
         ("time_samples", list(&cell.time.samples)),
         ("time_median", text(cell.time.median)),
         ("time_min", text(cell.time.min)),
@@ -46,7 +79,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             "time_ci95",
             cell.time.ci95.map_or_else(String::new, |ci| list(&ci)),
         ),
-        ("time_note", words(cell.time.note.as_deref())),
+        ("time_note", text(cell.time.note.as_ref())),
         ("time_setup", text(cell.time.setup)),
         ("time_outliers", text(cell.time.outliers)),
         ("time_places", list(&cell.time.places)),
@@ -74,7 +107,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             ("phases_propagation", text(cell.phases.propagation)),
             ("phases_pruning", text(cell.phases.pruning)),
             ("phases_management", text(cell.phases.management)),
-            ("check_reference", words(cell.check.reference.as_deref())),
+            ("check_reference", text(cell.check.reference.as_ref())),
             ("check_max_abs", text(cell.check.max_abs)),
             ("check_max_rel", text(cell.check.max_rel)),
             ("check_unreachable", text(cell.check.unreachable)),
@@ -82,7 +115,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             ("check_worst_vertex", text(cell.check.worst_vertex)),
             ("check_doubt", text(cell.check.doubt)),
             ("check_cluster", text(cell.check.cluster)),
-            ("group", words(cell.group.as_deref())),
+            ("group", text(cell.group.as_ref())),
             ("instructions", text(cell.instructions)),
             ("instructions_simd", text(cell.instructions_simd.as_ref())),
             ("shard", text(cell.shard)),
@@ -92,12 +125,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
     columns
 }
 
-/// A text.
-fn words(text: Option<&str>) -> String {
-    text.map_or_else(String::new, |text| csv_text(text).into_owned())
-}
-
-/// The number, with as many digits as it takes to read it back unchanged.
+/// The text, or the number with as many digits as it takes to read it back unchanged.
 fn text(value: Option<impl Display>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }

@@ -6,6 +6,8 @@ use geobench_mesh::io::PlyWriter;
 use geobench_mesh::{Mesh, VertexId};
 use serde::Serialize;
 
+use super::{UnknownEnding, of_ending};
+
 /// Distances and where they come from.
 #[derive(Clone, Copy, Debug)]
 pub struct DistanceField<'a> {
@@ -46,16 +48,6 @@ const ENDINGS: [(&str, FieldFormat); 5] = [
     ("vtk", FieldFormat::Vtk),
 ];
 
-/// A path whose ending is not that of a distance field.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "{path}: the ending says in which form to write distances; use .csv, .json, .npy, .ply or .vtk"
-)]
-pub struct UnknownEnding {
-    /// The path.
-    pub path: String,
-}
-
 impl FieldFormat {
     /// The form that the ending of `path` asks for, in any letter case.
     ///
@@ -63,16 +55,7 @@ impl FieldFormat {
     ///
     /// When it asks for none.
     pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        path.extension()
-            .and_then(|ending| {
-                let (_, format) = ENDINGS
-                    .iter()
-                    .find(|(name, _)| ending.eq_ignore_ascii_case(name))?;
-                Some(*format)
-            })
-            .ok_or_else(|| UnknownEnding {
-                path: path.display().to_string(),
-            })
+        of_ending(path, "distances", &ENDINGS)
     }
 
     /// The contents of a file in this form.

@@ -95,6 +95,25 @@ pub(crate) fn markdown(text: &str) -> String {
     escaped
 }
 
+/// `text` with the characters that mean something in XML and HTML made harmless, in and outside
+/// of attributes; what XML cannot hold is left out.
+pub(crate) fn xml(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            '\n' | '\t' => escaped.push(' '),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => {}
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
 /// A text cell of a CSV file: with an apostrophe before it if a spreadsheet would take it for a
 /// formula. Numbers and a lone dash stay as they are. An apostrophe is put before further ones as
 /// well, so that it can be taken off again.
@@ -144,6 +163,14 @@ mod tests {
         assert_eq!(
             markdown("<img src=x>|&amp;`*a*`\n_b_ \\| [c](d) ![e][f] ~g~"),
             "&lt;img src=x>\\|&amp;amp;\\`\\*a\\*\\` \\_b\\_ \\\\\\| [c\\](d) ![e\\][f] \\~g\\~"
+        );
+    }
+
+    #[test]
+    fn nothing_is_an_element() {
+        assert_eq!(
+            xml("<a href=\"x\">'&\u{1}</a>"),
+            "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&lt;/a&gt;"
         );
     }
 

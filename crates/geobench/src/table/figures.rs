@@ -70,16 +70,20 @@ pub fn figure(name: &str) -> Result<&'static Figure, UnknownFigure> {
         .ok_or(UnknownFigure { name })
 }
 
+/// The time.
+pub(crate) fn time() -> &'static Figure {
+    &all()[0]
+}
+
 /// The figures of these names, as far as there are any; the usual ones if none are named.
 pub(crate) fn figures<S: AsRef<str>>(names: &[S]) -> Vec<&'static Figure> {
     if names.is_empty() {
-        USUAL.iter().flat_map(|name| figure(name)).collect()
-    } else {
-        names
-            .iter()
-            .flat_map(|name| figure(name.as_ref()))
-            .collect()
+        return figures(&USUAL);
     }
+    names
+        .iter()
+        .flat_map(|name| figure(name.as_ref()))
+        .collect()
 }
 
 impl Figure {
@@ -247,6 +251,7 @@ mod tests {
             assert!(!known()[..i].contains(&name), "{name} stands there twice");
         }
         assert_eq!(figures::<&str>(&[]).len(), USUAL.len());
+        assert_eq!(time().key, "time");
         let message = figure("levls").unwrap_err().to_string();
         assert!(
             message.starts_with("there is no row `levls`, did you mean `levels`?; known are time,")

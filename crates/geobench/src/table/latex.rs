@@ -1,67 +1,83 @@
-//! One table in LaTeX, laid out like those of the papers.
+//! Tables in LaTeX, for the booktabs package, laid out like those of the papers.
 
 use super::escape::printable;
-use super::grid::Entry;
-use super::view::{Section, sections};
-use crate::schema::ResultFile;
+use super::model::{Entry, Mark, Table};
 
-/// A `tabular` for each group, for the booktabs package; what else is to be known stands in
-/// comments.
-pub(super) fn render(result: &ResultFile) -> String {
-    let mut lines = vec!["% Needs \\usepackage{booktabs}.".to_owned()];
-    for section in sections(result) {
-        tabular(&section, &mut lines);
+/// A line that every file with tables starts with.
+pub(crate) const NEEDS: &str = "% Needs \\usepackage{booktabs}.\n";
+
+/// A `tabular` behind its heading; that and what else is to be known stand in comments.
+pub(crate) fn table(table: &Table) -> String {
+    let mut tex = String::new();
+    for line in [&table.title, &table.caption]
+        .into_iter()
+        .flat_map(|t| t.lines())
+    {
+        tex.extend(["% ", &printable(line), "\n"]);
     }
-    lines.join("\n")
+    tex + &tabular(table)
 }
 
-fn tabular(section: &Section<'_>, lines: &mut Vec<String>) {
-    if let Some(group) = section.group {
-        let texts = [group.name.as_deref(), group.shows.as_deref()];
-        let texts = texts.into_iter().flatten().flat_map(|t| t.trim().lines());
-        lines.extend(texts.map(|text| format!("% {}", printable(text))));
+/// The `tabular` alone.
+pub(crate) fn tabular(table: &Table) -> String {
+    let columns = &table.columns;
+    let kinds = columns.iter().map(|c| if c.numeric { 'r' } else { 'l' });
+    let kinds: String = table.titles.map(|_| 'l').into_iter().chain(kinds).collect();
+    let mut tex = format!("\\begin{{tabular}}{{{kinds}}}\n\\toprule\n");
+    let overs = table.overs();
+    if !overs.is_empty() {
+        tex += &row(overs.into_iter().map(|(text, width)| match text {
+            "" => vec![""; width].join(" & "),
+            text => format!("\\multicolumn{{{width}}}{{c}}{{{}}}", escape(text)),
+        }));
     }
-    let algorithms = &section.algorithms;
-    lines.extend([
-        format!("\\begin{{tabular}}{{ll{}}}", "r".repeat(algorithms.len())),
-        "\\toprule".to_owned(),
-    ]);
-    let header = algorithms.iter().map(|name| escape(name));
-    lines.push(line("Model", "", header));
-    for view in &section.views {
-        lines.push("\\midrule".to_owned());
-        for note in std::iter::once(&view.sources).chain(&view.notes) {
-            if !note.is_empty() {
-                let (name, note) = (printable(&view.name), printable(note));
-                lines.push(format!("% {name}: {note}"));
+    let heads = columns.iter().map(|column| column.head.as_str());
+    tex += &row(table.titles.into_iter().chain(heads).map(escape));
+    for part in &table.parts {
+        tex += "\\midrule\n";
+        if table.titles.is_some() {
+            for remark in part.remarks() {
+                tex.extend([
+                    "% ",
+                    &printable(&part.title),
+                    ": ",
+                    &printable(remark),
+                    "\n",
+                ]);
             }
+        } else if !part.title.is_empty() {
+            let mut title = escape(&part.title);
+            let details = part.details();
+            if !details.is_empty() {
+                title.extend([" (", &escape(&details), ")"]);
+            }
+            let width = columns.len();
+            let title = format!("\\multicolumn{{{width}}}{{l}}{{{title}}}");
+            tex += &row(std::iter::once(title));
         }
-        for (i, row) in view.rows.iter().enumerate() {
+        for (i, entries) in part.rows.iter().enumerate() {
             // Name and size share the first column, so that it stays narrow.
-            let model = match i {
-                0 => escape(&view.name),
-                1 => format!("({})", view.size),
+            let title = table.titles.map(|_| match i {
+                0 => escape(&part.title),
+                1 => escape(&format!("({})", part.detail)),
                 _ => String::new(),
-            };
-            let entries = algorithms
-                .iter()
-                .map(|name| view.entry(row, name).map_or_else(String::new, entry));
-            lines.push(line(&model, &row.label, entries));
+            });
+            tex += &row(title.into_iter().chain(entries.iter().map(entry)));
         }
     }
-    lines.extend(["\\bottomrule".to_owned(), "\\end{tabular}\n".to_owned()]);
+    tex + "\\bottomrule\n\\end{tabular}\n"
 }
 
-fn line(model: &str, label: &str, entries: impl Iterator<Item = String>) -> String {
-    let fields = [model.to_owned(), escape(label)].into_iter().chain(entries);
-    fields.collect::<Vec<_>>().join(" & ") + " \\\\"
+fn row(fields: impl Iterator<Item = String>) -> String {
+    fields.collect::<Vec<_>>().join(" & ") + " \\\\\n"
 }
 
 fn entry(entry: &Entry) -> String {
-    if entry.best {
-        format!("\\textbf{{{}}}", entry.text)
-    } else {
-        entry.text.clone()
+    let text = escape(&entry.text);
+    match entry.mark {
+        Mark::Best => format!("\\textbf{{{text}}}"),
+        Mark::Failed => format!("\\emph{{{text}}}"),
+        Mark::None => text,
     }
 }
 
@@ -80,6 +96,7 @@ pub(crate) fn escape(text: &str) -> String {
             '\\' => escaped.push_str("\\textbackslash{}"),
             '~' => escaped.push_str("\\textasciitilde{}"),
             '^' => escaped.push_str("\\textasciicircum{}"),
+            '\u{b1}' => escaped.push_str("$\\pm$"),
             _ => escaped.push(c),
         }
     }

@@ -1,62 +1,65 @@
-//! One table in Markdown, laid out like those of the papers.
+//! Tables in Markdown.
 
 use super::escape::markdown as escape;
-use super::grid::{Entry, Grid};
-use super::view::{Section, sections};
-use crate::schema::ResultFile;
+use super::model::{Entry, Mark, Table};
 
-/// A table for each group, each with a list of what else is to be known.
-pub(super) fn render(result: &ResultFile) -> String {
-    let parts: Vec<String> = sections(result).iter().map(section).collect();
-    parts.join("\n")
-}
-
-fn section(section: &Section<'_>) -> String {
+/// A table under its heading, with a list of what else is to be known.
+pub(super) fn table(table: &Table) -> String {
     let mut lines = Vec::new();
-    if let Some(group) = section.group {
-        if let Some(name) = &group.name {
-            lines.extend([format!("## {}", escape(name)), String::new()]);
-        }
-        if let Some(shows) = &group.shows {
-            lines.extend(shows.trim().lines().map(escape));
-            lines.push(String::new());
-        }
+    if !table.title.is_empty() {
+        lines.extend([format!("## {}", escape(&table.title)), String::new()]);
     }
-    let header = ["Model", ""]
-        .into_iter()
-        .chain(section.algorithms.iter().copied());
-    let mut grid = Grid {
-        texts: 2,
-        header: header.map(str::to_owned).collect(),
-        rows: Vec::new(),
-    };
-    for view in &section.views {
-        for (i, row) in view.rows.iter().enumerate() {
-            let model = match i {
-                0 => format!("{} ({})", view.name, view.size),
-                _ => String::new(),
-            };
-            let label = [model, row.label.clone()].map(Entry::plain);
-            let entries = section.algorithms.iter().map(|name| view.entry(row, name));
-            let entries = entries.map(|entry| entry.cloned().unwrap_or_default());
-            grid.rows.push(label.into_iter().chain(entries).collect());
-        }
+    if !table.caption.is_empty() {
+        lines.extend(table.caption.lines().map(escape));
+        lines.push(String::new());
     }
-    lines.extend(grid.markdown());
+    lines.extend(grid(table));
     lines.push(String::new());
-    for view in &section.views {
-        let notes: Vec<&str> = std::iter::once(&view.sources)
-            .chain(&view.notes)
-            .map(String::as_str)
-            .filter(|note| !note.is_empty())
-            .collect();
-        if !notes.is_empty() {
-            lines.push(format!(
-                "- {}: {}",
-                escape(&view.name),
-                escape(&notes.join("; "))
-            ));
+    for part in &table.parts {
+        let remarks: Vec<&str> = part.remarks().collect();
+        if !remarks.is_empty() {
+            let [title, remarks] = [&part.title, &remarks.join("; ")].map(|text| escape(text));
+            lines.push(format!("- {title}: {remarks}"));
         }
     }
     lines.join("\n") + "\n"
+}
+
+/// The table alone, line by line: what is set off is bold.
+pub(super) fn grid(table: &Table) -> Vec<String> {
+    let heads = table.columns.iter().map(|column| column.head.as_str());
+    let rules = table.columns.iter();
+    let rules = rules.map(|column| if column.numeric { "--:|" } else { "---|" });
+    let titled = table.titles.is_some();
+    let mut lines = vec![
+        line(table.titles.into_iter().chain(heads).map(escape)),
+        format!(
+            "|{}{}",
+            if titled { "---|" } else { "" },
+            rules.collect::<String>()
+        ),
+    ];
+    for part in &table.parts {
+        for (i, row) in part.rows.iter().enumerate() {
+            let title = titled.then(|| match i {
+                0 => escape(&format!("{} ({})", part.title, part.detail)),
+                _ => String::new(),
+            });
+            lines.push(line(title.into_iter().chain(row.iter().map(entry))));
+        }
+    }
+    lines
+}
+
+fn entry(entry: &Entry) -> String {
+    let text = escape(&entry.text);
+    match entry.mark {
+        Mark::Best => format!("**{text}**"),
+        _ => text,
+    }
+}
+
+fn line(fields: impl Iterator<Item = String>) -> String {
+    let line = fields.fold("|".to_owned(), |line, field| line + " " + &field + " |");
+    line.replace("|  |", "| |")
 }

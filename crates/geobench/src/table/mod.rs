@@ -2,31 +2,32 @@
 
 use std::path::Path;
 
-use self::escape::printable;
-use self::grid::{Entry, Grid};
-use self::view::{ModelView, Row, sections};
+use self::group::Group;
 use crate::schema::{Cell, GroupRecord, ModelRecord, ResultFile};
 
 mod bars;
 mod comparison;
-mod csv;
+pub(crate) mod csv;
 pub mod distance_formats;
 pub(crate) mod escape;
 pub(crate) mod figures;
-mod grid;
+pub(crate) mod group;
+pub(crate) mod html;
 pub(crate) mod latex;
 mod markdown;
+mod model;
 pub mod output;
+pub(crate) mod results;
+pub(crate) mod terminal;
 #[cfg(test)]
-mod tests;
-pub(crate) mod view;
+pub(crate) mod tests;
 
 pub use bars::model_bars;
 pub use comparison::ComparisonFormat;
 pub use csv::header as csv_header;
 pub use figures::{Figure, UnknownFigure, figure};
-pub use grid::Look;
-pub(crate) use view::base;
+pub(crate) use model::{Column, Entry, Note, Part, Table};
+pub use terminal::Look;
 
 /// A form in which results can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -53,16 +54,22 @@ const ENDINGS: [(&str, Format); 4] = [
 
 /// A path whose ending is not that of a file that can be written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{path}: the ending says in which form to write results; use {endings}")]
+#[error("{path}: the ending says in which form to write {what}; use {endings}")]
 pub struct UnknownEnding {
     /// The path.
     pub path: String,
+    /// What is to be written.
+    pub what: &'static str,
     /// The endings that are understood, in words.
     pub endings: String,
 }
 
 /// The form that the ending of `path` stands for, in any letter case.
-fn of_ending<F: Copy>(path: &Path, endings: &[(&str, F)]) -> Result<F, UnknownEnding> {
+fn of_ending<F: Copy>(
+    path: &Path,
+    what: &'static str,
+    endings: &[(&str, F)],
+) -> Result<F, UnknownEnding> {
     let ending = path.extension().unwrap_or_default();
     let found = endings
         .iter()
@@ -71,6 +78,7 @@ fn of_ending<F: Copy>(path: &Path, endings: &[(&str, F)]) -> Result<F, UnknownEn
         let names: Vec<String> = endings.iter().map(|(name, _)| format!(".{name}")).collect();
         UnknownEnding {
             path: path.display().to_string(),
+            what,
             endings: match names.split_last() {
                 Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
                 _ => names.concat(),
@@ -86,7 +94,7 @@ impl Format {
     ///
     /// When it asks for none.
     pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        of_ending(path, &ENDINGS)
+        of_ending(path, "results", &ENDINGS)
     }
 
     /// Results in this form, ending in a line break.
@@ -96,82 +104,52 @@ impl Format {
     /// Only if a number or a text cannot be represented, which the records exclude.
     pub fn render(self, result: &ResultFile) -> anyhow::Result<String> {
         Ok(match self {
-            Self::Table => terminal(result),
-            Self::Markdown => markdown::render(result),
-            Self::Latex => latex::render(result),
-            Self::Csv => csv::render(result)?,
+            Self::Table => {
+                let table = |table: &Table| terminal::table(table, Look::default());
+                tables(result).iter().map(table).collect::<String>() + &footnote(result, false)
+            }
+            Self::Markdown => joined(result, markdown::table),
+            Self::Latex => latex::NEEDS.to_owned() + &joined(result, latex::table),
+            Self::Csv => csv::table(&csv::results(result))?,
             Self::Json => serde_json::to_string_pretty(result)? + "\n",
         })
     }
 }
 
+/// The tables of all groups.
+fn tables(result: &ResultFile) -> Vec<Table> {
+    results::groups(result).iter().map(results::table).collect()
+}
+
+/// The tables of all groups as `write` writes them, an empty line between them.
+fn joined(result: &ResultFile, write: fn(&Table) -> String) -> String {
+    let tables: Vec<String> = tables(result).iter().map(write).collect();
+    tables.join("\n")
+}
+
 /// What stands above the tables of a group: its name and what it is to show. Nothing for a group
 /// that has neither.
 pub fn group_heading(group: &GroupRecord) -> String {
-    let parts = [group.name.as_deref(), group.shows.as_deref()];
-    let texts = parts.into_iter().flatten();
-    let lines: Vec<_> = texts
-        .flat_map(|text| text.trim().lines().map(printable))
-        .collect();
-    if lines.is_empty() {
-        String::new()
-    } else {
-        lines.join("\n") + "\n\n"
-    }
+    let [name, shows] = [&group.name, &group.shows].map(|text| text.as_deref().unwrap_or_default());
+    terminal::heading(name, shows)
 }
 
 /// The table of one model of a group, under a line that says which, followed by an empty line.
 pub fn model_table(group: &GroupRecord, model: &ModelRecord, cells: &[Cell], look: Look) -> String {
-    show(&ModelView::new(group, model, cells), look)
+    let group = Group::new(group, std::slice::from_ref(model), cells);
+    part(&group, &results::part(&group, model), look)
 }
 
-/// The table of the ratios in a group, if it asks for some; `cells` are all of the group.
-pub fn ratio_table(group: &GroupRecord, cells: &[Cell], look: Look) -> String {
-    let cells: Vec<&Cell> = cells.iter().filter(|c| c.group == group.name).collect();
-    view::ratio_view(group, &cells).map_or_else(String::new, |view| show(&view, look))
+/// The table of the ratios in a group of `result`, if it asks for some.
+pub fn ratio_table(group: &GroupRecord, result: &ResultFile, look: Look) -> String {
+    let group = Group::new(group, &result.models, &result.cells);
+    let ratios = results::ratios(&group);
+    ratios.map_or_else(String::new, |ratios| part(&group, &ratios, look))
 }
 
-/// All tables of `result`.
-fn terminal(result: &ResultFile) -> String {
-    let mut text = String::new();
-    for section in sections(result) {
-        text.extend(section.group.map(group_heading));
-        text.extend(section.views.iter().map(|view| show(view, Look::default())));
-    }
-    text + &footnote(result, false)
-}
-
-fn show(view: &ModelView<'_>, look: Look) -> String {
-    let mut lines = vec![format!("{}  ({})", printable(&view.name), view.size)];
-    if !view.refused {
-        if !view.sources.is_empty() {
-            lines[0] += "  ";
-            lines[0] += &view.sources;
-        }
-        lines.push(table(view, look));
-    }
-    lines.extend(
-        view.notes
-            .iter()
-            .map(|note| format!("  {}", printable(note))),
-    );
-    lines.join("\n") + "\n\n"
-}
-
-fn table(view: &ModelView<'_>, look: Look) -> String {
-    let header = std::iter::once("").chain(view.algorithms.iter().copied());
-    let row = |row: &Row| {
-        let label = Entry::plain(row.label.clone());
-        std::iter::once(label)
-            .chain(row.entries.iter().cloned())
-            .collect()
-    };
-    let grid = Grid {
-        texts: 1,
-        header: header.map(str::to_owned).collect(),
-        rows: view.rows.iter().map(row).collect(),
-    };
-    grid.terminal(look)
+fn part(group: &Group<'_>, part: &Part, look: Look) -> String {
+    let table = Table::new(results::columns(group), Vec::new());
+    terminal::part(&table, part, look)
 }
 
 /// What the figures of the tables of `result` mean, in one line.

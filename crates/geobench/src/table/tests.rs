@@ -5,24 +5,26 @@ use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
 use crate::run::mock::{plan, result, run_mock};
 use crate::schema::{GroupRecord, ResultFile};
 
-/// Two models, one of them with a wrong answer, and a refused one.
-fn mixed() -> ResultFile {
+/// A good model, one named `spoilt` with a wrong answer, and a refused one.
+pub(crate) fn mixed_with(spoilt: &str) -> ResultFile {
     let mut good = run_mock(
         &plan(&["horse"], "mmp,ich,vtp", "0"),
         &mut MockBackend::default(),
     );
-    let mut spoilt = MockBackend {
+    let mut backend = MockBackend {
         alter: Some(spoil_vtp),
         refuse: vec!["broken_mesh"],
         ..MockBackend::default()
     };
-    let bad = run_mock(
-        &plan(&["cow|2", "broken_mesh"], "mmp,ich,vtp", "3"),
-        &mut spoilt,
-    );
+    let bad = plan(&[spoilt, "broken_mesh"], "mmp,ich,vtp", "3");
+    let bad = run_mock(&bad, &mut backend);
     good.models.extend(bad.models);
     good.cells.extend(bad.cells);
     result(good)
+}
+
+fn mixed() -> ResultFile {
+    mixed_with("cow|2")
 }
 
 #[test]
@@ -105,14 +107,14 @@ fn latex() {
     % cow|2: times: 95 % intervals within 0.4 % of the medians
     % cow|2: unreachable vertices: 1
     % cow|2: vtp, source 3: wrong: differs from mmp: vertex 2 is at 1.75 instead of 1.5 (difference 2.500e-1, relative 1.429e-1); 1 of 4 vertices differ by more than 1e-9 relative; 3 algorithms: 2 with the reference's answer, 1 with this one
-    cow|2 & Time (s) & 1.21 & \textbf{1.21} & wrong \\
-    (V: 4, F: 96,966) & Window propagations & 3,000,009 & \textbf{9} & wrong \\
-     & Peak memory, papers' count (MB) & 80.000 & \textbf{0.001} & wrong \\
-     & Peak memory, measured (MB) & 100000.300 & \textbf{0.300} & wrong \\
+    cow|2 & Time (s) & 1.21 & \textbf{1.21} & \emph{wrong} \\
+    (V: 4, F: 96,966) & Window propagations & 3,000,009 & \textbf{9} & \emph{wrong} \\
+     & Peak memory, papers' count (MB) & 80.000 & \textbf{0.001} & \emph{wrong} \\
+     & Peak memory, measured (MB) & 100000.300 & \textbf{0.300} & \emph{wrong} \\
     \midrule
     % broken_mesh: source 3
     % broken_mesh: refused: broken_mesh.obj: edge 3-7 has 3 faces
-    broken\_mesh &  & refused & refused & refused \\
+    broken\_mesh &  & \emph{refused} & \emph{refused} & \emph{refused} \\
     \bottomrule
     \end{tabular}
     "#);

@@ -5,7 +5,7 @@ use crate::support::Sandbox;
 #[test]
 fn every_algorithm_is_listed() {
     let sandbox = Sandbox::new();
-    let text = sandbox.succeed("algos");
+    let text = sandbox.succeed("algos all");
     let json: serde_json::Value =
         serde_json::from_str(&sandbox.succeed("algos --format json")).unwrap();
     let names: Vec<&str> = json
@@ -26,6 +26,7 @@ fn every_algorithm_is_listed() {
         "complexity",
         "keeps",
         "choose",
+        "departs",
         "parameters",
     ] {
         assert!(!json[0][field].is_null(), "{field}");
@@ -33,6 +34,25 @@ fn every_algorithm_is_listed() {
             assert!(text.contains(fact), "{field}");
         }
     }
+}
+
+#[test]
+fn the_overview_fits_a_terminal() {
+    let sandbox = Sandbox::new();
+    let text = sandbox.succeed("algos");
+    assert!(
+        text.lines().all(|line| line.chars().count() <= 80),
+        "{text}"
+    );
+    assert!(text.lines().count() < 100, "{text}");
+    let json: serde_json::Value =
+        serde_json::from_str(&sandbox.succeed("algos --format json")).unwrap();
+    for algorithm in json.as_array().unwrap() {
+        let name = algorithm["name"].as_str().unwrap();
+        let own = |line: &str| line.split_whitespace().next() == Some(name);
+        assert!(text.lines().any(own), "{name}:\n{text}");
+    }
+    assert!(text.contains("Which one to take"));
 }
 
 #[test]

@@ -323,8 +323,7 @@ pub(crate) fn exact(value: f64) -> String {
 /// What of the machines makes times hard to compare.
 fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
     let mut notes = Vec::new();
-    let machine = |file: &ResultFile| (file.host.cpu.clone(), file.host.cores);
-    if machine(old) != machine(new) {
+    if !old.host.is_same_machine(&new.host) {
         notes.push("the files are from different machines: times say little".to_owned());
     }
     if old.tool.rustc != new.tool.rustc {

@@ -394,6 +394,13 @@ fn other_machines_and_builds_are_said() {
             "the old file is of a debug build: its times mean little"
         ]
     );
+    // Of the same memory kernels report a little more or less.
+    let (old, mut new) = (file(), file());
+    let memory = old.host.memory_bytes.unwrap();
+    new.host.memory_bytes = Some(memory - memory / 200);
+    assert_eq!(compared(&old, &new, "").notes, [""; 0]);
+    new.host.memory_bytes = Some(memory / 2);
+    assert_eq!(compared(&old, &new, "").notes.len(), 1);
     // Files of older programs do not tell.
     let (old, mut new) = (file(), file());
     new.tool.rustflags = None;

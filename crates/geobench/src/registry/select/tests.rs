@@ -34,6 +34,7 @@ fn names_are_unique_and_promised() {
             algorithm.complexity,
             algorithm.keeps,
             algorithm.choose,
+            algorithm.departs(),
         ] {
             assert!(!fact.is_empty(), "`{name}` lacks a fact");
         }

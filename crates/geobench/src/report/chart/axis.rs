@@ -161,7 +161,7 @@ impl Scale {
 }
 
 /// The smallest of 1, 2, 2.5 and 5 times a power of ten that is not below `step`.
-fn nice(step: f64) -> f64 {
+pub(crate) fn nice(step: f64) -> f64 {
     let power = libm::exp10(libm::log10(step).floor());
     [1.0, 2.0, 2.5, 5.0, 10.0]
         .into_iter()

@@ -1,8 +1,7 @@
 //! Bars made of parts: where the time of each algorithm goes.
 
 use super::axis::{Axis, Scale};
-use super::dots::axis_below;
-use super::{Datum, LINE, WIDTH};
+use super::{Datum, LINE, WIDTH, axis_below};
 use crate::report::svg::{Svg, fitted, px, width_of};
 
 /// The most parts that a bar can have: there are so many patterns.
@@ -114,21 +113,27 @@ impl Bars {
         let mut data = Vec::new();
         for group in &self.groups {
             for bar in &group.bars {
-                let datum = |series: String, value, absent| Datum {
+                let datum = |series: String| Datum {
                     of: group.title.clone(),
                     series,
-                    x: None,
-                    value,
-                    interval: None,
-                    absent,
+                    ..Datum::default()
                 };
                 if bar.failed {
-                    data.push(datum(bar.label.clone(), None, Some(bar.note.clone())));
+                    data.push(Datum {
+                        absent: Some(bar.note.clone()),
+                        ..datum(bar.label.clone())
+                    });
                     continue;
                 }
-                for (name, length) in self.parts.iter().zip(bar.parts) {
-                    data.push(datum(format!("{}: {name}", bar.label), Some(length), None));
-                }
+                data.extend(
+                    self.parts
+                        .iter()
+                        .zip(bar.parts)
+                        .map(|(name, length)| Datum {
+                            value: Some(length),
+                            ..datum(format!("{}: {name}", bar.label))
+                        }),
+                );
             }
         }
         data

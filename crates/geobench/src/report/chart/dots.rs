@@ -1,9 +1,10 @@
 //! Points on lanes: one band for each model, one lane for each algorithm. Where there would be too
 //! many lanes, a band becomes a single one that all algorithms share.
 
-use super::axis::{self, Axis, Scale};
-use super::{Datum, LINE, Point, WIDTH, draw_marker, legend, marker_class};
+use super::axis::{Axis, Scale};
+use super::{Datum, LINE, Point, WIDTH, axis_below, draw_marker, draw_whisker, legend};
 use crate::report::svg::{Svg, fitted, width_of};
+use crate::table::group::distinct;
 
 /// Most lanes that have a line of their own.
 const MOST_LANES: usize = 64;
@@ -100,15 +101,7 @@ impl Dots {
 
     /// The same with one lane for each band, and a legend that names the markers.
     fn merged(&self) -> Self {
-        let mut legend = self.legend.clone();
         let lanes = self.bands.iter().map(|band| {
-            let points: Vec<Point> = band.lanes.iter().flat_map(|l| l.points.clone()).collect();
-            for point in &points {
-                let entry = (point.style, point.hollow, point.name.clone());
-                if !legend.contains(&entry) {
-                    legend.push(entry);
-                }
-            }
             let absent: Vec<String> = band
                 .lanes
                 .iter()
@@ -116,19 +109,19 @@ impl Dots {
                 .collect();
             Lane {
                 label: band.title.clone(),
-                points,
+                points: band.lanes.iter().flat_map(|l| l.points.clone()).collect(),
                 absent: (!absent.is_empty()).then(|| absent.join(", ")),
             }
         });
-        let lanes = lanes.collect();
+        let names = self.points().map(|p| (p.style, p.hollow, p.name.clone()));
         Self {
             axis: self.axis.clone(),
             reference: self.reference,
             bands: vec![Band {
                 title: String::new(),
-                lanes,
+                lanes: lanes.collect(),
             }],
-            legend,
+            legend: distinct(self.legend.iter().cloned().chain(names)),
         }
     }
 
@@ -144,18 +137,15 @@ impl Dots {
                 data.extend(lane.points.iter().map(|point| Datum {
                     of: band.title.clone(),
                     series: point.name.clone(),
-                    x: None,
                     value: Some(point.value.value),
                     interval: point.value.interval,
-                    absent: None,
+                    ..Datum::default()
                 }));
                 data.extend(lane.absent.iter().map(|absent| Datum {
                     of: band.title.clone(),
                     series: lane.label.clone(),
-                    x: None,
-                    value: None,
-                    interval: None,
                     absent: Some(absent.clone()),
+                    ..Datum::default()
                 }));
             }
         }
@@ -175,18 +165,11 @@ fn draw_lane(svg: &mut Svg, lane: &Lane, scale: &Scale, y: f64) {
         let Some(place) = scale.place(point.value.value) else {
             continue;
         };
-        let class = marker_class(point.style);
         svg.open("g", &[]);
         svg.holding("title", &[], &spoken(point));
-        if let Some([low, high]) = point.value.interval {
-            let (low, high) = (scale.clamped(low), scale.clamped(high));
-            // Ends that lie within the marker would only blur it.
-            if high - low > 8.0 {
-                let whisker = format!("whisker {class}");
-                svg.line(&whisker, [low, y], [high, y]);
-                svg.line(&whisker, [low, y - 3.0], [low, y + 3.0]);
-                svg.line(&whisker, [high, y - 3.0], [high, y + 3.0]);
-            }
+        if let Some(ends) = point.value.interval {
+            let ends = ends.map(|end| [scale.clamped(end), y]);
+            draw_whisker(svg, point.style, ends);
         }
         draw_marker(svg, point.style, point.hollow, [place, y]);
         svg.close();
@@ -227,22 +210,4 @@ fn significant(value: f64) -> String {
     }
     let decimals = (3 - libm::log10(size).floor() as i32).clamp(0, 9);
     format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
-}
-
-/// The axis of a chart below it, and the lines of its ticks.
-pub(super) fn axis_below(svg: &mut Svg, scale: &Scale, label: &str, [top, bottom]: [f64; 2]) {
-    let (major, minor) = scale.ticks();
-    for place in minor.into_iter().filter_map(|tick| scale.place(tick)) {
-        svg.line("minor", [place, top], [place, bottom]);
-    }
-    for tick in major {
-        let Some(place) = scale.place(tick) else {
-            continue;
-        };
-        svg.line("grid", [place, top], [place, bottom]);
-        svg.text([place, bottom + 13.0], "m", &axis::label(tick));
-    }
-    svg.line("axis", [scale.start(), bottom], [scale.end(), bottom]);
-    let middle = f64::midpoint(scale.start(), scale.end());
-    svg.text([middle, bottom + 28.0], "m", label);
 }

@@ -1,9 +1,11 @@
 //! Lines over two axes: how algorithms scale.
 
-use super::axis::{self, Axis, Scale};
-use super::dots::axis_below;
-use super::{Datum, Value, WIDTH, draw_marker, legend, marker_class};
+use super::axis::{Axis, Scale};
+use super::{
+    Datum, WIDTH, axis_below, draw_marker, draw_ticks, draw_whisker, legend, marker_class,
+};
 use crate::report::svg::{Svg, fitted, px};
+use crate::table::group::Value;
 
 /// Height of the field in which lines are drawn.
 const HEIGHT: f64 = 230.0;
@@ -57,16 +59,8 @@ impl Lines {
         );
         let y = Scale::new(&self.y, ys.chain(self.reference), [bottom, top], false);
         svg.text([4.0, top - 9.0], "t", &fitted(&self.y.label, WIDTH - 8.0));
-        let (major, minor) = y.ticks();
-        for place in minor.into_iter().filter_map(|tick| y.place(tick)) {
-            svg.line("minor", [x.start(), place], [x.end(), place]);
-        }
-        for tick in major {
-            if let Some(place) = y.place(tick) {
-                svg.line("grid", [x.start(), place], [x.end(), place]);
-                svg.text([46.0, place + 3.8], "e", &axis::label(tick));
-            }
-        }
+        let ends = |place| [[x.start(), place], [x.end(), place]];
+        draw_ticks(svg, &y, ends, "e", |place| [46.0, place + 3.8]);
         svg.line("axis", [x.start(), top], [x.start(), bottom]);
         if let Some(place) = self.reference.and_then(|value| y.place(value)) {
             svg.line("one", [x.start(), place], [x.end(), place]);
@@ -87,7 +81,7 @@ impl Lines {
                 x: Some(*x),
                 value: Some(value.value),
                 interval: value.interval,
-                absent: None,
+                ..Datum::default()
             }));
         }
         data
@@ -123,14 +117,9 @@ fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
         1
     };
     for (i, (at, value)) in places.into_iter().enumerate() {
-        if let Some([low, high]) = value.interval {
-            let (low, high) = (y.clamped(low), y.clamped(high));
-            if low - high > 8.0 {
-                let whisker = format!("whisker {class}");
-                svg.line(&whisker, [at[0], low], [at[0], high]);
-                svg.line(&whisker, [at[0] - 3.0, low], [at[0] + 3.0, low]);
-                svg.line(&whisker, [at[0] - 3.0, high], [at[0] + 3.0, high]);
-            }
+        if let Some(ends) = value.interval {
+            let ends = ends.map(|end| [at[0], y.clamped(end)]);
+            draw_whisker(svg, series.style, ends);
         }
         if i % every == 0 {
             draw_marker(svg, series.style, series.hollow, at);

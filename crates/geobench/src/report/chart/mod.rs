@@ -6,13 +6,15 @@
 
 use super::picture::Picture;
 use crate::report::svg::{Svg, px, width_of};
+use crate::table::group::Value;
 
 mod axis;
 mod bars;
 mod dots;
 mod lines;
 
-pub(crate) use axis::Axis;
+use axis::Scale;
+pub(crate) use axis::{Axis, nice};
 pub(crate) use bars::{Bar, Bars, Group as BarGroup, PARTS};
 pub(crate) use dots::{Band, Dots, Lane};
 pub(crate) use lines::{Lines, Series};
@@ -32,14 +34,6 @@ pub(crate) enum Chart {
     Picture(Picture),
 }
 
-/// A value with its uncertainty.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Value {
-    pub(crate) value: f64,
-    /// The ends of its 95 % interval.
-    pub(crate) interval: Option<[f64; 2]>,
-}
-
 /// A value that is shown by the marker of an algorithm.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Point {
@@ -53,7 +47,7 @@ pub(crate) struct Point {
 }
 
 /// A row of the numbers behind a chart: what is drawn where, in words and numbers.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Datum {
     /// The band, the panel or the family.
     pub(crate) of: String,
@@ -67,28 +61,20 @@ pub(crate) struct Datum {
     pub(crate) absent: Option<String>,
 }
 
-/// What a drawing says to those who do not see it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Spoken<'a> {
-    /// Unique in the page.
-    pub(crate) id: &'a str,
-    pub(crate) title: &'a str,
-    pub(crate) description: &'a str,
-}
-
 impl Chart {
-    /// The drawing, as an `svg` element. One that is to stand in a file `alone` says how its parts
-    /// look; in a page the page does.
-    pub(crate) fn draw(&self, spoken: Spoken<'_>, alone: bool) -> String {
+    /// The drawing, as an `svg` element known by `id` in the page, with what it says to those who do
+    /// not see it. One that is to stand in a file `alone` says how its parts look; in a page the page
+    /// does.
+    pub(crate) fn draw(&self, id: &str, title: &str, description: &str, alone: bool) -> String {
         let mut inside = Svg::default();
         let [width, height] = match self {
             Self::Dots(dots) => [WIDTH, dots.draw(&mut inside)],
-            Self::Bars(bars) => [WIDTH, bars.draw(&mut inside, spoken.id)],
+            Self::Bars(bars) => [WIDTH, bars.draw(&mut inside, id)],
             Self::Lines(lines) => [WIDTH, lines.draw(&mut inside)],
             Self::Picture(picture) => picture.draw(&mut inside),
         };
         let mut svg = Svg::default();
-        let id = |part: &str| format!("{}-{part}", spoken.id);
+        let id = |part: &str| format!("{id}-{part}");
         let mut attributes = vec![
             ("xmlns", "http://www.w3.org/2000/svg".to_owned()),
             ("class", "chart".to_owned()),
@@ -101,8 +87,8 @@ impl Chart {
             attributes.push(("height", format!("{height:.0}")));
         }
         svg.open("svg", &attributes);
-        svg.holding("title", &[("id", id("title"))], spoken.title);
-        svg.holding("desc", &[("id", id("desc"))], spoken.description);
+        svg.holding("title", &[("id", id("title"))], title);
+        svg.holding("desc", &[("id", id("desc"))], description);
         if alone {
             svg.open("style", &[]);
             svg.raw(include_str!("chart.css"));
@@ -145,6 +131,53 @@ fn legend(svg: &mut Svg, at: [f64; 2], width: f64, names: &[(usize, bool, &str)]
     } else {
         y + LINE + 4.0 - at[1]
     }
+}
+
+/// An interval that ends at two points, with a stroke across each end.
+fn draw_whisker(svg: &mut Svg, style: usize, [low, high]: [[f64; 2]; 2]) {
+    let [along, down] = [0, 1].map(|i| (high[i] - low[i]).abs());
+    // Ends that lie within the marker would only blur it.
+    if along + down <= 8.0 {
+        return;
+    }
+    let class = format!("whisker {}", marker_class(style));
+    let [dx, dy] = if along > down { [0.0, 3.0] } else { [3.0, 0.0] };
+    svg.line(&class, low, high);
+    for [x, y] in [low, high] {
+        svg.line(&class, [x - dx, y - dy], [x + dx, y + dy]);
+    }
+}
+
+/// The lines of the ticks of an axis, each between the points of `ends`, and the labels of the major
+/// ones beside the point of `label`.
+fn draw_ticks(
+    svg: &mut Svg,
+    scale: &Scale,
+    ends: impl Fn(f64) -> [[f64; 2]; 2],
+    class: &str,
+    label: impl Fn(f64) -> [f64; 2],
+) {
+    let (major, minor) = scale.ticks();
+    for place in minor.into_iter().filter_map(|tick| scale.place(tick)) {
+        let [from, to] = ends(place);
+        svg.line("minor", from, to);
+    }
+    for tick in major {
+        if let Some(place) = scale.place(tick) {
+            let [from, to] = ends(place);
+            svg.line("grid", from, to);
+            svg.text(label(place), class, &axis::label(tick));
+        }
+    }
+}
+
+/// The axis of a chart below it, and the lines of its ticks.
+fn axis_below(svg: &mut Svg, scale: &Scale, label: &str, [top, bottom]: [f64; 2]) {
+    let ends = |x| [[x, top], [x, bottom]];
+    draw_ticks(svg, scale, ends, "m", |x| [x, bottom + 13.0]);
+    svg.line("axis", [scale.start(), bottom], [scale.end(), bottom]);
+    let middle = f64::midpoint(scale.start(), scale.end());
+    svg.text([middle, bottom + 28.0], "m", label);
 }
 
 /// How many colours there are; `chart.css` has them.

@@ -1,11 +1,14 @@
 //! A paper's ratios and ours side by side.
 
-use super::PaperTable;
+use super::{PaperTable, Printed};
 use crate::measure::number::grouped;
-use crate::report::chart::{Axis, Band, Chart, Dots, Lane, Point, Value};
-use crate::report::document::{Block, Column, Entry, Plot, Table, TablePart, slug};
-use crate::report::group::Group;
+use crate::report::Setting;
+use crate::report::chart::{Axis, Band, Chart, Dots, Lane, Point};
+use crate::report::document::{Block, Plot, slug};
 use crate::table::figures::Figure;
+use crate::table::group::{Group, Value, distinct};
+use crate::table::results::mean_and_deviation;
+use crate::table::{Column, Entry, Part, Table};
 
 /// What the paper and we have of one figure of two algorithms.
 #[derive(Clone, Debug)]
@@ -13,30 +16,21 @@ struct Pair {
     figure: &'static Figure,
     algorithm: String,
     to: String,
-    paper: Vec<Known>,
+    /// What the paper prints, as ratios.
+    paper: Vec<Printed>,
     /// Our ratios, one for each model.
     ours: Vec<(String, Value)>,
 }
 
-/// A ratio that the paper has, printed or from what it printed.
-#[derive(Clone, Debug)]
-struct Known {
-    model: String,
-    faces: Option<u64>,
-    value: f64,
-    deviation: Option<f64>,
-}
-
 /// The ratios of `table` beside those of `group`, as far as they have figures and algorithms in
-/// common; to `base` if the table has it, else to the last algorithm of the table.
+/// common; to the base of `setting` if the table has it, else to the last algorithm of the table.
 pub(crate) fn compare(
     group: &Group<'_>,
     table: &PaperTable,
-    base: Option<&str>,
-    styles: &[&str],
+    setting: Setting<'_>,
     prefix: &str,
 ) -> Vec<Block> {
-    let pairs = pairs(group, table, base);
+    let pairs = pairs(group, table, setting.base);
     if pairs.is_empty() {
         return Vec::new();
     }
@@ -58,56 +52,50 @@ pub(crate) fn compare(
         Block::Heading(format!("Beside {source}")),
         Block::Text(text),
         Block::Table(side_by_side(&pairs, &same, &source, prefix)),
-        Block::Plots(plots(&pairs, styles, &source, prefix)),
+        Block::Plots(plots(&pairs, setting, &source, prefix)),
     ]
 }
 
 /// Every ratio that both have.
 fn pairs(group: &Group<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair> {
+    let measured = || table.printed.iter().filter(|row| row.to.is_none());
+    let last = measured().next_back().map(|row| row.algorithm.as_str());
+    let base = base.filter(|base| measured().any(|row| row.algorithm == *base));
+    let base = base.or(last);
+    let ratio = |row: &Printed| {
+        if row.to.is_some() {
+            return Some(row.clone());
+        }
+        let base = base.filter(|base| row.algorithm != *base)?;
+        let under = measured().find(|other| {
+            other.algorithm == base
+                && other.model == row.model
+                && other.figure.key == row.figure.key
+        })?;
+        Some(Printed {
+            to: Some(base.to_owned()),
+            value: row.value / under.value,
+            ..row.clone()
+        })
+    };
     let mut pairs: Vec<Pair> = Vec::new();
-    let mut add = |figure: &'static Figure, algorithm: &str, to: &str, known: Known| {
+    for printed in table.printed.iter().filter_map(ratio) {
+        let to = printed.to.clone().unwrap_or_default();
         let found = pairs.iter_mut().find(|pair| {
-            pair.figure.key == figure.key && pair.algorithm == algorithm && pair.to == to
+            pair.figure.key == printed.figure.key
+                && pair.algorithm == printed.algorithm
+                && pair.to == to
         });
         match found {
-            Some(pair) => pair.paper.push(known),
+            Some(pair) => pair.paper.push(printed),
             None => pairs.push(Pair {
-                figure,
-                algorithm: algorithm.to_owned(),
-                to: to.to_owned(),
-                paper: vec![known],
+                figure: printed.figure,
+                algorithm: printed.algorithm.clone(),
+                to,
+                paper: vec![printed],
                 ours: Vec::new(),
             }),
         }
-    };
-    let has = |name: &str| table.measured.iter().any(|m| m.algorithm == name);
-    let last = table.measured.last().map(|m| m.algorithm.as_str());
-    if let Some(base) = base.filter(|base| has(base)).or(last) {
-        for measured in table.measured.iter().filter(|m| m.algorithm != base) {
-            let under = table.measured.iter().find(|other| {
-                other.algorithm == base
-                    && other.model == measured.model
-                    && other.figure.key == measured.figure.key
-            });
-            if let Some(under) = under {
-                let known = Known {
-                    model: measured.model.clone(),
-                    faces: measured.faces,
-                    value: measured.value / under.value,
-                    deviation: None,
-                };
-                add(measured.figure, &measured.algorithm, base, known);
-            }
-        }
-    }
-    for ratio in &table.ratios {
-        let known = Known {
-            model: ratio.model.clone(),
-            faces: ratio.faces,
-            value: ratio.value,
-            deviation: ratio.deviation,
-        };
-        add(ratio.figure, &ratio.algorithm, &ratio.to, known);
     }
     for pair in &mut pairs {
         let models = group.models.iter();
@@ -120,13 +108,7 @@ fn pairs(group: &Group<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair>
     }
     pairs.retain(|pair| !pair.ours.is_empty());
     // Figure by figure, algorithms in the paper's order.
-    let mut order: Vec<&str> = Vec::new();
-    for pair in &pairs {
-        if !order.contains(&pair.figure.key) {
-            order.push(pair.figure.key);
-        }
-    }
-    let order: Vec<&str> = order;
+    let order = distinct(pairs.iter().map(|pair| pair.figure.key));
     pairs.sort_by_key(|pair| order.iter().position(|key| *key == pair.figure.key));
     pairs
 }
@@ -134,24 +116,19 @@ fn pairs(group: &Group<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair>
 /// The paper's models that are in the group too, with their names there: the one name is part of
 /// the other, and the numbers of faces are within one in a hundred.
 fn same_models(group: &Group<'_>, pairs: &[Pair]) -> Vec<(String, String)> {
+    let found = |known: &Printed| {
+        let (faces, name) = (known.faces?, known.model.to_lowercase());
+        let model = group.models.iter().find(|model| {
+            let close = |ours: u64| ours.abs_diff(faces) * 100 <= faces;
+            model.name.to_lowercase().contains(&name) && model.faces.is_some_and(close)
+        })?;
+        Some((known.model.clone(), model.name.clone()))
+    };
+    let known = pairs.iter().flat_map(|pair| &pair.paper);
     let mut same: Vec<(String, String)> = Vec::new();
-    for known in pairs.iter().flat_map(|pair| &pair.paper) {
-        let Some(faces) = known.faces else {
-            continue;
-        };
-        let found = group.models.iter().find(|model| {
-            model
-                .name
-                .to_lowercase()
-                .contains(&known.model.to_lowercase())
-                && model
-                    .faces
-                    .is_some_and(|ours| ours.abs_diff(faces) * 100 <= faces)
-        });
-        if let Some(model) = found
-            && same.iter().all(|(paper, _)| *paper != known.model)
-        {
-            same.push((known.model.clone(), model.name.clone()));
+    for pair in known.filter_map(found) {
+        if same.iter().all(|(paper, _)| *paper != pair.0) {
+            same.push(pair);
         }
     }
     same
@@ -177,7 +154,7 @@ fn side_by_side(pairs: &[Pair], same: &[(String, String)], source: &str, prefix:
         let ours: Vec<f64> = pair.ours.iter().map(|(_, ratio)| ratio.value).collect();
         let printed = match &pair.paper[..] {
             [
-                Known {
+                Printed {
                     deviation: Some(deviation),
                     value,
                     ..
@@ -202,15 +179,16 @@ fn side_by_side(pairs: &[Pair], same: &[(String, String)], source: &str, prefix:
         }
         row.into_iter().map(Entry::new).collect()
     };
-    let mut parts: Vec<TablePart> = Vec::new();
+    let mut parts: Vec<Part> = Vec::new();
     for pair in pairs {
         let title = without_unit(&pair.figure.label).to_owned();
         match parts.last_mut().filter(|part| part.title == title) {
             Some(part) => part.rows.push(row(pair)),
-            None => parts.push(TablePart {
+            None => parts.push(Part {
                 title,
                 detail: models(pair),
                 rows: vec![row(pair)],
+                ..Part::default()
             }),
         }
     }
@@ -221,6 +199,7 @@ fn side_by_side(pairs: &[Pair], same: &[(String, String)], source: &str, prefix:
         ),
         columns,
         parts,
+        ..Table::default()
     }
 }
 
@@ -241,17 +220,11 @@ fn counted(models: usize) -> String {
 }
 
 fn mean(values: &[f64]) -> String {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    if values.len() < 2 {
-        return plain(mean);
+    match mean_and_deviation(values) {
+        None => "-".to_owned(),
+        Some((mean, None)) => plain(mean),
+        Some((mean, Some(deviation))) => format!("{} \u{b1} {}", plain(mean), plain(deviation)),
     }
-    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    format!(
-        "{} \u{b1} {}",
-        plain(mean),
-        plain((squares / (n - 1.0)).sqrt())
-    )
 }
 
 fn range(values: &[f64]) -> String {
@@ -274,14 +247,14 @@ fn plain(ratio: f64) -> String {
 }
 
 /// A plot for each figure, the ratios of which may be of very different sizes.
-fn plots(pairs: &[Pair], styles: &[&str], source: &str, prefix: &str) -> Vec<Plot> {
+fn plots(pairs: &[Pair], setting: Setting<'_>, source: &str, prefix: &str) -> Vec<Plot> {
     let of_figure = pairs.chunk_by(|a, b| a.figure.key == b.figure.key);
     of_figure
-        .map(|pairs| plot(pairs, styles, source, prefix))
+        .map(|pairs| plot(pairs, setting, source, prefix))
         .collect()
 }
 
-fn plot(pairs: &[Pair], styles: &[&str], source: &str, prefix: &str) -> Plot {
+fn plot(pairs: &[Pair], setting: Setting<'_>, source: &str, prefix: &str) -> Plot {
     let figure = pairs[0].figure;
     let name = without_unit(&figure.label);
     Plot {
@@ -298,7 +271,7 @@ fn plot(pairs: &[Pair], styles: &[&str], source: &str, prefix: &str) -> Plot {
             reference: Some(1.0),
             bands: vec![Band {
                 title: String::new(),
-                lanes: pairs.iter().map(|pair| lane(pair, styles)).collect(),
+                lanes: pairs.iter().map(|pair| lane(pair, setting)).collect(),
             }],
             legend: vec![(0, true, "paper".to_owned()), (0, false, "here".to_owned())],
         }),
@@ -306,9 +279,8 @@ fn plot(pairs: &[Pair], styles: &[&str], source: &str, prefix: &str) -> Plot {
 }
 
 /// The paper's models and ours.
-fn lane(pair: &Pair, styles: &[&str]) -> Lane {
-    let found = styles.iter().position(|name| *name == pair.algorithm);
-    let style = found.unwrap_or(0);
+fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
+    let style = setting.style(&pair.algorithm);
     let paper = pair.paper.iter().map(|known| Point {
         style,
         name: format!("paper, {}", known.model),
@@ -325,10 +297,7 @@ fn lane(pair: &Pair, styles: &[&str]) -> Lane {
     let ours = pair.ours.iter().map(|(model, ratio)| Point {
         style,
         name: format!("here, {model}"),
-        value: Value {
-            value: ratio.value,
-            interval: None,
-        },
+        value: ratio.value.into(),
         hollow: false,
     });
     Lane {

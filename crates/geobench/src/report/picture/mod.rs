@@ -11,6 +11,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use geobench_mesh::{Mesh, VertexId};
 
+use super::chart::nice;
 use super::svg::{Svg, px, width_of};
 use crate::exec::model::LoadedModel;
 use crate::table::distance_formats;
@@ -48,7 +49,7 @@ impl Picture {
             .copied()
             .filter(|d| d.is_finite())
             .fold(0.0, f64::max);
-        let step = step(farthest);
+        let step = step(farthest, ISOLINES);
         let size = SIZE.map(|s| (s * DENSITY) as usize);
         let camera = Camera::choose(mesh, source, size);
         let image = raster::render(mesh, distances, &camera, farthest, step);
@@ -115,7 +116,7 @@ impl Picture {
                 ],
             );
         }
-        let every = step_for(self.farthest, 4.0);
+        let every = step(self.farthest, 4.0);
         let mut last = f64::NEG_INFINITY;
         for k in 0..8 {
             let value = f64::from(k) * every;
@@ -141,20 +142,12 @@ impl Picture {
     }
 }
 
-/// The distance from isoline to isoline: a round number.
-fn step(farthest: f64) -> f64 {
-    step_for(farthest, ISOLINES)
-}
-
-fn step_for(farthest: f64, parts: f64) -> f64 {
+/// A round distance, so many of which make up the farthest.
+fn step(farthest: f64, parts: f64) -> f64 {
     if farthest <= 0.0 {
         return 1.0;
     }
-    let raw = farthest / parts;
-    let power = libm::exp10(libm::log10(raw).floor());
-    let factors = [1.0, 2.0, 2.5, 5.0, 10.0];
-    let nearest = factors.into_iter().find(|f| f * power >= raw);
-    nearest.unwrap_or(10.0) * power
+    nice(farthest / parts)
 }
 
 /// A round number in few characters.

@@ -1,0 +1,161 @@
+//! The cells of one group, as tables and charts look at them.
+
+use super::figures::Figure;
+use crate::measure::statistics::{median, paired_ratio};
+use crate::schema::{Cell, GroupRecord, ModelRecord, Status};
+
+/// A group with its models and algorithms.
+#[derive(Debug)]
+pub(crate) struct Group<'r> {
+    pub(crate) record: &'r GroupRecord,
+    pub(crate) cells: Vec<&'r Cell>,
+    pub(crate) models: Vec<&'r ModelRecord>,
+    /// In the order in which they first appear.
+    pub(crate) algorithms: Vec<&'r str>,
+}
+
+/// A value with its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Value {
+    pub(crate) value: f64,
+    /// The ends of its 95 % interval.
+    pub(crate) interval: Option<[f64; 2]>,
+}
+
+impl From<f64> for Value {
+    fn from(value: f64) -> Self {
+        Self {
+            value,
+            interval: None,
+        }
+    }
+}
+
+/// `items` without those that stand there before, in their order.
+pub(crate) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
+    items.into_iter().fold(Vec::new(), |mut all, item| {
+        if !all.contains(&item) {
+            all.push(item);
+        }
+        all
+    })
+}
+
+/// The algorithms of `cells`, in the order in which they first appear.
+pub(crate) fn algorithms<'r>(cells: impl IntoIterator<Item = &'r Cell>) -> Vec<&'r str> {
+    distinct(cells.into_iter().map(|cell| cell.algorithm.as_str()))
+}
+
+impl<'r> Group<'r> {
+    /// What of `models` and `cells` belongs to the group of `record`.
+    pub(crate) fn new(
+        record: &'r GroupRecord,
+        models: &'r [ModelRecord],
+        cells: &'r [Cell],
+    ) -> Self {
+        let cells: Vec<&Cell> = cells.iter().filter(|c| c.group == record.name).collect();
+        let measured = |model: &&ModelRecord| cells.iter().any(|c| c.model == model.name);
+        Self {
+            record,
+            models: models.iter().filter(measured).collect(),
+            algorithms: algorithms(cells.iter().copied()),
+            cells,
+        }
+    }
+
+    /// The cells of an algorithm on a model, one for each source.
+    pub(crate) fn of(&self, model: &str, algorithm: &str) -> Vec<&'r Cell> {
+        let cells = self.cells.iter().copied();
+        cells
+            .filter(|c| c.model == model && c.algorithm == algorithm)
+            .collect()
+    }
+
+    /// The figure of an algorithm on a model: the median over the sources, with the interval of a
+    /// time if there is but one.
+    pub(crate) fn value(&self, figure: &Figure, model: &str, algorithm: &str) -> Option<Value> {
+        let cells = self.of(model, algorithm);
+        let value = overall(figure, &cells, self.vertices(model))?;
+        let interval = match (&cells[..], figure.key) {
+            ([cell], "time") => cell.time.ci95,
+            _ => None,
+        };
+        Some(Value { value, interval })
+    }
+
+    /// How many times as much of a figure an algorithm takes on a model as `base`. For times it is
+    /// the median over the pairs of samples that were taken in turns, with an interval if there is
+    /// but one source; for several sources the median of their ratios.
+    pub(crate) fn ratio(
+        &self,
+        figure: &Figure,
+        model: &str,
+        algorithm: &str,
+        base: &str,
+    ) -> Option<Value> {
+        let (over, under) = (self.of(model, algorithm), self.of(model, base));
+        // What has failed from one source has no figure.
+        overall(figure, &over, self.vertices(model))?;
+        overall(figure, &under, self.vertices(model))?;
+        let pairs = over.into_iter().filter_map(|over| {
+            let under = under.iter().find(|under| under.source == over.source)?;
+            Some(ratio(figure, over, under))
+        });
+        match &pairs.collect::<Option<Vec<Value>>>()?[..] {
+            [one] => Some(*one),
+            several => {
+                let ratios: Vec<f64> = several.iter().map(|ratio| ratio.value).collect();
+                median(&ratios).map(Value::from)
+            }
+        }
+    }
+
+    /// How many vertices a model has.
+    fn vertices(&self, model: &str) -> Option<u64> {
+        let mut models = self.models.iter();
+        models.find(|record| record.name == model)?.vertices
+    }
+
+    /// Why an algorithm has no figure on a model, if it failed there: the status in words.
+    pub(crate) fn failure(&self, model: &str, algorithm: &str) -> Option<String> {
+        let cells = self.of(model, algorithm);
+        let failed = cells.iter().find(|cell| cell.status != Status::Ok)?;
+        Some(failed.status.in_words())
+    }
+
+    /// The algorithm to which ratios are taken: the one that the group names, else `vtp`, else the
+    /// reference of the checks, else the first. None if there is nothing to compare it with.
+    pub(crate) fn base(&self) -> Option<&'r str> {
+        let ran = |name: &&str| self.algorithms.contains(name);
+        let mut references = self.cells.iter().map(|c| c.check.reference.as_deref());
+        let reference = references.find_map(|reference| reference);
+        let wanted = [self.record.ratios_to.as_deref(), Some("vtp"), reference];
+        let base = wanted.into_iter().flatten().find(ran);
+        let base = base.or_else(|| self.algorithms.first().copied())?;
+        (self.algorithms.len() > 1).then_some(base)
+    }
+}
+
+/// The figure of the cells of all sources in a model of so many vertices: the median, and none if
+/// one has failed.
+pub(crate) fn overall(figure: &Figure, cells: &[&Cell], vertices: Option<u64>) -> Option<f64> {
+    let of = |cell: &&Cell| {
+        let value = figure.of(cell, vertices);
+        value.filter(|_| cell.status == Status::Ok)
+    };
+    median(&cells.iter().map(of).collect::<Option<Vec<f64>>>()?)
+}
+
+/// The ratio of a figure between two cells of the same source.
+fn ratio(figure: &Figure, over: &Cell, under: &Cell) -> Option<Value> {
+    if figure.key == "time"
+        && let Some(ratio) = paired_ratio(&over.time.samples, &under.time.samples)
+    {
+        return Some(Value {
+            value: ratio.ratio,
+            interval: ratio.ci95,
+        });
+    }
+    let value = figure.of(over, None)? / figure.of(under, None)?;
+    value.is_finite().then_some(value.into())
+}

@@ -1,0 +1,84 @@
+//! Tables in HTML.
+
+use std::fmt::Write;
+
+use super::escape::xml as escape;
+use super::model::{Entry, Mark, Part, Table};
+
+/// A table under its caption.
+pub(crate) fn table(html: &mut String, table: &Table) {
+    // The caption stands outside, where it does not scroll with the table; what scrolls can be
+    // reached by keyboard. Writing to a string cannot fail.
+    let _ = writeln!(
+        html,
+        "<p class=\"caption\" id=\"{0}-caption\">{1}</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"{0}-caption\">\n<table id=\"{0}\" aria-labelledby=\"{0}-caption\">",
+        table.id,
+        escape(&table.caption)
+    );
+    html.push_str("<thead>\n");
+    let overs = table.overs();
+    if !overs.is_empty() {
+        row(
+            html,
+            overs.into_iter().map(|(text, width)| match text {
+                "" => format!("<td colspan=\"{width}\"></td>"),
+                text => format!(
+                    "<th scope=\"colgroup\" colspan=\"{width}\" class=\"over\">{}</th>",
+                    escape(text)
+                ),
+            }),
+        );
+    }
+    let heads = table.columns.iter().map(|column| {
+        let class = if column.numeric { " class=\"n\"" } else { "" };
+        format!("<th scope=\"col\"{class}>{}</th>", escape(&column.head))
+    });
+    row(html, heads);
+    html.push_str("</thead>\n");
+    for part in &table.parts {
+        body(html, table, part);
+    }
+    html.push_str("</table>\n</div>\n");
+}
+
+fn body(html: &mut String, table: &Table, part: &Part) {
+    html.push_str("<tbody>\n");
+    if !part.title.is_empty() {
+        let details = match part.details() {
+            details if details.is_empty() => details,
+            details => format!(" <small>{}</small>", escape(&details)),
+        };
+        let _ = writeln!(
+            html,
+            "<tr class=\"part\"><th scope=\"rowgroup\" colspan=\"{}\"><span>{}{details}</span></th></tr>",
+            table.columns.len(),
+            escape(&part.title)
+        );
+    }
+    for entries in &part.rows {
+        let fields = entries.iter().zip(&table.columns).enumerate();
+        let fields = fields.map(|(i, (entry, column))| match i {
+            0 => format!("<th scope=\"row\">{}</th>", escape(&entry.text)),
+            _ => self::entry(entry, column.numeric),
+        });
+        row(html, fields);
+    }
+    html.push_str("</tbody>\n");
+}
+
+fn row(html: &mut String, fields: impl Iterator<Item = String>) {
+    let _ = writeln!(html, "<tr>{}</tr>", fields.collect::<String>());
+}
+
+fn entry(entry: &Entry, numeric: bool) -> String {
+    let class = match (entry.mark, numeric) {
+        (Mark::Failed, _) => " class=\"n failed\"",
+        (_, true) => " class=\"n\"",
+        _ => "",
+    };
+    let text = escape(&entry.text);
+    match entry.mark {
+        Mark::Best => format!("<td{class}><b>{text}</b></td>"),
+        _ => format!("<td{class}>{text}</td>"),
+    }
+}

@@ -1,0 +1,366 @@
+//! Results as tables: per model the rows of the papers' tables, a column per algorithm.
+
+use super::figures::{Figure, Style, figures};
+use super::group::{Group, algorithms, distinct, overall};
+use super::model::{Column, Entry, Mark, Note, Part, Table};
+use crate::measure::number::{decimals, group, grouped, scientific};
+use crate::measure::statistics::{FEWEST_FOR_INTERVAL, Ratio, paired_ratio};
+use crate::schema::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
+
+/// The groups of `result`, in the order of the run.
+pub(crate) fn groups(result: &ResultFile) -> Vec<Group<'_>> {
+    static ALONE: GroupRecord = GroupRecord::unnamed();
+    let groups = if result.groups.is_empty() {
+        std::slice::from_ref(&ALONE)
+    } else {
+        &result.groups
+    };
+    let group = |record| Group::new(record, &result.models, &result.cells);
+    groups.iter().map(group).collect()
+}
+
+/// The figures of a group: a part for each model, and one for ratios if they are asked for.
+pub(crate) fn table(group: &Group<'_>) -> Table {
+    let text = |text: &Option<String>| text.as_deref().unwrap_or_default().trim().to_owned();
+    let models = group.models.iter().map(|model| part(group, model));
+    Table {
+        title: text(&group.record.name),
+        caption: text(&group.record.shows),
+        columns: columns(group),
+        titles: Some("Model"),
+        parts: models.chain(ratios(group)).collect(),
+        ..Table::default()
+    }
+}
+
+/// A column for what stands in front of rows, and one for each algorithm.
+pub(super) fn columns(group: &Group<'_>) -> Vec<Column> {
+    let algorithms = group.algorithms.iter().map(|name| Column::number(name));
+    std::iter::once(Column::text(""))
+        .chain(algorithms)
+        .collect()
+}
+
+/// A row; what stands in its columns of algorithms is `entries`.
+fn row(label: impl Into<String>, entries: impl Iterator<Item = Entry>) -> Vec<Entry> {
+    std::iter::once(Entry::new(label)).chain(entries).collect()
+}
+
+/// The figures of a model.
+pub(super) fn part(group: &Group<'_>, model: &ModelRecord) -> Part {
+    let names = group.algorithms.iter();
+    let columns: Vec<Vec<&Cell>> = names.map(|name| group.of(&model.name, name)).collect();
+    let own = group.cells.iter().copied();
+    let cells: Vec<&Cell> = own.filter(|cell| cell.model == model.name).collect();
+    let figures = figures(&group.record.rows).into_iter();
+    let mut rows: Vec<_> = figures
+        .map(|figure| figure_row(figure, &columns, model.vertices))
+        .collect();
+    let mut notes = notes(&cells, model.vertices);
+    if let Some((row, note)) = ratio_times(group, &columns) {
+        rows.push(row);
+        notes.extend(note);
+    }
+    let refused = cells.iter().all(|cell| cell.status == Status::Refused);
+    if refused {
+        // Four times the same word says no more than once.
+        rows.truncate(1);
+        for row in &mut rows {
+            row[0].text.clear();
+        }
+    }
+    Part {
+        title: model.name.clone(),
+        detail: match (model.vertices, model.faces) {
+            (Some(v), Some(f)) => format!("V: {}, F: {}", grouped(v), grouped(f)),
+            _ => "refused".to_owned(),
+        },
+        sources: sources(columns.iter().find(|column| !column.is_empty())),
+        refused,
+        rows,
+        notes,
+    }
+}
+
+/// The row of a figure; a column holds one cell for each source.
+fn figure_row(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) -> Vec<Entry> {
+    let found = columns.iter().map(|cells| overall(figure, cells, vertices));
+    let values: Vec<Option<f64>> = found.collect();
+    let present = || values.iter().copied().flatten();
+    let best = present().fold(f64::INFINITY, f64::min);
+    let all_equal = present().all(|v| v == best);
+    let digits = match figure.style {
+        Style::Decimals(most) => decimals(present(), most),
+        Style::Count | Style::Scientific => 0,
+    };
+    let entries = columns.iter().zip(&values).map(|(cells, value)| {
+        let Some(value) = value else {
+            return absent(cells);
+        };
+        let is_best = figure.less_is_better && *value == best && !all_equal;
+        let text = match figure.style {
+            Style::Count => self::group(&format!("{value:.0}")),
+            Style::Decimals(_) => format!("{value:.digits$}"),
+            Style::Scientific => scientific(*value),
+        };
+        Entry::marked(text, if is_best { Mark::Best } else { Mark::None })
+    });
+    row(&figure.label, entries)
+}
+
+/// What stands in the place of a figure that `cells` do not have; nothing if there are none.
+fn absent(cells: &[&Cell]) -> Entry {
+    match cells.iter().find(|cell| cell.status != Status::Ok) {
+        Some(failed) => Entry::marked(failed.status.in_words(), Mark::Failed),
+        None if cells.is_empty() => Entry::default(),
+        None => Entry::new("-"),
+    }
+}
+
+/// What the sources of an algorithm's cells are, in words.
+fn sources(cells: Option<&Vec<&Cell>>) -> String {
+    match cells.map_or(&[][..], Vec::as_slice) {
+        [cell] => match cell.source {
+            Some(source) => format!("source {source}"),
+            None => "one source".to_owned(),
+        },
+        cells => format!("median of {} sources", cells.len()),
+    }
+}
+
+/// With which vector instructions the instructions were counted, where not all are the same.
+fn note_on_instructions(cells: &[&Cell]) -> Option<String> {
+    fn simd(cell: &Cell) -> Option<&str> {
+        cell.instructions_simd.as_deref()
+    }
+    let kinds = distinct(cells.iter().filter_map(|cell| simd(cell)));
+    (kinds.len() > 1).then(|| {
+        let counted = kinds.iter().map(|kind| {
+            let with = cells
+                .iter()
+                .copied()
+                .filter(|cell| simd(cell) == Some(kind));
+            format!("with {kind}: {}", algorithms(with).join(", "))
+        });
+        let counted: Vec<String> = counted.collect();
+        format!("instructions are counted {}", counted.join("; "))
+    })
+}
+
+/// How far the medians of the times can be trusted, and which samples lie far from the others.
+fn notes_on_times(cells: &[&Cell]) -> Vec<String> {
+    let timed = || cells.iter().filter(|c| !c.time.samples.is_empty());
+    let widest = timed().map(|cell| {
+        let [low, high] = cell.time.ci95?;
+        let median = cell.time.median?;
+        Some((high - median).max(median - low) / median)
+    });
+    let widest: Option<Vec<f64>> = widest.collect();
+    let mut notes: Vec<String> = match widest.as_deref() {
+        Some([]) => Vec::new(),
+        Some(widths) => {
+            let widest = 100.0 * widths.iter().copied().fold(0.0, f64::max);
+            vec![format!(
+                "times: 95 % intervals within {widest:.1} % of the medians"
+            )]
+        }
+        None => timed()
+            .filter_map(|cell| cell.time.note.as_ref())
+            .take(1)
+            .map(|note| format!("times: {note}"))
+            .collect(),
+    };
+    for name in algorithms(cells.iter().copied()) {
+        let of = || timed().filter(|c| c.algorithm == name);
+        let far: usize = of().filter_map(|c| c.time.outliers).sum();
+        if far > 0 {
+            let all: usize = of().map(|c| c.time.samples.len()).sum();
+            notes.push(format!("{name}: {far} of {all} times far from the others"));
+        }
+    }
+    notes
+}
+
+/// What the checks said, and every failure, of a model of so many vertices.
+fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
+    let mut notes = Vec::new();
+    let references = cells.iter().filter_map(|c| c.check.reference.as_deref());
+    for reference in distinct(references) {
+        let others: Vec<&&Cell> = cells
+            .iter()
+            .filter(|c| c.status == Status::Ok && c.check.reference.as_deref() == Some(reference))
+            .filter(|c| c.algorithm != reference)
+            .collect();
+        if others.is_empty() {
+            if cells.iter().all(|cell| cell.algorithm == reference) {
+                notes.push(format!("not checked: {reference} is its own reference"));
+            }
+            continue;
+        }
+        let largest = others
+            .iter()
+            .filter_map(|c| c.check.max_rel)
+            .fold(0.0, f64::max);
+        let compared = others.iter().filter_map(|c| c.check.compared).min();
+        let sample = match (compared, vertices) {
+            (Some(some), Some(all)) if some < all => {
+                format!(" at {} of {} vertices", grouped(some), grouped(all))
+            }
+            _ => String::new(),
+        };
+        notes.push(format!(
+            "checked against {reference}{sample}: largest relative difference {}",
+            scientific(largest)
+        ));
+    }
+    notes.extend(notes_on_times(cells));
+    notes.extend(note_on_instructions(cells));
+    let unreachable = cells.iter().filter_map(|c| c.check.unreachable).max();
+    if let Some(unreachable @ 1..) = unreachable {
+        notes.push(format!("unreachable vertices: {}", grouped(unreachable)));
+    }
+    let doubt = cells.iter().filter_map(|c| c.check.doubt);
+    if let Some(doubt) = doubt.max_by(f64::total_cmp) {
+        notes.push(format!(
+            "edges are too long for these distances, each of which may be off by up to {}; \
+             `geobench distance` names the faces",
+            scientific(doubt)
+        ));
+    }
+    let mut notes: Vec<Note> = notes.into_iter().map(Note::new).collect();
+    for cell in cells {
+        let Some(message) = &cell.message else {
+            continue;
+        };
+        let source = cell
+            .source
+            .map_or_else(String::new, |s| format!(", source {s}"));
+        let text = match cell.status {
+            Status::Ok => format!("{}{source}: {message}", cell.algorithm),
+            Status::Refused => format!("refused: {message}"),
+            status => format!(
+                "{}{source}: {}: {message}",
+                cell.algorithm,
+                status.in_words()
+            ),
+        };
+        let failure = cell.status != Status::Ok;
+        let note = Note { text, failure };
+        // That a model is refused is the same for every algorithm.
+        if cell.status != Status::Refused || !notes.contains(&note) {
+            notes.push(note);
+        }
+    }
+    notes
+}
+
+/// For each figure of which less is better, the mean and the standard deviation of the ratio to
+/// the algorithm that the group names; none if it names none or nothing can be compared.
+pub(super) fn ratios(group: &Group<'_>) -> Option<Part> {
+    let baseline = group.record.ratios_to.as_deref()?;
+    let figures = figures(&group.record.rows).into_iter();
+    let rows = figures
+        .filter(|figure| figure.less_is_better)
+        .map(|figure| {
+            let entries = group.algorithms.iter().map(|name| {
+                if *name == baseline {
+                    return Entry::default();
+                }
+                let models = group.models.iter();
+                let ratios = models.filter_map(|model| ratio(group, figure, &model.name, name));
+                let ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite()).collect();
+                Entry::new(match mean_and_deviation(&ratios) {
+                    None => "-".to_owned(),
+                    Some((mean, None)) => format!("{mean:.2} / -"),
+                    Some((mean, Some(deviation))) => format!("{mean:.2} / {deviation:.2}"),
+                })
+            });
+            row(&figure.label, entries)
+        });
+    let rows: Vec<Vec<Entry>> = rows.collect();
+    let entries = || rows.iter().flat_map(|row| &row[1..]);
+    let compared = entries().any(|entry| !matches!(&*entry.text, "" | "-"));
+    compared.then(|| Part {
+        title: format!("ratios to {baseline}"),
+        detail: format!(
+            "mean / standard deviation over {} models",
+            group.models.len()
+        ),
+        rows,
+        ..Part::default()
+    })
+}
+
+/// The mean of `values` and, of several, their standard deviation; none if there are none.
+pub(crate) fn mean_and_deviation(values: &[f64]) -> Option<(f64, Option<f64>)> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    let deviation = (values.len() > 1).then(|| (squares / (n - 1.0)).sqrt());
+    (!values.is_empty()).then_some((mean, deviation))
+}
+
+/// How many times as much of a figure an algorithm takes on a model as that to which the group
+/// compares.
+fn ratio(group: &Group<'_>, figure: &Figure, model: &str, algorithm: &str) -> Option<f64> {
+    let over = group.of(model, algorithm);
+    let under = group.of(model, group.record.ratios_to.as_deref()?);
+    if figure.key == "time" {
+        Some(paired(&over, &under)?.ratio)
+    } else {
+        // A figure that takes the model as well is not one to be compared.
+        Some(overall(figure, &over, None)? / overall(figure, &under, None)?)
+    }
+}
+
+/// The row of a model's table with the ratios of the times to those of the algorithm that the group
+/// names, and what a reader must know of it; a column holds the cells of an algorithm. None if the
+/// group names none, or nothing can be compared.
+fn ratio_times(group: &Group<'_>, columns: &[Vec<&Cell>]) -> Option<(Vec<Entry>, Option<Note>)> {
+    let baseline = group.record.ratios_to.as_deref()?;
+    let place = group.algorithms.iter().position(|name| *name == baseline)?;
+    let others = columns.iter().enumerate();
+    let ratios = others.map(|(i, over)| paired(over, &columns[place]).filter(|_| i != place));
+    let ratios: Vec<Option<Ratio>> = ratios.collect();
+    let known = || ratios.iter().flatten();
+    known().next()?;
+    let without = known().any(|ratio| ratio.ci95.is_none());
+    let entries = ratios
+        .iter()
+        .zip(columns)
+        .map(|(ratio, cells)| match ratio {
+            Some(Ratio {
+                ratio,
+                ci95: Some([low, high]),
+            }) => Entry::new(format!("{ratio:.2} [{low:.2}, {high:.2}]")),
+            Some(Ratio { ratio, ci95: None }) => Entry::new(format!("{ratio:.2}")),
+            None if cells.is_empty() => Entry::default(),
+            None => Entry::new("-"),
+        });
+    let interval = if without { "" } else { " [95 %]" };
+    let label = format!("Time / that of {baseline}{interval}");
+    let note = without.then(|| {
+        Note::new(format!(
+            "ratios of times: no interval from fewer than {FEWEST_FOR_INTERVAL} pairs"
+        ))
+    });
+    Some((row(label, entries), note))
+}
+
+/// The ratio of the times of the cells `over` to those of `under`, pairs of all sources together;
+/// none unless both ended well from the same sources.
+fn paired(over: &[&Cell], under: &[&Cell]) -> Option<Ratio> {
+    let (mut above, mut below) = (Vec::new(), Vec::new());
+    if over.len() != under.len() {
+        return None;
+    }
+    for over in over {
+        let under = under.iter().find(|c| c.source == over.source)?;
+        if over.time.samples.len() != under.time.samples.len() {
+            return None;
+        }
+        above.extend_from_slice(&over.time.samples);
+        below.extend_from_slice(&under.time.samples);
+    }
+    paired_ratio(&above, &below)
+}

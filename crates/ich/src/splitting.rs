@@ -52,14 +52,13 @@ impl Splitting {
     /// Whether a window cannot matter any more, since its root was reached by a shorter path or a
     /// better window took the angle above it.
     ///
-    /// Where windows are kept, one of a root that was reached by a shorter path has taken the place
-    /// of others that were equal to it, and goes on in their stead.
+    /// Where windows are kept, each of them goes on: it may have taken the place of others that were
+    /// equal to it, even of the one that took the angle.
     #[inline]
     #[allow(clippy::needless_bitwise_bool)] // Neither is likely: one branch for both.
     fn is_stale(&self, sigma: f64, lineage: &Lineage, surface: &Surface) -> bool {
-        let is_cut_off = self.angles.cuts_off(&lineage.guard);
-        ((surface.distance(lineage.root) < sigma) | is_cut_off)
-            && (is_cut_off || self.kept.is_empty())
+        ((surface.distance(lineage.root) < sigma) | self.angles.cuts_off(&lineage.guard))
+            && self.kept.is_empty()
     }
 }
 

@@ -248,18 +248,20 @@ impl<Q: Discipline> Front<Q> {
     }
 
     /// Sends out paths along the edges of `v` and windows across its faces; `run` is room for them.
-    fn spawn<P: Probe>(&mut self, mesh: &Mesh, v: VertexId, run: &mut Run, probe: &mut P) {
+    fn spawn<P: Probe>(&mut self, v: VertexId, run: &mut Run, probe: &mut P) {
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.surface.distance(v);
-        for &h in mesh.outgoing(v) {
-            let h = self.surface.faces().number(h);
+        // By index, since `self` changes meanwhile.
+        let degree = self.mesh.outgoing(v).len();
+        for i in 0..degree {
+            let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
             let edges = self.surface.faces().edges_at_tail(h);
             for (neighbour, length) in edges.into_iter().flatten() {
                 self.offer(neighbour, sigma + length, probe);
             }
         }
-        for &h in mesh.outgoing(v) {
-            let h = self.surface.faces().number(h);
+        for i in 0..degree {
+            let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
             if let Some((target, window)) = spawn_window(self.surface.faces(), h, sigma) {
                 probe.add(Counter::Spawned, 1);
                 let edge = self.surface.edge(target);
@@ -437,8 +439,7 @@ impl<Q: Discipline> Propagate for ByList<Q> {
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
         let front = &mut self.front;
-        let mesh = &front.mesh.clone();
-        front.surface.reset(mesh.vertex_count());
+        front.surface.reset(front.mesh.vertex_count());
         front.store.clear(P::COUNTS);
         front.queue.clear();
         front.forgetting.clear();
@@ -449,7 +450,7 @@ impl<Q: Discipline> Propagate for ByList<Q> {
         }
         for &s in sources {
             front.queue.start(s);
-            front.spawn(mesh, s, &mut self.taken, probe);
+            front.spawn(s, &mut self.taken, probe);
         }
         while let Some((label, event)) = self.front.queue.pop(probe) {
             self.front.read_ahead();
@@ -458,9 +459,9 @@ impl<Q: Discipline> Propagate for ByList<Q> {
                     let front = &mut self.front;
                     // A vertex is queued anew whenever it improves; older entries are void.
                     if front.surface.distance(v) == label
-                        && (!Q::EVERY_VERTEX || mesh.is_pseudo_source(v))
+                        && (!Q::EVERY_VERTEX || front.mesh.is_pseudo_source(v))
                     {
-                        front.spawn(mesh, v, &mut self.taken, probe);
+                        front.spawn(v, &mut self.taken, probe);
                     }
                 }
                 EventKind::Window(h, _) => self.turn(h, label, event, probe),

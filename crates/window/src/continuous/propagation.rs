@@ -100,19 +100,21 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     }
 
     /// Sends out paths along the edges of `v` and windows across its faces.
-    fn spawn<P: Probe>(&mut self, mesh: &Mesh, v: VertexId, probe: &mut P) {
+    fn spawn<P: Probe>(&mut self, v: VertexId, probe: &mut P) {
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.surface.distance(v);
-        for &h in mesh.outgoing(v) {
-            let h = self.surface.faces().number(h);
+        // By index, since `self` changes meanwhile.
+        let degree = self.mesh.outgoing(v).len();
+        for i in 0..degree {
+            let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
             let edges = self.surface.faces().edges_at_tail(h);
             for (neighbour, length) in edges.into_iter().flatten() {
                 self.offer(neighbour, sigma + length, probe);
             }
         }
         let lineage = self.policy.root(v, &self.surface);
-        for &h in mesh.outgoing(v) {
-            let h = self.surface.faces().number(h);
+        for i in 0..degree {
+            let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
             if let Some((target, window)) = spawn_window(self.surface.faces(), h, sigma) {
                 probe.add(Counter::Spawned, 1);
                 let edge = self.surface.edge(target);
@@ -296,8 +298,7 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
-        let mesh = &self.mesh.clone();
-        self.surface.reset(mesh.vertex_count());
+        self.surface.reset(self.mesh.vertex_count());
         self.policy.reset();
         self.queue.clear();
         self.foresight.clear();
@@ -307,7 +308,7 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
         }
         for &s in sources {
             self.queue.start(s);
-            self.spawn(mesh, s, probe);
+            self.spawn(s, probe);
         }
         while let Some((label, event)) = self.queue.pop(probe) {
             if !W::FORESEES {
@@ -317,9 +318,9 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
                 EventKind::Vertex(v) => {
                     // A vertex is queued anew whenever it improves; older entries are void.
                     if self.surface.distance(v) == label
-                        && (!Q::EVERY_VERTEX || mesh.is_pseudo_source(v))
+                        && (!Q::EVERY_VERTEX || self.mesh.is_pseudo_source(v))
                     {
-                        self.spawn(mesh, v, probe);
+                        self.spawn(v, probe);
                     }
                 }
                 EventKind::Window(h, id) => {

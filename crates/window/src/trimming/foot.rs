@@ -16,21 +16,21 @@ use crate::window::Window;
 
 /// How far a foot reaches to both sides, as a fraction of the edge: over it the distance of the
 /// source hardly grows beyond rounding.
-const HALF_WIDTH: f64 = 5.0 * PLACE;
+const HALF_WIDTH: f64 = 7.5 * PLACE;
 
 /// How far an interval must reach to both sides of the foot to hold all directions, as a fraction
 /// of the edge: some units in the last place of an abscissa.
 const CLEARANCE: f64 = 0.25 * PLACE;
 
 /// How close to the edge a source stands on it, as a fraction of the edge.
-const CLOSE: f64 = PLACE;
+const CLOSE: f64 = 2.5 * PLACE;
 
 /// How far both reach beyond that, in heights of the source over the edge. Rays that go further
 /// along the edge graze it.
 const STEEP: f64 = 20.0;
 
 /// The foot of `w` on an edge of length `l`, if its source stands on the edge, or closer to it than
-/// 4e-15 of that, and all directions of the source are its own: an interval that ends beside the
+/// 1e-14 of that, and all directions of the source are its own: an interval that ends beside the
 /// foot has only some of them, and rounding does not tell which.
 #[inline]
 pub fn foot(w: &Window, l: f64) -> Option<[f64; 2]> {

@@ -85,9 +85,9 @@ fn random_nasty_meshes_are_solved_right() {
 }
 
 /// Seeds on which algorithms were wrong, or took far too many windows.
-const SEEDS_THAT_FAILED: [u64; 15] = [
-    1512, 10_848, 20_362, 22_262, 27_012, 30_187, 37_162, 40_412, 43_054, 45_450, 62_504, 81_137,
-    83_209, 89_894, 98_387,
+const SEEDS_THAT_FAILED: [u64; 14] = [
+    1512, 10_848, 22_262, 27_012, 30_187, 37_162, 40_412, 43_054, 45_450, 62_504, 81_137, 83_209,
+    89_894, 98_387,
 ];
 
 #[test]

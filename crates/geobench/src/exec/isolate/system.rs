@@ -21,7 +21,7 @@ pub(super) fn this_program() -> Command {
     }
 }
 
-/// Makes this process a child of `parent`: it ends with the parent, has a name of its own and writes
+/// Makes this process a child of `parent`: it ends with it, has a name of its own and writes
 /// no core dumps, which take long. Allocations fail beyond `data_limit` bytes of private data,
 /// touched or not. False if the parent has gone.
 pub(super) fn become_child(parent: u32, data_limit: Option<u64>) -> bool {

@@ -1,8 +1,8 @@
 //! Reports of results: tables, plots and a picture.
 //!
 //! There are three independent steps. [`build`] turns results into a document: sections with
-//! tables, charts and remarks. A chart can be drawn as SVG or listed as numbers. `html`, `files` and
-//! `tex` write the document as one self-contained page, or as a file for each table and plot.
+//! tables, charts and remarks. A chart can be drawn as SVG or listed as numbers. `html`, `files`
+//! and `tex` write the document as one self-contained page, or as a file for each table and plot.
 //!
 //! `table::results` builds the tables, so that a report and the terminal show the same. The SVG is
 //! written here, because the crates that were considered lack something that the page needs: text

@@ -1,4 +1,4 @@
-//! Plots against the property in which the models of a group differ, and the growth of times with it.
+//! Plots against the property in which the models of a group differ, and how times grow with it.
 
 use geobench_mesh::generate::Spec;
 

@@ -147,8 +147,8 @@ fn draw_whisker(svg: &mut Svg, style: usize, [low, high]: [[f64; 2]; 2]) {
     }
 }
 
-/// Draws the lines of the ticks of an axis, each between the points of `ends`, and the labels of the
-/// major ones beside the point of `label`.
+/// Draws the lines of the ticks of an axis, each between the points of `ends`, and the labels of
+/// the major ones beside the point of `label`.
 fn draw_ticks(
     svg: &mut Svg,
     scale: &Scale,

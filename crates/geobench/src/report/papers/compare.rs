@@ -22,8 +22,8 @@ struct Pair {
     ours: Vec<(String, Value)>,
 }
 
-/// The ratios of `table` beside those of `group`, for the figures and algorithms that both have. The
-/// base is that of `setting` if the table has it, else the last algorithm of the table.
+/// The ratios of `table` beside those of `group`, for the figures and algorithms that both have.
+/// The base is that of `setting` if the table has it, else the last algorithm of the table.
 pub(crate) fn compare(
     group: &Group<'_>,
     table: &PaperTable,

@@ -3,10 +3,10 @@
 //! Two cells match if they have the same model (by its hash), algorithm with parameters, source,
 //! threads and group. Figures are compared by kind:
 //!
-//! * Times vary, so a difference counts only beyond their variation. Samples of runs that took turns
-//!   ([`ResultFile::pairing`]) are compared pair by pair; others by a bootstrap interval of the
-//!   ratio of their medians, with the test of Mann and Whitney. A rule on time is broken if the
-//!   interval lies wholly beyond its limit.
+//! * Times vary, so a difference counts only beyond their variation. Samples of runs that took
+//!   turns ([`ResultFile::pairing`]) are compared pair by pair; others by a bootstrap interval of
+//!   the ratio of their medians, with the test of Mann and Whitney. A rule on time is broken if
+//!   the interval lies wholly beyond its limit.
 //! * Counts do not vary: any change, up or down, means that the algorithm works differently.
 //!   Instructions and memory are costs, which may decrease.
 //! * A rule is broken if one of the files lacks its figure. Else a gate would pass when the figure
@@ -692,7 +692,7 @@ impl Key {
 }
 
 impl Key {
-    /// The identity in words: the group, then `horse, vtp, source 0`. Group and source are optional.
+    /// The identity in words: group, model, algorithm, source. Group and source are optional.
     pub fn among(&self, with_group: bool, with_source: bool) -> String {
         let group = match &self.group {
             Some(group) if with_group => format!("{group}: "),

@@ -447,7 +447,7 @@ pub enum Measure {
     WavefrontDeviation,
     /// Instructions.
     Instructions,
-    /// A figure of memory, by its index in [`MEMORY`].
+    /// A figure of memory, by its index in `MEMORY`.
     Memory(usize),
 }
 

@@ -29,7 +29,7 @@ const ADVICE: [(&str, &str); 6] = [
     ),
 ];
 
-/// Width of what is not read on a terminal.
+/// Width of the output if it is not a terminal.
 const WIDTH: usize = 80;
 
 pub(super) fn algos(options: &AlgosOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
@@ -64,7 +64,7 @@ pub(super) fn algos(options: &AlgosOptions, terminal: Terminal) -> anyhow::Resul
     Ok(Verdict::Passed)
 }
 
-/// The algorithms of the list, each once whatever its parameters; all without a list.
+/// The algorithms of the list, each once regardless of its parameters. All without a list.
 fn chosen(options: &AlgosOptions) -> Vec<&Algorithm> {
     let Some(list) = &options.list else {
         return registry::algorithms().iter().collect();
@@ -173,7 +173,7 @@ fn counters() -> Vec<CounterEntry> {
 /// A row for each algorithm.
 fn overview(algorithms: &[Algorithm]) -> Table {
     let row = |algorithm: &Algorithm| {
-        // What is off by default would only repeat itself.
+        // Parameters that are off by default are left out.
         let defaults = algorithm.parameters.iter();
         let defaults = defaults.filter(|p| p.default != Value::Word("none"));
         let defaults: Vec<String> = defaults

@@ -138,7 +138,7 @@ impl Request<'_> {
     ) -> anyhow::Result<String> {
         let distances = solver.solve(&task.sources)?.distances;
         if let Some(doubt) = precision::doubt(self.mesh, &distances) {
-            // Whatever is quiet, no distance is given that may be wrong without saying so.
+            // Printed even with `--quiet`: distances that may be wrong always come with a warning.
             terminal::warning(&format!("{}: {doubt}", self.model));
         }
         let field = DistanceField {

@@ -44,7 +44,7 @@ pub(super) struct IsolationOptions {
     ext: Vec<PathBuf>,
 }
 
-/// How far compressed models are trusted.
+/// Limit of decompression.
 #[derive(Args, Clone, Copy, Debug)]
 pub(super) struct DecompressionOptions {
     /// Bytes that a compressed model may decompress to, such as 16GiB [default: 100 times its size,
@@ -103,7 +103,7 @@ enum Isolate {
 }
 
 impl IsolationOptions {
-    /// Checks that the options can be kept.
+    /// Refuses limits that this isolation cannot enforce.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         let limit = match (&self.timeout, &self.memory_limit) {
             (Some(Timeout(Some(_))), _) => Some("--timeout"),
@@ -131,7 +131,7 @@ impl IsolationOptions {
         Ok(programs)
     }
 
-    /// Whether limits are kept.
+    /// Whether limits are enforced.
     pub(super) fn keeps_limits(&self) -> bool {
         self.isolate == Isolate::Process
     }

@@ -106,7 +106,7 @@ impl Progress {
     /// Skips runs.
     pub(super) fn skip(&mut self, runs: usize) {
         self.started = self.started.saturating_add(runs);
-        // They take no time and say nothing of the time left.
+        // Skipped runs take no time. They do not count towards the estimate.
         self.bar.update(|state| state.set_pos(self.started as u64));
         self.bar.reset_eta();
     }

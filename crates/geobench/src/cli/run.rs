@@ -118,7 +118,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     Ok(verdict)
 }
 
-/// Number of cells of all plans together, as far as it can be counted.
+/// Number of cells of all plans together, if known.
 fn cells(plans: &[Plan]) -> usize {
     let cells = plans.iter().map(|plan| plan.runs() / plan.runs_per_cell());
     cells.fold(0, usize::saturating_add)
@@ -259,7 +259,7 @@ fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     Ok(Plans { plans, notes })
 }
 
-/// Removes limits that this isolation cannot keep, with a note if the user asked for them.
+/// Removes limits that this isolation cannot enforce, with a note if the user asked for them.
 fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
     for plan in plans {
         let Limits {
@@ -414,7 +414,7 @@ impl Listener for Reporter {
     }
 
     fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<InstructionCount> {
-        // The solve of an outside program cannot be told from the rest of it.
+        // Valgrind cannot separate the solve of an outside program from its other work.
         if cell.algorithm.starts_with("ext:") {
             return None;
         }

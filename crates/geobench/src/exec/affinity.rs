@@ -3,15 +3,15 @@
 use std::io;
 use std::str::FromStr;
 
-/// Numbers of processors, at least one, each once, in order.
+/// Processor numbers: at least one, sorted, without duplicates.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CpuList(Vec<usize>);
 
-/// Why a list of processors was not understood or cannot be had.
+/// Why a list of processors is invalid or not available.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CpuError {
-    /// It is no list.
+    /// Not a list of processor numbers.
     #[error("`{0}` is not a list of processors; give numbers and ranges such as 2 or 0,4-7")]
     Syntax(String),
     /// This process may not use one of them.
@@ -19,10 +19,10 @@ pub enum CpuError {
     NotAllowed {
         /// The processor.
         cpu: usize,
-        /// Those that may be used, as a list.
+        /// The processors that it may use, as a list.
         allowed: String,
     },
-    /// The system does not do it.
+    /// The system does not support pinning.
     #[error("this system does not pin processes: {0}")]
     Unsupported(io::Error),
 }
@@ -39,7 +39,7 @@ impl FromStr for CpuList {
 
     fn from_str(text: &str) -> Result<Self, CpuError> {
         let syntax = || CpuError::Syntax(text.to_owned());
-        // The system's sets have room for as many.
+        // The size of the system's processor sets.
         let number = |text: &str| {
             let number: usize = text.trim().parse().map_err(|_| syntax())?;
             (number < 1024).then_some(number).ok_or_else(syntax)
@@ -67,7 +67,7 @@ impl FromStr for CpuList {
 ///
 /// # Errors
 ///
-/// Names the first, or why the system does not tell.
+/// Names the first of them, or the error of the system.
 pub fn check(cpus: &CpuList) -> Result<(), CpuError> {
     let allowed = system::allowed().map_err(CpuError::Unsupported)?;
     match cpus.0.iter().find(|cpu| !allowed.contains(cpu)) {

@@ -39,7 +39,7 @@ pub enum ExpectedError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         error: std::io::Error,
     },
     /// A line is not `vertex,distance`.

@@ -46,7 +46,7 @@ impl Session for InProcess {
     }
 
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
-        // The solver is dropped after a panic: see below.
+        // A panic may leave the solver in any state, so it is dropped below.
         let result = catch_unwind(AssertUnwindSafe(|| match step.pass {
             Pass::Warmup | Pass::Time => self.solve(step),
             Pass::Profile => self.clock(step),

@@ -38,7 +38,7 @@ pub struct Timeout(pub Option<Duration>);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MemoryLimit(pub Option<u64>);
 
-/// A limit of what a compressed model decompresses to, in bytes; by default the usual one
+/// A limit of the decompressed size of a model, in bytes; by default the usual one
 /// ([`usual_decompression_limit`](geobench_mesh::io::usual_decompression_limit)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DecompressionLimit(pub Option<u64>);
@@ -102,7 +102,7 @@ impl FromStr for DecompressionLimit {
     }
 }
 
-/// The bytes that a number and a unit say.
+/// The bytes of a number with a unit.
 fn size(text: &str) -> Option<u64> {
     let text = text.trim();
     // Bare letters are binary, as `ulimit`, `dd` and systemd have them; `bytesize` takes them for

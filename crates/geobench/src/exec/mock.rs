@@ -7,7 +7,7 @@ use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::Peaks;
 use crate::schema::{ModelRecord, Phases, Status};
 
-/// Changes what a run delivers, or lets it fail.
+/// Changes the result of a run, or makes it fail.
 pub(crate) type Alter = fn(&Step<'_>, &mut Observation) -> Option<Failure>;
 
 /// Returns made-up results and logs the steps.
@@ -17,7 +17,7 @@ pub(crate) struct MockBackend {
     pub(crate) log: Vec<String>,
     /// Models that are refused.
     pub(crate) refuse: Vec<&'static str>,
-    /// Changes what a run delivers.
+    /// Changes the result of a run.
     pub(crate) alter: Option<Alter>,
 }
 
@@ -82,7 +82,7 @@ impl Session for MockSession<'_> {
         match step.pass {
             Pass::Warmup => observation.setup_seconds = Some(0.125),
             Pass::Time => {
-                // Different for every run, so that a sample that is lost or taken twice shows.
+                // Different for every run, so that tests detect lost and repeated samples.
                 let base = if name == "vtp" { 0.329 } else { 1.204 };
                 observation.seconds = Some(base + self.backend.log.len() as f64 / 1024.0);
             }

@@ -2,7 +2,7 @@
 //! at all.
 //!
 //! A benchmark knows no algorithm and no clock. It asks a [`Backend`] for a [`Session`] per model,
-//! and the session carries out single runs. A [`Listener`] hears of the progress.
+//! and the session carries out single runs. A [`Listener`] receives the progress.
 
 pub mod affinity;
 pub mod expected;
@@ -24,7 +24,7 @@ use crate::measure::memory::Peaks;
 use crate::registry::Selection;
 use crate::schema::{Cell, InstructionCount, ModelRecord, Phases, Status, WavefrontRecord};
 
-/// What a run is for. Journals hold the names in snake case.
+/// The purpose of a run. Journals hold the names in snake case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Pass {
@@ -49,7 +49,7 @@ pub struct Step<'a> {
     pub algorithm: &'a Selection,
     /// The source.
     pub source: VertexId,
-    /// What it is for.
+    /// Its purpose.
     pub pass: Pass,
 }
 
@@ -63,7 +63,7 @@ pub struct Observation {
     pub seconds: Option<f64>,
     /// Seconds that the set-up took, if this run needed one.
     pub setup_seconds: Option<f64>,
-    /// What was counted.
+    /// The counters.
     #[serde(with = "protocol::counters")]
     pub counters: Option<Counters>,
     /// The wavefront at even intervals of the run that counted.
@@ -80,7 +80,7 @@ pub struct Observation {
 pub struct Failure {
     /// Status of the cell.
     pub status: Status,
-    /// What happened, in one line.
+    /// The cause, in one line.
     pub message: String,
 }
 
@@ -119,7 +119,7 @@ pub trait Backend {
 /// A model that cannot be used.
 #[derive(Clone, Debug)]
 pub struct Refusal {
-    /// Why, in one line that names the file and the element.
+    /// The cause, in one line that names the file and the element.
     pub message: String,
 }
 

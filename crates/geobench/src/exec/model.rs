@@ -39,9 +39,9 @@ pub struct LoadedModel {
     pub mesh: Mesh,
     /// Its counts and sizes.
     pub measures: MeshMeasures,
-    /// What was noticed or repaired.
+    /// Defects and repairs.
     pub report: Report,
-    /// What result files say about it.
+    /// Its record in result files.
     pub record: ModelRecord,
 }
 
@@ -49,7 +49,7 @@ pub struct LoadedModel {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// There is no such file, or it cannot be looked at.
+    /// The file does not exist or is not accessible.
     #[error("{path}: {problem}; give a mesh file, a directory or `gen:NAME,...`")]
     Missing {
         /// The argument.
@@ -57,7 +57,7 @@ pub enum ModelError {
         /// What is wrong.
         problem: String,
     },
-    /// The file's ending is none of those that are read.
+    /// The ending of the file is not supported.
     #[error(
         "{path}: not a mesh file by its ending; OBJ, PLY, OFF and STL are read, each also with .gz"
     )]
@@ -82,7 +82,7 @@ pub enum ModelError {
     Invalid {
         /// The argument.
         path: String,
-        /// Which.
+        /// The defects.
         error: InvalidMesh,
     },
 }
@@ -146,7 +146,7 @@ fn search(directory: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
-/// Models of the same name are called by their whole path, and numbered if that is the same too.
+/// Models of the same name get their whole path as name, and a number if that is the same too.
 pub(crate) fn make_names_unique(models: &mut [ModelRef]) {
     let mut uses = HashMap::<String, usize>::new();
     for model in models.iter() {
@@ -174,8 +174,8 @@ impl ModelRef {
         }
     }
 
-    /// The model that a generator makes from `spec`. It is called by the spec as written, without
-    /// `gen:`, and its path is the spec with all defaults written out.
+    /// The model that a generator makes from `spec`. Its name is the spec as written, without
+    /// `gen:`. Its path is the spec with all defaults.
     ///
     /// # Errors
     ///
@@ -191,12 +191,12 @@ impl ModelRef {
         })
     }
 
-    /// The model of a file with every face split into four so many times. It is called by the file
-    /// and how many times as many faces it has.
+    /// The model of a file, each face split into four `times` times. Its name has the factor by
+    /// which the faces grow, such as `horse-x16`. A generated model stays as it is.
     ///
     /// # Errors
     ///
-    /// When that cannot be asked for.
+    /// When the spec is invalid.
     pub(crate) fn subdivided(&self, times: u32) -> Result<Self, ModelError> {
         let Some(path) = self.file_path().filter(|_| times > 0) else {
             return Ok(self.clone());
@@ -218,11 +218,11 @@ impl ModelRef {
         }
     }
 
-    /// The model that [`argument`](Self::argument) of another one stands for.
+    /// The inverse of [`argument`](Self::argument).
     ///
     /// # Errors
     ///
-    /// When it is not understood.
+    /// When the argument is invalid.
     pub(crate) fn named_by(argument: &OsStr, name: String) -> Result<Self, ModelError> {
         let model = match argument.to_str().filter(|text| Spec::is_spec(text)) {
             Some(spec) => Self::generated(spec)?,
@@ -265,7 +265,7 @@ impl ModelRef {
         hash_file(path).ok()
     }
 
-    /// What is known before it is loaded.
+    /// Its record before it is loaded.
     pub fn record(&self) -> ModelRecord {
         ModelRecord {
             name: self.name.clone(),
@@ -278,7 +278,7 @@ impl ModelRef {
     ///
     /// # Errors
     ///
-    /// When there is no such file or generator, or it cannot be understood.
+    /// When the file or generator does not exist or is invalid.
     pub fn read(&self, options: impl Into<ReadOptions>) -> Result<TriangleSoup, ModelError> {
         let options = options.into();
         match &self.origin {

@@ -10,7 +10,7 @@ use crate::exec::{Observation, Pass};
 use crate::measure::memory::Peaks;
 use crate::schema::{ModelRecord, Phases, WavefrontRecord};
 
-/// Request to an outside program. What it is to solve stands in its command.
+/// Request to an outside program. Its command names the model and the source.
 pub(crate) const SOLVE: &str = "solve";
 
 /// Request to a child of this program.
@@ -20,7 +20,7 @@ pub(crate) struct Request {
     pub(crate) algorithm: String,
     /// Number of the source vertex.
     pub(crate) source: u32,
-    /// What the run is for.
+    /// The purpose of the run.
     pub(crate) pass: Pass,
 }
 
@@ -54,7 +54,7 @@ pub(crate) struct Reply {
     pub(crate) seconds: Option<f64>,
     /// Seconds of set-up that depends on the mesh alone, if part of this run.
     pub(crate) setup_seconds: Option<f64>,
-    /// What was counted, by the names of result files.
+    /// Counters, by the names of result files.
     #[serde(with = "counters")]
     pub(crate) counters: Option<Counters>,
     /// Most memory that the process occupied during the solve.

@@ -1,8 +1,8 @@
-//! Joining the rounds of a benchmark that was started again and again.
+//! Joins the rounds of a benchmark that was started once for each round.
 //!
-//! Two versions of a program can only take turns if each is started for one round at a time: old,
-//! new, old, new. What the rounds of one of them measured is then one result file, with a sample
-//! of every round, and the files of both carry the same `pairing`.
+//! Two versions of a program take turns if each is started for one round at a time: old, new, old,
+//! new. The rounds of one version become one result file with a sample of every round. The files
+//! of both versions carry the same `pairing`.
 
 use anyhow::{Context, bail};
 
@@ -43,7 +43,7 @@ pub fn pool(
     Ok(joined)
 }
 
-/// In what `round` is not one of the same benchmark.
+/// The first difference between the benchmark of `round` and that of the first round.
 fn difference(joined: &ResultFile, cells: &[Vec<Cell>], round: &ResultFile) -> Option<String> {
     if joined.tool != round.tool {
         let of = |file: &ResultFile| {
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn samples_follow_each_other_and_are_summarised_anew() {
-        // One backend for all rounds: the made-up times go on rising.
+        // All rounds share a backend, so that the made-up times keep increasing.
         let mut backend = MockBackend::default();
         let rounds: Vec<ResultFile> = (0..5).map(|_| round(&mut backend)).collect();
         let samples: Vec<f64> = rounds.iter().map(|r| r.cells[1].time.samples[0]).collect();

@@ -1,4 +1,4 @@
-//! What a report holds, whatever it is written as.
+//! The content of a report, independent of its form.
 
 use super::chart::Chart;
 use crate::table::{Note, Table};
@@ -16,12 +16,12 @@ pub(crate) struct Section {
     /// Unique in the report; letters, digits and hyphens.
     pub(crate) id: String,
     pub(crate) heading: String,
-    /// Whether it stands on its own in the table of contents, or belongs to the one before.
+    /// Whether it has an entry of its own in the table of contents, or belongs to the one before.
     pub(crate) top: bool,
     pub(crate) blocks: Vec<Block>,
 }
 
-/// What stands in a section.
+/// An item of a section.
 #[derive(Clone, Debug)]
 pub(crate) enum Block {
     /// A paragraph.
@@ -32,32 +32,32 @@ pub(crate) enum Block {
     Heading(String),
     /// A table.
     Table(Table),
-    /// Plots that stand side by side where there is room.
+    /// Plots, side by side if there is room.
     Plots(Vec<Plot>),
     /// Remarks, one by one.
     Notes(Vec<Note>),
-    /// Files to take away.
+    /// Downloads.
     Links(Vec<Link>),
 }
 
-/// A file to take away.
+/// A download.
 #[derive(Clone, Debug)]
 pub(crate) struct Link {
     pub(crate) label: String,
-    /// Where it is: an address relative to the page, or the data itself.
+    /// Its address, relative to the page, or the data itself.
     pub(crate) address: String,
     /// The name under which it is stored.
     pub(crate) file: String,
 }
 
-/// A chart with what is said about it.
+/// A chart with its caption.
 #[derive(Clone, Debug)]
 pub(crate) struct Plot {
     /// Unique in the report; the name of its file.
     pub(crate) id: String,
-    /// What it shows, in few words.
+    /// The title.
     pub(crate) title: String,
-    /// What a reader must know to read it.
+    /// How to read it.
     pub(crate) caption: String,
     pub(crate) chart: Chart,
 }

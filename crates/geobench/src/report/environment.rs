@@ -1,10 +1,10 @@
-//! Where and how a result was measured.
+//! Machine, program and command of a result.
 
 use serde_json::Value;
 
 use crate::schema::{ResultFile, Status, Tool};
 
-/// Names and values of all that is known.
+/// Names and values of all known facts.
 pub(crate) fn facts(result: &ResultFile) -> Vec<(String, String)> {
     let (tool, host) = (&result.tool, &result.host);
     let or_unknown = |text: Option<&String>| text.map_or("unknown", String::as_str).to_owned();
@@ -48,7 +48,7 @@ pub(crate) fn facts(result: &ResultFile) -> Vec<(String, String)> {
         facts.push(("Features".to_owned(), tool.features.join(", ")));
     }
     facts.extend(others(result));
-    // A run that was interrupted, or of which several machines did parts.
+    // The run was interrupted, or several machines did parts.
     if result.sessions.len() > 1 {
         for (i, session) in result.sessions.iter().enumerate() {
             let cpu = or_unknown(session.host.cpu.as_ref());
@@ -68,7 +68,7 @@ pub(crate) fn facts(result: &ResultFile) -> Vec<(String, String)> {
     facts
 }
 
-/// What the file says about the conditions of the run in fields that not every version has.
+/// The conditions of the run. Files of older versions lack some.
 fn others(result: &ResultFile) -> Vec<(String, String)> {
     let mut facts = Vec::new();
     let Ok(Value::Object(fields)) = serde_json::to_value(result) else {
@@ -82,7 +82,7 @@ fn others(result: &ResultFile) -> Vec<(String, String)> {
     facts
 }
 
-/// A line for each value that there is, named after where it stands.
+/// A line for each value that is not null, named after its path.
 fn flatten(name: &str, value: &Value, facts: &mut Vec<(String, String)>) {
     let text = match value {
         Value::Null => return,
@@ -122,7 +122,7 @@ fn compiler(tool: &Tool) -> String {
     }
 }
 
-/// A command as it would be typed into a shell.
+/// A command, quoted for a shell.
 fn command(words: &[String]) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_=./:,@%+".contains(c);
     let quoted = words.iter().map(|word| {
@@ -135,7 +135,7 @@ fn command(words: &[String]) -> String {
     quoted.collect::<Vec<_>>().join(" ")
 }
 
-/// What came of the run, in a sentence or two.
+/// The outcome of the run, in one or two sentences.
 pub(crate) fn summary(result: &ResultFile) -> String {
     let cells = result.cells.len();
     let count = |status: Status| result.cells.iter().filter(|c| c.status == status).count();

@@ -1,4 +1,4 @@
-//! A file for each table and plot, to take into a paper.
+//! A file for each table and plot, for papers.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub enum Form {
     Tex,
 }
 
-/// Writes the files of `report` in one form into `directory`, which is made if it does not exist.
+/// Writes the files of `report` in one form into `directory`, which is created if missing.
 /// Returns their paths. Files of the same names are replaced, others left alone.
 ///
 /// # Errors
@@ -65,7 +65,7 @@ fn csvs(document: &Document) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
         files.push((format!("{}.csv", table.id), csv::table(table)?.into_bytes()));
     }
     for plot in document.plots() {
-        // Of a picture there are no numbers.
+        // A picture has no numbers.
         if !matches!(plot.chart, Chart::Picture(_)) {
             let text = csv::table(&numbers(plot))?;
             files.push((format!("{}.csv", plot.id), text.into_bytes()));

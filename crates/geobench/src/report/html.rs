@@ -1,4 +1,4 @@
-//! A report as one page that needs nothing else: no network, no script.
+//! A report as one self-contained page, without network and scripts.
 
 use std::fmt::Write;
 
@@ -16,7 +16,7 @@ pub fn page(report: &Report) -> String {
     html += "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
     html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
     html += "<meta name=\"color-scheme\" content=\"light dark\">\n";
-    // Browsers ask for an icon unless the page has one.
+    // Browsers request an icon unless the page has one.
     html += "<link rel=\"icon\" href=\"data:,\">\n";
     html += &format!("<title>{}</title>\n", escape(&document.title));
     html += &format!(

@@ -1,16 +1,15 @@
-//! Reports that people look at: tables, plots and a picture of some results.
+//! Reports of results: tables, plots and a picture.
 //!
-//! Three steps, each of which knows nothing of the next. [`build`] turns results into a document:
-//! sections with tables, charts and remarks, in numbers and words. A chart can be drawn as SVG, or
-//! listed as numbers. `html`, `files` and `tex` write the document down: as one page that needs
-//! nothing else, or as a file for each table and plot.
+//! There are three independent steps. [`build`] turns results into a document: sections with
+//! tables, charts and remarks. A chart can be drawn as SVG or listed as numbers. `html`, `files`
+//! and `tex` write the document as one self-contained page, or as a file for each table and plot.
 //!
-//! What tables show is decided in `table::results`, so that a report says the same as the tables in
-//! the terminal. The SVG is written here and not by a crate, because the page needs what those that
-//! were looked at do not give: text as text, ink in the colour of the page, whatever that is,
-//! descriptions for those who do not see, and patterns beside colours.
+//! `table::results` builds the tables, so that a report and the terminal show the same. The SVG is
+//! written here, because the crates that were considered lack something that the page needs: text
+//! drawn as text, lines in the text colour of the page, descriptions for screen readers, and
+//! patterns in addition to colours.
 
-// Places, sizes and counts are never negative here, and a page is not written in a hot loop.
+// Places, sizes and counts are never negative here, and writing a page is not a hot loop.
 #![allow(clippy::cast_sign_loss, clippy::format_push_string)]
 
 mod chart;
@@ -49,15 +48,15 @@ pub use picture::plot::{PictureError, Wanted};
 pub struct Input {
     /// The file.
     pub path: PathBuf,
-    /// What it holds.
+    /// The content.
     pub result: ResultFile,
 }
 
-/// What a report is to hold.
+/// Options of a report.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The algorithm to which all are compared; if none, the one that a group names, else `vtp`,
-    /// else the reference of the checks.
+    /// The base of ratios. If `None`, the algorithm that a group names, else `vtp`, else the
+    /// reference of the checks.
     pub ratio_to: Option<String>,
     /// The picture.
     pub picture: Wanted,
@@ -67,20 +66,20 @@ pub struct Options {
     pub tables: Tables,
 }
 
-/// A report that can be written down.
+/// A report, ready to be written.
 #[derive(Clone, Debug)]
 pub struct Report {
     document: Document,
 }
 
-/// What every plot needs to know beside its group.
+/// The context of the plots of a group.
 #[derive(Clone, Copy, Debug)]
 struct Setting<'a> {
-    /// What the identifiers of plots start with.
+    /// The prefix of the ids of plots.
     prefix: &'a str,
-    /// The algorithms of the whole result, in an order that gives each its marker.
+    /// The algorithms of the whole result. The index of an algorithm determines its marker.
     styles: &'a [&'a str],
-    /// The algorithm to which ratios are taken.
+    /// The base of ratios.
     base: Option<&'a str>,
 }
 
@@ -91,19 +90,19 @@ impl Setting<'_> {
     }
 }
 
-/// What a report cannot be made from.
+/// Why a report cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
-    /// The algorithm to which all are to be compared is nowhere.
+    /// The results lack the algorithm that is to be the base of ratios.
     #[error("--ratio-to {name}: no group has this algorithm; there are {}", known.join(", "))]
     UnknownBase {
         /// Its name.
         name: String,
-        /// Those that there are.
+        /// The algorithms of the results.
         known: Vec<String>,
     },
-    /// The picture that was asked for cannot be drawn.
+    /// The requested picture cannot be drawn.
     #[error(transparent)]
     Picture(#[from] PictureError),
 }
@@ -115,7 +114,7 @@ const MOST_EMBEDDED: usize = 4 << 20;
 ///
 /// # Errors
 ///
-/// When what `options` ask for is not in the results.
+/// When the results lack something that `options` ask for.
 pub fn build(inputs: &[Input], options: &Options) -> Result<Report, ReportError> {
     if let Some(name) = &options.ratio_to {
         let known = algorithms(inputs.iter().flat_map(|input| &input.result.cells));
@@ -168,7 +167,7 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, ReportError>
     })
 }
 
-/// `result` with groups that name the algorithm of their ratios.
+/// `result` with a base of ratios in every group.
 fn with_base(result: &ResultFile, wanted: Option<&str>) -> ResultFile {
     let mut result = result.clone();
     if result.groups.is_empty() {
@@ -277,7 +276,7 @@ fn of_group(group: &Group<'_>, setting: Setting<'_>) -> Vec<Block> {
     blocks
 }
 
-/// What the figures mean.
+/// The meaning of the figures.
 fn reading(result: &ResultFile) -> String {
     let mut text = crate::table::footnote(result, true).trim_end().to_owned();
     if !text.is_empty() {

@@ -24,8 +24,8 @@ pub(crate) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
     plots
 }
 
-/// A lane for each algorithm on each model, with what `value` finds there; where that takes figures
-/// of `base` too and this failed, it is what is said to be missing.
+/// A lane for each algorithm on each model, with its `value`. If the value needs a figure of `base`
+/// and `base` failed, the lane shows that failure.
 fn bands(
     group: &Group<'_>,
     setting: Setting<'_>,
@@ -95,12 +95,12 @@ fn values(group: &Group<'_>, setting: Setting<'_>, figure: &'static Figure) -> O
     })
 }
 
-/// How many times as long as `base`.
+/// The ratios of times to those of `base`.
 fn ratios(group: &Group<'_>, setting: Setting<'_>, base: &str) -> Option<Plot> {
     let mut bands = bands(group, setting, Some(base), |model, algorithm| {
         group.ratio(time(), model, algorithm, base)
     });
-    // Its own ratio is 1 everywhere.
+    // The ratio of `base` to itself is always 1.
     for band in &mut bands {
         band.lanes.retain(|lane| lane.label != base);
     }
@@ -126,13 +126,13 @@ fn ratios(group: &Group<'_>, setting: Setting<'_>, base: &str) -> Option<Plot> {
     })
 }
 
-/// Where the clocked time goes.
+/// The clocked time by phase.
 fn phases(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
     let parts = |phases: &Phases| Some([phases.propagation?, phases.pruning?, phases.management?]);
     let mut groups = Vec::new();
     for model in &group.models {
         let of = |algorithm: &str| -> Option<[f64; 3]> {
-            // Of several sources the first; medians of parts do not add up.
+            // The first of several sources: medians of parts do not add up.
             let cells = group.of(&model.name, algorithm);
             if group.failure(&model.name, algorithm).is_some() {
                 return None;
@@ -187,14 +187,14 @@ fn phases(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
     })
 }
 
-/// What is plotted over what.
+/// A plot of one quantity of wavefronts over another.
 struct CourseView {
     key: &'static str,
     title: &'static str,
     x: &'static str,
     y: &'static str,
     caption: &'static str,
-    /// A sample's place, given the windows that the whole run propagated, and its value.
+    /// Place and value of a sample, given the number of windows that the whole run propagated.
     point: fn(&WavefrontRecord, f64) -> Option<(f64, f64)>,
 }
 
@@ -246,7 +246,7 @@ fn course_plot(
 ) -> Option<Plot> {
     let mut series: Vec<Series> = Vec::new();
     for name in &group.algorithms {
-        // Of several sources the first: courses of different ones do not lie above each other.
+        // The first of several sources: curves of different sources are not comparable.
         let cells = group.of(&model.name, name);
         let Some(cell) = cells.first().filter(|cell| cell.status == Status::Ok) else {
             continue;
@@ -306,7 +306,7 @@ fn course_points(
         (at.is_finite() && value.is_finite()).then_some((at, value.into()))
     });
     let mut points: Vec<(f64, Value)> = points.collect();
-    // The mean distance of a wavefront may step back.
+    // The mean distance of a wavefront may decrease.
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     points
 }

@@ -1,4 +1,4 @@
-//! Plots against what the models of a group differ in, and how fast times grow with it.
+//! Plots against the property in which the models of a group differ, and how times grow with it.
 
 use geobench_mesh::generate::Spec;
 
@@ -10,7 +10,7 @@ use crate::schema::ModelRecord;
 use crate::table::figures::time;
 use crate::table::group::{Group, Value, distinct};
 
-/// What models differ in.
+/// The property in which models differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Against {
     Faces,
@@ -54,8 +54,8 @@ impl Against {
         }
     }
 
-    /// What models have in common that differ in this alone: their spec or file name without what
-    /// says how much of it they have.
+    /// The family of a model: its spec or file name without the parts that state this property.
+    /// Models of one family differ in this property alone.
     fn family(self, model: &ModelRecord) -> String {
         if !Spec::is_spec(&model.path) {
             let name = model.name.trim_end_matches(|c: char| {
@@ -73,13 +73,13 @@ impl Against {
     }
 }
 
-/// Fewest models that make a line.
+/// Fewest models of a line.
 const FEWEST: usize = 3;
 
-/// What plots call the models that have no family in common.
+/// The name of models without a common family.
 const ALL: &str = "all models";
 
-/// Time, and its ratio to the base, against what the models of the group differ in.
+/// Time, and its ratio to the base, against the property in which the models of the group differ.
 pub(super) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
     let mut plots = Vec::new();
     for against in Against::ALL {
@@ -92,7 +92,7 @@ pub(super) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
         );
         let families = distinct(models.iter().map(|(_, model)| against.family(model)));
         models.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Lines only mean something between models that differ in nothing else.
+        // Lines join only models that differ in nothing else.
         let mut lines: Vec<(&str, Vec<(f64, &ModelRecord)>)> = Vec::new();
         for family in &families {
             let own = models.iter().filter(|(_, m)| against.family(m) == *family);
@@ -116,7 +116,7 @@ pub(super) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
     plots
 }
 
-/// How many of `models`, which are sorted, differ.
+/// The number of different values of the sorted `models`.
 fn differ(models: &[(f64, &ModelRecord)]) -> usize {
     let mut places: Vec<f64> = models.iter().map(|(at, _)| *at).collect();
     places.dedup();
@@ -199,7 +199,7 @@ fn against_plots(
     plots
 }
 
-/// In words the power of the number of faces with which each series grows.
+/// The exponent of the growth of each series with the number of faces, in words.
 fn growth(series: &[Series]) -> String {
     let grows = |series: &Series| {
         let points = series.points.iter().map(|(x, value)| [*x, value.value]);

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::table::escape::xml as escape;
 
-/// An SVG document, or a part of one, that is being written.
+/// Writes an SVG document, or a part of one.
 #[derive(Debug, Default)]
 pub(crate) struct Svg {
     text: String,
@@ -15,14 +15,14 @@ pub(crate) struct Svg {
 pub(crate) type Attributes<'a> = &'a [(&'static str, String)];
 
 impl Svg {
-    /// Starts an element; what follows stands in it until [`Self::close`].
+    /// Starts an element, which [`Self::close`] ends.
     pub(crate) fn open(&mut self, name: &'static str, attributes: Attributes<'_>) {
         self.start(name, attributes);
         self.text.push('>');
         self.open.push(name);
     }
 
-    /// Ends the element that was started last.
+    /// Ends the innermost element.
     pub(crate) fn close(&mut self) {
         if let Some(name) = self.open.pop() {
             let _ = writeln!(self.text, "</{name}>"); // Writing to a string cannot fail.
@@ -64,12 +64,12 @@ impl Svg {
         self.leaf("line", &attributes);
     }
 
-    /// Text that is SVG or CSS already.
+    /// Adds SVG or CSS, unescaped.
     pub(crate) fn raw(&mut self, text: &str) {
         self.text.push_str(text);
     }
 
-    /// What was written, with every element ended.
+    /// The document, with every element closed.
     pub(crate) fn finish(mut self) -> String {
         while !self.open.is_empty() {
             self.close();
@@ -95,12 +95,12 @@ pub(crate) fn px(length: f64) -> String {
     }
 }
 
-/// Estimated width of `text` when drawn, for a wide font: the fonts of the reader are unknown.
+/// Estimated width of `text`, for a wide font, since the reader's fonts are unknown.
 pub(crate) fn width_of(text: &str) -> f64 {
     text.chars().map(letter).sum()
 }
 
-/// Estimated width of a letter when drawn.
+/// Estimated width of a letter.
 fn letter(c: char) -> f64 {
     match c {
         'i' | 'j' | 'l' | ' ' | '.' | ',' | ':' | ';' | '|' | '\'' => 3.6,
@@ -111,7 +111,7 @@ fn letter(c: char) -> f64 {
     }
 }
 
-/// `text` cut to a width, with a sign that something is missing.
+/// `text` cut to a width, with an ellipsis.
 pub(crate) fn fitted(text: &str, width: f64) -> String {
     if width_of(text) <= width {
         return text.to_owned();

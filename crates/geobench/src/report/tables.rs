@@ -24,7 +24,7 @@ pub(crate) fn figures(id: &str, group: &Group<'_>) -> Table {
     table
 }
 
-/// What a reader must know beside the figures of `table`: failures, then checks.
+/// The notes of `table`: failures, then checks.
 pub(crate) fn notes(table: &Table) -> Vec<Note> {
     let parts = table.parts.iter();
     let notes = parts.flat_map(|part| part.notes.iter().map(|note| (&part.title, note)));
@@ -38,7 +38,7 @@ pub(crate) fn notes(table: &Table) -> Vec<Note> {
     notes
 }
 
-/// What is known of the models.
+/// The properties of the models.
 pub(crate) fn models(id: &str, result: &ResultFile) -> Table {
     type Of = fn(&ModelRecord) -> Option<String>;
     let columns: [(&str, Of); 11] = [

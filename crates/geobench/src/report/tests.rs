@@ -11,7 +11,7 @@ use crate::run::mock::{plan, result, run_mock};
 use crate::schema::{GroupRecord, ResultFile};
 use crate::table::tests::mixed_with;
 
-/// A model of that name, whatever it holds.
+/// A model with this name and arbitrary figures.
 const NASTY: &str = "<b>&\"'";
 
 fn mixed() -> ResultFile {
@@ -64,7 +64,7 @@ fn plots_as_svg_and_pgfplots() {
     insta::assert_snapshot!("phases_tex", file(&report, Form::Tex, "g1-phases.tex"));
 }
 
-/// The page without what is long and says nothing here: styles, drawings and data.
+/// The page without styles, drawings and data, which other tests cover.
 fn bare(page: &str) -> String {
     let mut text = page.to_owned();
     for (from, to) in [
@@ -131,7 +131,7 @@ fn elements_are_balanced_and_identifiers_unique() {
         let closed = html.matches(&format!("</{name}>")).count();
         assert_eq!(opened, closed, "{name}");
     }
-    // Whatever a link or a pattern refers to is there.
+    // All targets of links and patterns exist.
     for target in html
         .split("href=\"#")
         .skip(1)
@@ -153,7 +153,7 @@ fn nothing_is_asked_of_the_network_and_no_script_runs() {
         "javascript:",
         " onload",
     ] {
-        // The name of SVG's namespace is an address that nobody asks for.
+        // The name of SVG's namespace is an address that no browser requests.
         let text = html.replace("http://www.w3.org/2000/svg", "");
         assert!(!text.contains(word), "{word}");
     }

@@ -1,5 +1,5 @@
-//! Tables and plots in LaTeX: booktabs and pgfplots, with the numbers in the source, so that a
-//! paper can set them in its own type.
+//! Tables and plots in LaTeX, with booktabs and pgfplots. The source holds the numbers, so that a
+//! paper can set them in its own font.
 
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -17,12 +17,12 @@ pub(super) fn table(table: &Table) -> String {
     format!("% {caption}\n{}{}", latex::NEEDS, latex::tabular(table))
 }
 
-/// Text that can stand behind a `%`.
+/// Text for a comment.
 fn remark(text: &str) -> Cow<'_, str> {
     printable(text)
 }
 
-/// A `tikzpicture`, or how to include the picture.
+/// A `tikzpicture`, or the command that includes the picture.
 pub(super) fn plot(plot: &Plot) -> String {
     let head = format!("% {}. {}\n", remark(&plot.title), remark(&plot.caption));
     let body = match &plot.chart {
@@ -63,7 +63,7 @@ fn rows(labels: &[String]) -> String {
     )
 }
 
-/// What stands before a lane: its model only once, before the first of its algorithms.
+/// The label of a lane. Only the first lane of a model has its name.
 fn label(band: &str, lane: &str, first: bool) -> String {
     if first && !band.is_empty() {
         format!("{band}: {lane}")
@@ -116,7 +116,7 @@ fn dots(chart: &Dots) -> String {
     tex + "\\end{axis}\n\\end{tikzpicture}\n"
 }
 
-/// How far an interval reaches to both sides, as pgfplots reads it.
+/// The lengths of an interval to both sides, for pgfplots.
 fn errors(value: Value, at: impl Fn(f64) -> String) -> String {
     value.interval.map_or_else(String::new, |[low, high]| {
         let (up, down) = ((high - value.value).max(0.0), (value.value - low).max(0.0));

@@ -37,7 +37,7 @@ impl Clusters {
         place.map(|place| place as u32 + 1)
     }
 
-    /// The cluster of an answer that agrees with none.
+    /// A new cluster, for an answer that agrees with none.
     pub(crate) fn next(&self) -> u32 {
         self.first.len() as u32 + 1
     }
@@ -420,7 +420,7 @@ mod tests {
         assert_eq!(clusters.place(&[0.0, 1.0], 1e-9), 1);
         assert_eq!(clusters.place(&[0.0, 2.0], 1e-9), 2);
         assert_eq!(clusters.place(&[0.0, 1.0 + 1e-12], 1e-9), 1);
-        // Another number of vertices, and what is no number, agree with nothing.
+        // Answers with another number of vertices or with NaN agree with nothing.
         assert_eq!(clusters.place(&[0.0], 1e-9), 3);
         assert_eq!(clusters.place(&[0.0, f64::NAN], 1e-9), 4);
         assert_eq!(clusters.place(&[0.0, f64::NAN], 1e-9), 5);

@@ -39,7 +39,7 @@ pub struct RunId {
     pub source: u32,
     /// Label of the algorithm.
     pub algorithm: String,
-    /// What it is for.
+    /// Its purpose.
     #[serde(rename = "purpose")]
     pub pass: Pass,
     /// Index among the runs of this pass.
@@ -80,7 +80,7 @@ const PAUSE: Duration = Duration::from_millis(10);
 
 /// Locks a journal, waiting up to [`LOCK_TIMEOUT`].
 ///
-/// A process killed while it starts a child leaves its lock to the child until that has called
+/// If a process is killed while it starts a child, the child holds the lock until it has called
 /// exec. A resumed run must not be refused for that.
 fn lock(file: &File) -> Result<(), TryLockError> {
     let deadline = Instant::now() + LOCK_TIMEOUT;
@@ -99,7 +99,7 @@ impl Journal {
     /// # Errors
     ///
     /// When the file cannot be written, is in use, is not a journal, belongs to another run or is
-    /// damaged. It is then as it was.
+    /// damaged. The file is then unchanged.
     pub fn open(
         path: &Path,
         header: &JournalHeader,
@@ -390,15 +390,15 @@ pub(super) enum JournalLine {
     Instructions {
         /// The run that counts in that cell.
         id: RunId,
-        /// How many, and of what kind.
+        /// The count and the kind of instructions.
         #[serde(flatten)]
         found: InstructionCount,
     },
     /// A run ended.
     Run {
-        /// Which.
+        /// The run.
         id: RunId,
-        /// Its outcome.
+        /// The outcome.
         found: RunOutcome,
     },
 }

@@ -251,7 +251,7 @@ fn models(plan: &PlanRecord, parts: &[ShardFile]) -> anyhow::Result<Vec<ModelRec
     Ok(models)
 }
 
-/// The first or the last of the times of all parts, which sort as text.
+/// The first or the last of the times of all parts. RFC 3339 times sort as text.
 fn extreme(
     parts: &[ShardFile],
     of: fn(&ResultFile) -> &String,

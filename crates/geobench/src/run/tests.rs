@@ -1,4 +1,4 @@
-//! What the runner does, with made-up runs.
+//! The runner, with made-up runs.
 
 use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
 use crate::exec::{Listener, Step};

@@ -201,7 +201,7 @@ impl<'p> Unit<'p> {
                 let outcome = self.judge(reference, done, &mut context.reference_check);
                 context.keep(run, &outcome)?;
             }
-            // The timed runs of its cell are done, and the new answer changes nothing.
+            // The timed runs of its cell are done. The new answer serves checks only.
             Some(_) => {}
         }
         Ok(place)
@@ -359,7 +359,7 @@ struct CellRuns<'p> {
     outcomes: BTreeMap<(Pass, usize), RunOutcome>,
     /// Failure of the cell; no further runs are made.
     failure: Option<Failure>,
-    /// Runs of this process, without those from the journal.
+    /// Runs made by this process, without those from the journal.
     made: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Times as bars in a terminal, for eyes that look for ratios.
+//! Times as bars in a terminal, which show ratios at a glance.
 
 use super::escape::printable;
 use super::figures::time;
@@ -10,21 +10,20 @@ use crate::schema::{Cell, GroupRecord, ModelRecord};
 struct Bar {
     /// Its label.
     label: String,
-    /// Its time in seconds, as far as it is known.
+    /// Its time in seconds, if known.
     seconds: Option<f64>,
     /// How it failed, if it did.
     failure: Option<String>,
 }
 
-/// Narrowest bar that says something.
+/// Narrowest useful bar.
 const SHORTEST: usize = 8;
 
 /// Longest label; longer ones lose their ends.
 const LONGEST_LABEL: usize = 32;
 
-/// One line for each algorithm, no wider than `width`: its time, how many times that of `base` it
-/// is, and a bar, the length of which is the time on a scale that the longest fills. A narrow
-/// terminal has no bars.
+/// One line for each algorithm, no wider than `width`: its time, the ratio to the time of `base`
+/// and a bar. The longest bar fills the width. A narrow terminal has no bars.
 fn lines(bars: &[Bar], base: Option<&str>, width: usize) -> Vec<String> {
     let known = || bars.iter().filter_map(|bar| bar.seconds);
     let longest = known().fold(0.0, f64::max);
@@ -70,8 +69,8 @@ fn lines(bars: &[Bar], base: Option<&str>, width: usize) -> Vec<String> {
         .collect()
 }
 
-/// The times of all algorithms on one model as bars, under a line that says what they are, and
-/// followed by an empty one; empty if there are not two of them. `cells` are those of the model.
+/// The times of all algorithms on one model as bars, with a heading before and an empty line after
+/// them. Empty if fewer than two algorithms have a time. `cells` are those of the model.
 pub fn model_bars(
     group: &GroupRecord,
     model: &ModelRecord,
@@ -99,7 +98,7 @@ pub fn model_bars(
     head.chain(lines).collect::<Vec<String>>().join("\n") + "\n\n"
 }
 
-/// A time with three significant digits, as far as that makes sense.
+/// A time with about three significant digits.
 fn significant(seconds: f64) -> String {
     let decimals = crate::measure::number::decimals([seconds], 6);
     format!("{seconds:.decimals$}")
@@ -126,7 +125,7 @@ fn blocks(share: f64, room: usize) -> String {
     const EIGHTHS: [&str; 8] = [
         "", "\u{258f}", "\u{258e}", "\u{258d}", "\u{258c}", "\u{258b}", "\u{258a}", "\u{2589}",
     ];
-    // The conversion ends at 0; nothing is so short that it is not to be seen.
+    // The conversion saturates at 0. Even the shortest bar is visible.
     #[expect(clippy::cast_sign_loss, reason = "a share is not negative")]
     let eighths = ((share * 8.0 * room as f64).round() as usize).clamp(1, 8 * room);
     "\u{2588}".repeat(eighths / 8) + EIGHTHS[eighths % 8]

@@ -1,4 +1,4 @@
-//! A comparison as people and programs read it.
+//! Writes comparisons of two result files as tables, Markdown and JSON.
 
 use std::path::Path;
 
@@ -32,11 +32,11 @@ const ENDINGS: [(&str, ComparisonFormat); 3] = [
 ];
 
 impl ComparisonFormat {
-    /// The form that the ending of `path` asks for, in any letter case.
+    /// The form for the ending of `path`, in any letter case.
     ///
     /// # Errors
     ///
-    /// When it asks for none.
+    /// When no form has this ending.
     pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
         of_ending(path, "results", &ENDINGS)
     }
@@ -55,7 +55,7 @@ impl ComparisonFormat {
     }
 }
 
-/// Figures that the table shows whether or not there is a rule on them, as far as there are any.
+/// Figures that the table shows even without a rule on them, if a cell has them.
 const USUAL: [&str; 3] = ["propagated", "instructions", "heap_peak_bytes"];
 
 fn in_terminal(comparison: &Comparison, styled: bool) -> String {
@@ -150,7 +150,7 @@ fn summary(comparison: &Comparison) -> String {
 
 fn side(side: &Side) -> String {
     let built = match &side.commit {
-        // As much of it as git shows.
+        // As many digits as git shows.
         Some(commit) => format!("commit {}", commit.get(..12).unwrap_or(commit)),
         None => format!("version {}", side.version),
     };
@@ -192,7 +192,7 @@ fn listed(keys: &[Key]) -> Vec<String> {
     keys.iter().map(ToString::to_string).collect()
 }
 
-/// What cells are called in tables: group and source only if not all have the same.
+/// The names of cells in tables. Group and source are left out if all cells share them.
 fn name(comparison: &Comparison, key: &Key) -> String {
     let keys = || comparison.cells.iter().map(|c| &c.cell);
     let groups = keys().any(|other| other.group != key.group);

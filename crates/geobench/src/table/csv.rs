@@ -125,7 +125,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
     columns
 }
 
-/// The text, or the number with as many digits as it takes to read it back unchanged.
+/// The text, or the number with as many digits as reading it back exactly takes.
 fn text(value: Option<impl Display>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }

@@ -15,7 +15,7 @@ pub struct DistanceField<'a> {
     pub model: &'a str,
     /// Name of the algorithm.
     pub algorithm: &'a str,
-    /// The sources, from the nearest of which distances are measured.
+    /// The sources. Distances are measured from the nearest one.
     pub sources: &'a [u32],
     /// The mesh.
     pub mesh: &'a Mesh,
@@ -28,7 +28,7 @@ pub struct DistanceField<'a> {
 pub enum FieldFormat {
     /// `vertex,distance`, one line for each vertex; `inf` where no path leads.
     Csv,
-    /// The distances with their sources; `null` where no path leads, and how often that is.
+    /// The distances with their sources and the number of unreachable vertices, which are `null`.
     Json,
     /// A one-dimensional `NumPy` array of f64; infinity where no path leads.
     Npy,
@@ -49,11 +49,11 @@ const ENDINGS: [(&str, FieldFormat); 5] = [
 ];
 
 impl FieldFormat {
-    /// The form that the ending of `path` asks for, in any letter case.
+    /// The form for the ending of `path`, in any letter case.
     ///
     /// # Errors
     ///
-    /// When it asks for none.
+    /// When no form has this ending.
     pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
         of_ending(path, "distances", &ENDINGS)
     }
@@ -78,7 +78,7 @@ impl FieldFormat {
     }
 }
 
-/// Numbers with as many digits as it takes to read them back unchanged.
+/// Numbers with as many digits as reading them back exactly takes.
 fn csv(distances: &[f64]) -> Vec<u8> {
     use std::fmt::Write;
     let mut text = "vertex,distance\n".to_owned();

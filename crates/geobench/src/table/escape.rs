@@ -1,11 +1,11 @@
-//! Text from elsewhere, such as names of models and messages of programs, made harmless for the
-//! form it is written in. JSON holds it as it is.
+//! Escapes text from outside, such as names of models and messages of programs, for each form of
+//! output. JSON holds it unchanged.
 
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// `text` in one line that cannot steer a terminal: line breaks and tabs become spaces, other
-/// control characters, and those that change the direction of text, their codes.
+/// `text` in one line that cannot control a terminal. Line breaks and tabs become spaces. Other
+/// control characters, and those that change the direction of text, become their codes.
 pub(crate) fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(steers) {
         return Cow::Borrowed(text);
@@ -21,8 +21,7 @@ pub(crate) fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// `text` with what steers a terminal as codes, but for line breaks, tabs and, if it is `styled`,
-/// colours.
+/// `text` with control characters as codes, except line breaks, tabs and, if `styled`, colours.
 pub(crate) fn for_terminal(text: &str, styled: bool) -> Cow<'_, str> {
     if !text.contains(|c| steers(c) && !matches!(c, '\n' | '\t')) {
         return Cow::Borrowed(text);
@@ -53,7 +52,7 @@ fn colour(text: &str) -> usize {
     }
 }
 
-/// Whether a terminal, or an editor, does something else with it than show it.
+/// Whether the character controls a terminal or an editor.
 fn steers(c: char) -> bool {
     c.is_control()
         || matches!(
@@ -71,8 +70,7 @@ fn code(shown: &mut String, c: char) {
     };
 }
 
-/// `text` as one line of Markdown in which nothing is markup: no HTML, no link, no end of a table
-/// cell.
+/// `text` as one line of Markdown without markup: no HTML, no link, no end of a table cell.
 pub(crate) fn markdown(text: &str) -> String {
     let text = printable(text);
     let mut escaped = String::with_capacity(text.len());
@@ -84,7 +82,7 @@ pub(crate) fn markdown(text: &str) -> String {
             '<' => escaped.push_str("&lt;"),
             '&' => escaped.push_str("&amp;"),
             '\\' | '|' | '`' | '*' | '~' => escaped.extend(['\\', c]),
-            // Within a word it is a letter.
+            // Within a word an underscore is no markup.
             '_' if !(last.is_alphanumeric() && next.is_alphanumeric()) => escaped.push_str("\\_"),
             // It ends the text of a link.
             ']' if matches!(next, '(' | '[' | ':') => escaped.push_str("\\]"),
@@ -95,8 +93,8 @@ pub(crate) fn markdown(text: &str) -> String {
     escaped
 }
 
-/// `text` with the characters that mean something in XML and HTML made harmless, in and outside
-/// of attributes; what XML cannot hold is left out.
+/// `text` with the special characters of XML and HTML escaped, for attributes and content.
+/// Characters that XML cannot hold are left out.
 pub(crate) fn xml(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -114,9 +112,9 @@ pub(crate) fn xml(text: &str) -> String {
     escaped
 }
 
-/// A text cell of a CSV file: with an apostrophe before it if a spreadsheet would take it for a
-/// formula. Numbers and a lone dash stay as they are. An apostrophe is put before further ones as
-/// well, so that it can be taken off again.
+/// A text cell of a CSV file. Text that a spreadsheet would take for a formula gets an apostrophe
+/// in front. Numbers and a lone dash stay unchanged. Text that starts with an apostrophe gets
+/// another one, so that readers can remove the first.
 pub(crate) fn csv_text(text: &str) -> Cow<'_, str> {
     if is_formula(text.trim_start_matches('\'')) {
         Cow::Owned(format!("'{text}"))

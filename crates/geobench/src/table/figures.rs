@@ -1,4 +1,4 @@
-//! The figures that tables can show, a row each.
+//! The figures that tables can show, one row each.
 
 use std::sync::LazyLock;
 
@@ -10,29 +10,29 @@ use crate::schema::Cell;
 /// A figure of a cell: a row of a table.
 #[derive(Clone, Debug)]
 pub struct Figure {
-    /// The name by which suites and `--rows` ask for it.
+    /// Its name in suites and `--rows`.
     pub key: &'static str,
-    /// What stands in front of the row.
+    /// The label of the row.
     pub(crate) label: String,
-    /// How it is shown.
+    /// The number format.
     pub(crate) style: Style,
-    /// Whether less of it is better, so that the least can be marked and ratios mean something.
+    /// Whether less is better. The least value is then marked, and ratios are shown.
     pub(crate) less_is_better: bool,
     of: Of,
 }
 
-/// How a figure is shown.
+/// A number format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Style {
     /// A whole number.
     Count,
-    /// With as many decimals as it takes, but no more than these.
+    /// As many decimals as needed, at most these.
     Decimals(u8),
-    /// By its size alone.
+    /// A power of ten with a factor.
     Scientific,
 }
 
-/// Where a figure comes from.
+/// The source of a figure.
 #[derive(Clone, Copy, Debug)]
 enum Of {
     Counter(Counter),
@@ -43,10 +43,10 @@ enum Of {
 
 const MEGABYTE: f64 = 1e6;
 
-/// The rows of a table where nothing else is asked for.
+/// The default rows of a table.
 pub(crate) const USUAL: [&str; 4] = ["time", "propagated", "papers_memory", "heap_memory"];
 
-/// A name that is not that of a figure.
+/// No figure has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no row `{name}`{}; known are {}", did_you_mean(name, &known()), known().join(", "))]
 pub struct UnknownFigure {
@@ -75,7 +75,7 @@ pub(crate) fn time() -> &'static Figure {
     &all()[0]
 }
 
-/// The figures of these names, as far as there are any; the usual ones if none are named.
+/// The figures of these names, without unknown ones; the default rows if `names` is empty.
 pub(crate) fn figures<S: AsRef<str>>(names: &[S]) -> Vec<&'static Figure> {
     if names.is_empty() {
         return figures(&USUAL);
@@ -109,7 +109,7 @@ impl Figure {
         }
     }
 
-    /// The figure of a cell on a model of so many vertices, if it has it.
+    /// The figure of a cell on a model with this number of vertices, if known.
     pub(crate) fn of(&self, cell: &Cell, vertices: Option<u64>) -> Option<f64> {
         match self.of {
             Of::Counter(counter) => count(cell, counter),
@@ -123,7 +123,7 @@ fn count(cell: &Cell, counter: Counter) -> Option<f64> {
     cell.counters.get(counter).map(|n| n as f64)
 }
 
-/// All figures: those that take a computation, and every counter.
+/// All figures: computed ones, and every counter.
 fn all() -> &'static [Figure] {
     use Style::{Count, Decimals, Scientific};
     static ALL: LazyLock<Vec<Figure>> = LazyLock::new(|| {
@@ -226,7 +226,7 @@ fn all() -> &'static [Figure] {
     &ALL
 }
 
-/// What stands in front of the row of a counter.
+/// The label of the row of a counter.
 fn label(counter: Counter) -> String {
     match counter {
         Counter::Propagated => "Window propagations".to_owned(),

@@ -1,4 +1,4 @@
-//! The cells of one group, as tables and charts look at them.
+//! The cells of one group, for tables and charts.
 
 use super::figures::Figure;
 use crate::measure::statistics::{median, paired_ratio};
@@ -31,7 +31,7 @@ impl From<f64> for Value {
     }
 }
 
-/// `items` without those that stand there before, in their order.
+/// `items` without repetitions, in their order.
 pub(crate) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
     items.into_iter().fold(Vec::new(), |mut all, item| {
         if !all.contains(&item) {
@@ -47,7 +47,7 @@ pub(crate) fn algorithms<'r>(cells: impl IntoIterator<Item = &'r Cell>) -> Vec<&
 }
 
 impl<'r> Group<'r> {
-    /// What of `models` and `cells` belongs to the group of `record`.
+    /// The group of `record`, with its models and cells out of `models` and `cells`.
     pub(crate) fn new(
         record: &'r GroupRecord,
         models: &'r [ModelRecord],
@@ -71,8 +71,8 @@ impl<'r> Group<'r> {
             .collect()
     }
 
-    /// The figure of an algorithm on a model: the median over the sources, with the interval of a
-    /// time if there is but one.
+    /// The figure of an algorithm on a model: the median over the sources. The time of a single
+    /// source has an interval.
     pub(crate) fn value(&self, figure: &Figure, model: &str, algorithm: &str) -> Option<Value> {
         let cells = self.of(model, algorithm);
         let value = overall(figure, &cells, self.vertices(model))?;
@@ -83,9 +83,9 @@ impl<'r> Group<'r> {
         Some(Value { value, interval })
     }
 
-    /// How many times as much of a figure an algorithm takes on a model as `base`. For times it is
-    /// the median over the pairs of samples that were taken in turns, with an interval if there is
-    /// but one source; for several sources the median of their ratios.
+    /// The ratio of a figure of an algorithm on a model to that of `base`. From one source, the
+    /// ratio of times is the median over pairs of samples from the same round, with an interval.
+    /// From several sources it is the median of their ratios.
     pub(crate) fn ratio(
         &self,
         figure: &Figure,
@@ -94,7 +94,7 @@ impl<'r> Group<'r> {
         base: &str,
     ) -> Option<Value> {
         let (over, under) = (self.of(model, algorithm), self.of(model, base));
-        // What has failed from one source has no figure.
+        // An algorithm that failed from one source has no figure.
         overall(figure, &over, self.vertices(model))?;
         overall(figure, &under, self.vertices(model))?;
         let pairs = over.into_iter().filter_map(|over| {
@@ -110,7 +110,7 @@ impl<'r> Group<'r> {
         }
     }
 
-    /// How many vertices a model has.
+    /// The number of vertices of a model.
     fn vertices(&self, model: &str) -> Option<u64> {
         let mut models = self.models.iter();
         models.find(|record| record.name == model)?.vertices
@@ -123,8 +123,8 @@ impl<'r> Group<'r> {
         Some(failed.status.in_words())
     }
 
-    /// The algorithm to which ratios are taken: the one that the group names, else `vtp`, else the
-    /// reference of the checks, else the first. None if there is nothing to compare it with.
+    /// The base of ratios: the algorithm that the group names, else `vtp`, else the reference of
+    /// the checks, else the first. `None` if the group has no other algorithm.
     pub(crate) fn base(&self) -> Option<&'r str> {
         let ran = |name: &&str| self.algorithms.contains(name);
         let mut references = self.cells.iter().map(|c| c.check.reference.as_deref());
@@ -136,8 +136,8 @@ impl<'r> Group<'r> {
     }
 }
 
-/// The figure of the cells of all sources in a model of so many vertices: the median, and none if
-/// one has failed.
+/// The median of a figure over the cells of all sources, in a model with this number of vertices.
+/// `None` if one of them failed.
 pub(crate) fn overall(figure: &Figure, cells: &[&Cell], vertices: Option<u64>) -> Option<f64> {
     let of = |cell: &&Cell| {
         let value = figure.of(cell, vertices);

@@ -7,8 +7,8 @@ use super::model::{Entry, Mark, Part, Table};
 
 /// A table under its caption.
 pub(crate) fn table(html: &mut String, table: &Table) {
-    // The caption stands outside, where it does not scroll with the table; what scrolls can be
-    // reached by keyboard. Writing to a string cannot fail.
+    // The caption is outside of the scrolling element, which has a tab index for keyboards. Writing
+    // to a string cannot fail.
     let _ = writeln!(
         html,
         "<p class=\"caption\" id=\"{0}-caption\">{1}</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"{0}-caption\">\n<table id=\"{0}\" aria-labelledby=\"{0}-caption\">",

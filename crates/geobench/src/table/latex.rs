@@ -3,10 +3,10 @@
 use super::escape::printable;
 use super::model::{Entry, Mark, Table};
 
-/// A line that every file with tables starts with.
+/// The first line of every file with tables.
 pub(crate) const NEEDS: &str = "% Needs \\usepackage{booktabs}.\n";
 
-/// A `tabular` behind its heading; that and what else is to be known stand in comments.
+/// A `tabular`, with its heading and notes in comments.
 pub(crate) fn table(table: &Table) -> String {
     let mut tex = String::new();
     for line in [&table.title, &table.caption]
@@ -81,13 +81,13 @@ fn entry(entry: &Entry) -> String {
     }
 }
 
-/// Text with the characters that mean something to LaTeX made harmless.
+/// Text with the special characters of LaTeX escaped.
 pub(crate) fn escape(text: &str) -> String {
     let text = printable(text);
     let mut escaped = String::with_capacity(text.len());
     for (place, c) in text.char_indices() {
         match c {
-            // Behind the end of a line they would be its options.
+            // After `\\` they would be its options.
             '[' | '*' if place == 0 => escaped.extend(['{', c, '}']),
             '&' | '%' | '$' | '#' | '_' | '{' | '}' => {
                 escaped.push('\\');

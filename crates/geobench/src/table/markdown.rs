@@ -3,7 +3,7 @@
 use super::escape::markdown as escape;
 use super::model::{Entry, Mark, Table};
 
-/// A table under its heading, with a list of what else is to be known.
+/// A table under its heading, with a list of notes.
 pub(super) fn table(table: &Table) -> String {
     let mut lines = Vec::new();
     if !table.title.is_empty() {
@@ -25,7 +25,7 @@ pub(super) fn table(table: &Table) -> String {
     lines.join("\n") + "\n"
 }
 
-/// The table alone, line by line: what is set off is bold.
+/// The table alone, line by line. The best entries are bold.
 pub(super) fn grid(table: &Table) -> Vec<String> {
     let heads = table.columns.iter().map(|column| column.head.as_str());
     let rules = table.columns.iter();

@@ -1,4 +1,4 @@
-//! Results as people and programs read them.
+//! Writes results as tables and files.
 
 use std::path::Path;
 
@@ -52,19 +52,19 @@ const ENDINGS: [(&str, Format); 4] = [
     ("tex", Format::Latex),
 ];
 
-/// A path whose ending is not that of a file that can be written.
+/// A path with an ending that cannot be written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{path}: the ending says in which form to write {what}; use {endings}")]
 pub struct UnknownEnding {
     /// The path.
     pub path: String,
-    /// What is to be written.
+    /// The content of the file.
     pub what: &'static str,
-    /// The endings that are understood, in words.
+    /// The supported endings, in words.
     pub endings: String,
 }
 
-/// The form that the ending of `path` stands for, in any letter case.
+/// The form for the ending of `path`, in any letter case.
 fn of_ending<F: Copy>(
     path: &Path,
     what: &'static str,
@@ -88,11 +88,11 @@ fn of_ending<F: Copy>(
 }
 
 impl Format {
-    /// The form that the ending of `path` asks for, in any letter case.
+    /// The form for the ending of `path`, in any letter case.
     ///
     /// # Errors
     ///
-    /// When it asks for none.
+    /// When no form has this ending.
     pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
         of_ending(path, "results", &ENDINGS)
     }
@@ -121,26 +121,25 @@ fn tables(result: &ResultFile) -> Vec<Table> {
     results::groups(result).iter().map(results::table).collect()
 }
 
-/// The tables of all groups as `write` writes them, an empty line between them.
+/// The tables of all groups, written by `write`, with an empty line between them.
 fn joined(result: &ResultFile, write: fn(&Table) -> String) -> String {
     let tables: Vec<String> = tables(result).iter().map(write).collect();
     tables.join("\n")
 }
 
-/// What stands above the tables of a group: its name and what it is to show. Nothing for a group
-/// that has neither.
+/// The heading of the tables of a group: its name and its text. Empty if the group has neither.
 pub fn group_heading(group: &GroupRecord) -> String {
     let [name, shows] = [&group.name, &group.shows].map(|text| text.as_deref().unwrap_or_default());
     terminal::heading(name, shows)
 }
 
-/// The table of one model of a group, under a line that says which, followed by an empty line.
+/// The table of one model of a group, under a line with its name, followed by an empty line.
 pub fn model_table(group: &GroupRecord, model: &ModelRecord, cells: &[Cell], look: Look) -> String {
     let group = Group::new(group, std::slice::from_ref(model), cells);
     part(&group, &results::part(&group, model), look)
 }
 
-/// The table of the ratios in a group of `result`, if it asks for some.
+/// The table of the ratios in a group of `result`, if the group has a base for ratios.
 pub fn ratio_table(group: &GroupRecord, result: &ResultFile, look: Look) -> String {
     let group = Group::new(group, &result.models, &result.cells);
     let ratios = results::ratios(&group);
@@ -152,11 +151,11 @@ fn part(group: &Group<'_>, part: &Part, look: Look) -> String {
     terminal::part(&table, part, look)
 }
 
-/// What the figures of the tables of `result` mean, in one line.
+/// The meaning of the figures in the tables of `result`, in one line.
 pub fn footnote(result: &ResultFile, styled: bool) -> String {
     let runs = result.cells.iter().map(|c| c.time.samples.len()).max();
     let times = match runs {
-        // There is no figure at all.
+        // The tables have no figure.
         None | Some(0) => return String::new(),
         Some(1) => "time of one run; ".to_owned(),
         Some(runs) => format!("time: median of {runs} runs; "),

@@ -1,18 +1,17 @@
-//! The one model of a table. What tables show is decided where they are built; every form is
-//! written from here.
+//! The model of a table. Builders decide on its content. Every form of output is written from it.
 
-/// Rows of entries under columns, in parts.
+/// Rows of entries under columns, in parts. An empty text is not shown.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Table {
-    /// Unique in a report, where it names the file of the table.
+    /// Unique in a report, and the name of the table's file there.
     pub(crate) id: String,
-    /// Its heading; nothing if empty.
+    /// The heading.
     pub(crate) title: String,
-    /// What it shows, in one or several lines; nothing if empty.
+    /// A description, in one or several lines.
     pub(crate) caption: String,
     pub(crate) columns: Vec<Column>,
-    /// The head of a column for the titles of parts, in forms that set all parts under one head;
-    /// without it they stand in rows of their own.
+    /// The head of a column for the titles of parts, in forms that set all parts under one head. If
+    /// `None`, each title has a row of its own.
     pub(crate) titles: Option<&'static str>,
     pub(crate) parts: Vec<Part>,
 }
@@ -20,46 +19,46 @@ pub(crate) struct Table {
 /// A column of a table.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Column {
-    /// What stands above it and its neighbours that say the same; nothing if empty.
+    /// A head above the column's own. Neighbours with the same text share it.
     pub(crate) over: String,
-    /// With the unit, if all its entries have the same.
+    /// The head, with the unit if all entries share one.
     pub(crate) head: String,
-    /// Whether it holds numbers, which are set flush right.
+    /// Whether the entries are numbers, which are aligned right.
     pub(crate) numeric: bool,
 }
 
 /// Rows that belong together.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Part {
-    /// What they have in common; nothing if empty.
+    /// The title, such as the name of a model.
     pub(crate) title: String,
-    /// How large that is, or what else belongs to the title; nothing if empty.
+    /// An addition to the title, such as the size of the model.
     pub(crate) detail: String,
-    /// Which sources the figures are of; nothing if empty.
+    /// The sources of the figures, in words.
     pub(crate) sources: String,
-    /// Whether there is no figure because all failed for the same reason.
+    /// Whether the model was refused, so that there are no figures.
     pub(crate) refused: bool,
-    /// As many entries in each row as there are columns.
+    /// The rows, with one entry per column.
     pub(crate) rows: Vec<Vec<Entry>>,
-    /// What else a reader must know.
+    /// Remarks below the rows.
     pub(crate) notes: Vec<Note>,
 }
 
-/// What stands in a row and a column.
+/// The content of a row and column.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Entry {
     pub(crate) text: String,
     pub(crate) mark: Mark,
 }
 
-/// What is to be seen of an entry at once.
+/// The emphasis of an entry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Mark {
     #[default]
     None,
-    /// It is the best of its row.
+    /// The best of its row.
     Best,
-    /// It says that something failed.
+    /// A failure.
     Failed,
 }
 
@@ -67,7 +66,7 @@ pub(crate) enum Mark {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Note {
     pub(crate) text: String,
-    /// Whether it says that something failed.
+    /// Whether it reports a failure.
     pub(crate) failure: bool,
 }
 
@@ -89,8 +88,8 @@ impl Table {
         self.parts.iter().flat_map(|part| &part.rows)
     }
 
-    /// What stands above the columns, with the number of columns that it spans; nothing if nothing
-    /// stands there.
+    /// The heads above the columns' own, each with the number of columns that it spans. Empty if
+    /// there are none.
     pub(super) fn overs(&self) -> Vec<(&str, usize)> {
         let groups = self.columns.chunk_by(|a, b| a.over == b.over);
         let overs: Vec<_> = groups.map(|c| (c[0].over.as_str(), c.len())).collect();
@@ -118,9 +117,9 @@ impl Column {
 }
 
 impl Part {
-    /// What belongs to the title.
+    /// The additions to the title.
     pub(super) fn details(&self) -> String {
-        // Of what was refused the sources say nothing.
+        // A refused model has no figures, so the sources are left out.
         let sources = if self.refused { "" } else { &self.sources };
         let details = [self.detail.as_str(), sources].into_iter();
         let details: Vec<&str> = details.filter(|text| !text.is_empty()).collect();
@@ -153,7 +152,7 @@ impl Entry {
 }
 
 impl Note {
-    /// A remark that says nothing of a failure.
+    /// A remark that reports no failure.
     pub(crate) fn new(text: impl Into<String>) -> Self {
         Self {
             text: text.into(),

@@ -1,4 +1,4 @@
-//! Files that a command writes: found unwritable before the work starts, and replaced whole.
+//! Output files. Unwritable ones are detected before the work starts, and files are replaced whole.
 
 use std::fs::{self, OpenOptions};
 use std::io;
@@ -8,19 +8,19 @@ use anyhow::{Context, bail};
 
 use crate::table::{Format, UnknownEnding};
 
-/// A file to be written at the end of some work.
+/// A file that a command writes at its end.
 #[derive(Clone, Debug)]
 pub struct OutputFile {
     /// As the user wrote it.
     shown: String,
-    /// The same for all ways to write it.
+    /// The canonical path.
     path: PathBuf,
-    /// Devices and pipes are written to as they are; a regular file is replaced.
+    /// Whether it is a regular file, which is replaced. Devices and pipes are written to.
     replace: bool,
 }
 
 impl OutputFile {
-    /// Makes sure that `path` can be written, without changing anything there.
+    /// Checks that `path` can be written, without a change to the file.
     ///
     /// # Errors
     ///
@@ -60,17 +60,16 @@ impl OutputFile {
         &self.path
     }
 
-    /// Whether writing replaces what was written before; devices and pipes take one after the
-    /// other.
+    /// Whether a write replaces the earlier content. Devices and pipes receive all writes.
     pub const fn is_replaced(&self) -> bool {
         self.replace
     }
 
-    /// Writes `contents`; whoever reads the file sees either what was there before or all of it.
+    /// Replaces the content. Readers see either the old or the new content, never a part.
     ///
     /// # Errors
     ///
-    /// When the system cannot write; the file is then as it was.
+    /// When the system cannot write. The file is then unchanged.
     pub fn write(&self, contents: &[u8]) -> anyhow::Result<()> {
         if !self.replace {
             return fs::write(&self.path, contents).with_context(|| self.failure());
@@ -78,12 +77,11 @@ impl OutputFile {
         self.write_with("", |path| Ok(fs::write(path, contents)?))
     }
 
-    /// Lets `write` write a file of some other name that ends in `ending`, and puts it in place.
+    /// Replaces the file by one that `write` wrote under a temporary name with `ending`.
     ///
     /// # Errors
     ///
-    /// When `write` fails or the file cannot be put in place; what was there before is then as it
-    /// was.
+    /// When `write` or the replacement fails. The file is then unchanged.
     pub fn write_with(
         &self,
         ending: &str,
@@ -112,19 +110,19 @@ impl OutputFile {
         };
         let mut builder = tempfile::Builder::new();
         builder.prefix(".geobench-").suffix(ending);
-        // What the process's umask leaves of it; without this nobody else could read the file.
+        // The usual mode, less the umask. Temporary files are private by default.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         builder.tempfile_in(directory)
     }
 }
 
-/// The one way to name a file, whether it exists or not.
+/// The canonical path of a file, which need not exist.
 pub(crate) fn canonical(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| in_canonical_directory(path))
 }
 
-/// A file that does not exist yet, in the one way to name it if its directory exists.
+/// The path of a file that does not exist yet, canonical if its directory exists.
 fn in_canonical_directory(path: &Path) -> PathBuf {
     let canonical = || {
         let directory = match path.parent()? {
@@ -136,7 +134,7 @@ fn in_canonical_directory(path: &Path) -> PathBuf {
     canonical().unwrap_or_else(|| path.to_owned())
 }
 
-/// The error without the name of a temporary file, which means nothing to a user.
+/// The error without the name of the temporary file, which users do not know.
 fn plain(error: &io::Error) -> anyhow::Error {
     match error.kind() {
         io::ErrorKind::NotFound => anyhow::anyhow!("its directory does not exist"),
@@ -144,12 +142,12 @@ fn plain(error: &io::Error) -> anyhow::Error {
     }
 }
 
-/// The result files at `paths`, found to be writable.
+/// The result files at `paths`, after a check that they can be written.
 pub(crate) fn results(paths: &[PathBuf]) -> anyhow::Result<Vec<(Format, OutputFile)>> {
     prepare(paths, Format::of_path)
 }
 
-/// The files at `paths`, found to be writable, with the forms that `form` knows.
+/// The files at `paths` with their forms, after a check that they can be written.
 pub(crate) fn prepare<F>(
     paths: &[PathBuf],
     form: fn(&Path) -> Result<F, UnknownEnding>,

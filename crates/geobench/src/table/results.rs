@@ -19,7 +19,7 @@ pub(crate) fn groups(result: &ResultFile) -> Vec<Group<'_>> {
     groups.iter().map(group).collect()
 }
 
-/// The figures of a group: a part for each model, and one for ratios if they are asked for.
+/// The figures of a group: a part for each model, and one for ratios if the group has a base.
 pub(crate) fn table(group: &Group<'_>) -> Table {
     let text = |text: &Option<String>| text.as_deref().unwrap_or_default().trim().to_owned();
     let models = group.models.iter().map(|model| part(group, model));
@@ -33,7 +33,7 @@ pub(crate) fn table(group: &Group<'_>) -> Table {
     }
 }
 
-/// A column for what stands in front of rows, and one for each algorithm.
+/// A column for the labels of rows, and one for each algorithm.
 pub(super) fn columns(group: &Group<'_>) -> Vec<Column> {
     let algorithms = group.algorithms.iter().map(|name| Column::number(name));
     std::iter::once(Column::text(""))
@@ -41,7 +41,7 @@ pub(super) fn columns(group: &Group<'_>) -> Vec<Column> {
         .collect()
 }
 
-/// A row; what stands in its columns of algorithms is `entries`.
+/// A row with `entries` in the columns of the algorithms.
 fn row(label: impl Into<String>, entries: impl Iterator<Item = Entry>) -> Vec<Entry> {
     std::iter::once(Entry::new(label)).chain(entries).collect()
 }
@@ -63,7 +63,7 @@ pub(super) fn part(group: &Group<'_>, model: &ModelRecord) -> Part {
     }
     let refused = cells.iter().all(|cell| cell.status == Status::Refused);
     if refused {
-        // Four times the same word says no more than once.
+        // One row shows the failure of all, instead of every row.
         rows.truncate(1);
         for row in &mut rows {
             row[0].text.clear();
@@ -108,7 +108,7 @@ fn figure_row(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) ->
     row(&figure.label, entries)
 }
 
-/// What stands in the place of a figure that `cells` do not have; nothing if there are none.
+/// The entry for a figure that `cells` do not have; empty if there are no cells.
 fn absent(cells: &[&Cell]) -> Entry {
     match cells.iter().find(|cell| cell.status != Status::Ok) {
         Some(failed) => Entry::marked(failed.status.in_words(), Mark::Failed),
@@ -117,7 +117,7 @@ fn absent(cells: &[&Cell]) -> Entry {
     }
 }
 
-/// What the sources of an algorithm's cells are, in words.
+/// The sources of an algorithm's cells, in words.
 fn sources(cells: Option<&Vec<&Cell>>) -> String {
     match cells.map_or(&[][..], Vec::as_slice) {
         [cell] => match cell.source {
@@ -128,7 +128,7 @@ fn sources(cells: Option<&Vec<&Cell>>) -> String {
     }
 }
 
-/// With which vector instructions the instructions were counted, where not all are the same.
+/// The vector instructions with which instructions were counted, if they differ between cells.
 fn note_on_instructions(cells: &[&Cell]) -> Option<String> {
     fn simd(cell: &Cell) -> Option<&str> {
         cell.instructions_simd.as_deref()
@@ -147,7 +147,7 @@ fn note_on_instructions(cells: &[&Cell]) -> Option<String> {
     })
 }
 
-/// How far the medians of the times can be trusted, and which samples lie far from the others.
+/// The uncertainty of the medians of the times, and the outliers.
 fn notes_on_times(cells: &[&Cell]) -> Vec<String> {
     let timed = || cells.iter().filter(|c| !c.time.samples.is_empty());
     let widest = timed().map(|cell| {
@@ -181,7 +181,7 @@ fn notes_on_times(cells: &[&Cell]) -> Vec<String> {
     notes
 }
 
-/// What the checks said, and every failure, of a model of so many vertices.
+/// The results of the checks, and every failure, on a model with this number of vertices.
 fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
     let mut notes = Vec::new();
     let references = cells.iter().filter_map(|c| c.check.reference.as_deref());
@@ -246,7 +246,7 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
         };
         let failure = cell.status != Status::Ok;
         let note = Note { text, failure };
-        // That a model is refused is the same for every algorithm.
+        // All algorithms of a refused model share one note.
         if cell.status != Status::Refused || !notes.contains(&note) {
             notes.push(note);
         }
@@ -254,8 +254,8 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
     notes
 }
 
-/// For each figure of which less is better, the mean and the standard deviation of the ratio to
-/// the algorithm that the group names; none if it names none or nothing can be compared.
+/// The mean and the standard deviation of the ratio to the base of the group, for each figure for
+/// which less is better. `None` if the group has no base or no ratio.
 pub(super) fn ratios(group: &Group<'_>) -> Option<Part> {
     let baseline = group.record.ratios_to.as_deref()?;
     let figures = figures(&group.record.rows).into_iter();
@@ -291,7 +291,7 @@ pub(super) fn ratios(group: &Group<'_>) -> Option<Part> {
     })
 }
 
-/// The mean of `values` and, of several, their standard deviation; none if there are none.
+/// The mean of `values`, and the standard deviation of two or more. `None` without values.
 pub(crate) fn mean_and_deviation(values: &[f64]) -> Option<(f64, Option<f64>)> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -300,22 +300,21 @@ pub(crate) fn mean_and_deviation(values: &[f64]) -> Option<(f64, Option<f64>)> {
     (!values.is_empty()).then_some((mean, deviation))
 }
 
-/// How many times as much of a figure an algorithm takes on a model as that to which the group
-/// compares.
+/// The ratio of a figure of an algorithm on a model to that of the base of the group.
 fn ratio(group: &Group<'_>, figure: &Figure, model: &str, algorithm: &str) -> Option<f64> {
     let over = group.of(model, algorithm);
     let under = group.of(model, group.record.ratios_to.as_deref()?);
     if figure.key == "time" {
         Some(paired(&over, &under)?.ratio)
     } else {
-        // A figure that takes the model as well is not one to be compared.
+        // Figures that depend on the model's size have no ratios.
         Some(overall(figure, &over, None)? / overall(figure, &under, None)?)
     }
 }
 
-/// The row of a model's table with the ratios of the times to those of the algorithm that the group
-/// names, and what a reader must know of it; a column holds the cells of an algorithm. None if the
-/// group names none, or nothing can be compared.
+/// The row of a model's table with the ratios of the times to those of the base of the group, and a
+/// note on it. A column holds the cells of an algorithm. `None` if the group has no base or no
+/// ratio.
 fn ratio_times(group: &Group<'_>, columns: &[Vec<&Cell>]) -> Option<(Vec<Entry>, Option<Note>)> {
     let baseline = group.record.ratios_to.as_deref()?;
     let place = group.algorithms.iter().position(|name| *name == baseline)?;
@@ -347,8 +346,8 @@ fn ratio_times(group: &Group<'_>, columns: &[Vec<&Cell>]) -> Option<(Vec<Entry>,
     Some((row(label, entries), note))
 }
 
-/// The ratio of the times of the cells `over` to those of `under`, pairs of all sources together;
-/// none unless both ended well from the same sources.
+/// The ratio of the times of the cells `over` to those of `under`, over the pairs of all sources.
+/// `None` unless both ended well from the same sources.
 fn paired(over: &[&Cell], under: &[&Cell]) -> Option<Ratio> {
     let (mut above, mut below) = (Vec::new(), Vec::new());
     if over.len() != under.len() {

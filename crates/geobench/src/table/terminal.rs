@@ -7,19 +7,19 @@ use comfy_table::{
 use super::escape::printable;
 use super::model::{Entry, Mark, Part, Table};
 
-/// How tables look.
+/// The style of tables.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Look {
-    /// Whether the best is set off by colour; else it has a star.
+    /// Whether colour marks the best; else a star does.
     pub styled: bool,
-    /// Letters that fit on a line; any number if it is not a terminal that reads.
+    /// Columns of the terminal; unlimited if the output is not a terminal.
     pub width: Option<usize>,
 }
 
-/// Letters that a column takes beside its text: a border, and a space on either side.
+/// Width of a column without its text: a border, and a space on either side.
 const AROUND: usize = 3;
 
-/// Title and caption, followed by an empty line; nothing if there are none.
+/// Title and caption, followed by an empty line; empty without both.
 pub(super) fn heading(title: &str, caption: &str) -> String {
     let lines = [title, caption].into_iter().flat_map(|t| t.trim().lines());
     let lines: Vec<_> = lines.map(printable).collect();
@@ -35,7 +35,7 @@ pub(super) fn table(table: &Table, look: Look) -> String {
     heading(&table.title, &table.caption) + &parts.collect::<String>()
 }
 
-/// A part under a line that names it, with its notes, followed by an empty line.
+/// A part under its title, with its notes, followed by an empty line.
 pub(super) fn part(table: &Table, part: &Part, look: Look) -> String {
     let mut lines = vec![format!("{}  ({})", printable(&part.title), part.detail)];
     if !part.refused {
@@ -50,9 +50,8 @@ pub(super) fn part(table: &Table, part: &Part, look: Look) -> String {
     lines.join("\n") + "\n\n"
 }
 
-/// Some rows of a table: what is set off is coloured if it is to be, else marked with a star.
-/// Columns of numbers without an entry are left out. If the columns are too wide, there are several
-/// grids, each with the leading columns of texts.
+/// Some rows of a table. Columns of numbers without an entry are left out. If the columns are too
+/// wide, there are several grids, each with the leading columns of texts.
 pub(super) fn grid(table: &Table, rows: &[Vec<Entry>], look: Look) -> String {
     let columns = &table.columns;
     let leading = columns.iter().take_while(|c| !c.numeric).count();
@@ -72,7 +71,7 @@ pub(super) fn grid(table: &Table, rows: &[Vec<Entry>], look: Look) -> String {
     for place in figures {
         let last = grids.len() - 1;
         end += width_of(place);
-        // One column of figures is always shown, however narrow the terminal is.
+        // A grid has one column of figures at least, however narrow the terminal is.
         if look.width.is_some_and(|width| end > width) && grids[last].len() > leading {
             grids.push((0..leading).chain([place]).collect());
             end = left + width_of(place);
@@ -105,7 +104,7 @@ fn some(table: &Table, rows: &[Vec<Entry>], places: &[usize], look: Look) -> Str
             let star = match (starred && table.columns[place].numeric, entry.mark) {
                 (false, _) => "",
                 (true, Mark::Best) => "*",
-                // The digits of a row stay below each other.
+                // Keeps the digits of a column aligned.
                 (true, _) => " ",
             };
             let field = field(place, &format!("{}{star}", entry.text));
@@ -119,7 +118,7 @@ fn some(table: &Table, rows: &[Vec<Entry>], places: &[usize], look: Look) -> Str
     layout.to_string()
 }
 
-/// All rows without rules, longer texts broken into lines where the terminal ends.
+/// All rows without rules. Longer texts are wrapped at the width of the terminal.
 pub(crate) fn listing(table: &Table, look: Look) -> String {
     let mut layout = layout(look);
     layout.load_style(presets::NOTHING);
@@ -180,7 +179,7 @@ mod tests {
         insta::assert_snapshot!(grid(Some(widest - 1)));
         for width in 0..widest {
             let text = grid(Some(width));
-            // Nothing is lost, and nothing is wider than it must be.
+            // Nothing is lost, and no line is longer than necessary.
             for name in names {
                 assert!(text.contains(name), "{text}");
             }

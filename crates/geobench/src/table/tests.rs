@@ -1,4 +1,4 @@
-//! Every form of results, from made-up runs.
+//! Every form of output, from made-up results.
 
 use super::{Format, Look};
 use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};

@@ -1,4 +1,4 @@
-//! The file in which an outside program leaves its distances.
+//! The file with the distances of an outside program.
 
 use std::fs::{File, OpenOptions};
 use std::io::Read;
@@ -16,19 +16,21 @@ use crate::schema::Status;
 /// Longest line of a vertex.
 const LINE: u64 = 128;
 
-/// Most bytes of everything else.
+/// Most bytes beside the lines of the vertices.
 const REST: u64 = 1 << 16;
 
 /// Bytes read between two checks of the deadline.
 const BLOCK: u64 = 1 << 20;
 
-/// Reads the distances of all `vertices` from a file of lines `vertex,distance`, until
-/// `timeout` after `start` at most. The outside program made the file: links, pipes and devices are refused, neither
-/// followed nor waited for, and the size is bounded.
+/// Reads the distances of all `vertices` from a file of lines `vertex,distance`, until `timeout`
+/// after `start` at most.
+///
+/// An outside program made the file. Links, pipes and devices are refused, neither followed nor
+/// waited for, and the size is bounded.
 ///
 /// # Errors
 ///
-/// `crashed` if there is no such regular file, or it is too large or not understood, `timeout`
+/// `crashed` if there is no such regular file, or it is too large or malformed, `timeout`
 /// after the deadline, `wrong` if a vertex has no distance or two.
 pub(super) fn read_distances(
     path: &Path,

@@ -79,7 +79,7 @@ fn serve(model: &str, mut session: InProcess) -> io::Result<()> {
             pass: request.pass,
         };
         if step.pass == Pass::Profile {
-            // Pages that the run needs come back, and count.
+            // Pages that the run needs are mapped again and count.
             memory::give_back_clean_pages();
         }
         answer(&match session.execute(&step) {

@@ -204,7 +204,7 @@ impl ChildProcess {
         }
     }
 
-    /// Why the output of the process has ended: the process has, unless it goes on for a while.
+    /// Why the output has ended: the process has ended too, or still runs after [`GRACE`].
     /// Since its last request the kernel had killed `kills` processes.
     fn why_closed(&mut self, kills: Option<u64>) -> ChildError {
         let deadline = Instant::now() + GRACE;

@@ -15,7 +15,7 @@
 //!
 //! **Limits** ([`crate::exec::limits`]). The parent sleeps in `poll` until a reply, the deadline or
 //! a signal. With a memory limit it wakes every 10 ms to read the resident memory of the child and
-//! its descendants: two or three files of `/proc`, without a lock of the child. Between two looks
+//! its descendants: two or three files of `/proc`, without a lock in the child. Between two checks
 //! `RLIMIT_DATA` bounds the damage, at twice the limit. It is not set to the limit itself, because
 //! it counts reserved memory, and a growing vector reserves more than it touches.
 //!
@@ -87,12 +87,12 @@ pub struct Isolated {
     pub cpus: Option<CpuList>,
     /// Whether one child serves all algorithms of the suite, as long as no failure ends it.
     pub shared: bool,
-    /// The `geobench` to start, for callers that are none.
+    /// The `geobench` to start, if the caller is another program.
     pub program: Option<PathBuf>,
     /// Bytes that all children of a model may hold between runs; half of the available memory if
     /// `None`.
     pub budget: Option<u64>,
-    /// Whether this process runs the algorithms of the suite, and children outside programs only.
+    /// Whether this process runs the algorithms of the suite. Children then run outside programs.
     pub here: bool,
 }
 
@@ -130,7 +130,7 @@ impl Backend for Isolated {
     }
 }
 
-/// Most bytes of an answer, without distances.
+/// Most bytes of a reply, without distances.
 const LONGEST: usize = 1 << 20;
 
 /// The child processes of one model.
@@ -141,7 +141,7 @@ struct ChildPool<'b> {
     budget: u64,
     /// Record of the model from the first child. The others must find the same hash.
     record: ModelRecord,
-    /// Runs the algorithms of the suite instead.
+    /// Runs the algorithms of the suite if [`Isolated::here`].
     here: Option<InProcess>,
     /// The source under way.
     source: Option<VertexId>,
@@ -150,7 +150,7 @@ struct ChildPool<'b> {
     spare: Option<Child>,
     /// Cells whose child ended because all together held too much memory.
     evicted: Vec<String>,
-    /// What outside programs exchange files in.
+    /// The files for outside programs.
     handover: Option<Handover>,
     /// Last result of each outside program from this source.
     solved: BTreeMap<String, Observation>,
@@ -163,13 +163,13 @@ struct Child {
     cell: String,
     /// The last distances received from it.
     distances: Vec<f64>,
-    /// The outside program that it is.
+    /// Set if it is an outside program.
     outside: Option<Outside>,
 }
 
 struct Outside {
     program: Arc<Program>,
-    /// Where it writes its distances.
+    /// The file for its distances.
     output: PathBuf,
 }
 
@@ -309,7 +309,7 @@ impl ChildPool<'_> {
         Ok(observation)
     }
 
-    /// Keeps `child` for its next run, unless it has none or all together hold too much.
+    /// Keeps `child` for its next run, unless it solves once or all children hold too much memory.
     fn keep(&mut self, child: Child) {
         if child.solves_once() {
             return;
@@ -415,7 +415,7 @@ impl Child {
                 pass: step.pass,
             })
             .to_string(),
-            // It solves from its start.
+            // It solves without a request.
             Some(_) if self.solves_once() => String::new(),
             Some(outside) => {
                 outside.forget();

@@ -21,7 +21,7 @@ pub(super) fn this_program() -> Command {
     }
 }
 
-/// Makes this process a child of process `parent`: it ends with it, has a name of its own and writes
+/// Makes this process a child of `parent`: it ends with it, has a name of its own and writes
 /// no core dumps, which take long. Allocations fail beyond `data_limit` bytes of private data,
 /// touched or not. False if the parent has gone.
 pub(super) fn become_child(parent: u32, data_limit: Option<u64>) -> bool {
@@ -110,12 +110,11 @@ pub(crate) fn adopt_orphans() {
 ///
 /// A process that calls `setsid` leaves the process group of its child, and one whose parent has
 /// ended is no longer a descendant of the child. The `geobench` command is therefore a child
-/// subreaper ([`adopt_orphans`]): Linux makes it the parent of such orphans. An orphan is killed with
-/// the child it belongs to, which is told by
+/// subreaper ([`adopt_orphans`]): Linux makes it the parent of such orphans. An orphan is killed
+/// with the child it belongs to. One of these identifies that child:
 ///
-/// 1. the mark of the child in the environment, which descendants inherit, or
-/// 2. its place among the descendants of the child or of its orphans, recorded before these were
-///    killed.
+/// 1. the mark of the child in the environment, which descendants inherit;
+/// 2. the descendants of the child and of its orphans, recorded before these were killed.
 ///
 /// An orphan without either ends when no child is left. Other children of this process are in its
 /// own process group and are left alone. Outside Linux, and in programs that use this library,
@@ -189,7 +188,7 @@ impl Descendants {
                 if belongs {
                     left = true;
                     present.add_below(orphan.number);
-                    // A child not waited for keeps its id.
+                    // The id of a child stays reserved until it is waited for.
                     if let Some(pid) = pid(orphan.number) {
                         let _ = kill_process(pid, Signal::KILL);
                     }
@@ -247,7 +246,7 @@ fn orphans(started: &[u32]) -> Vec<Process> {
 fn look(number: u32) -> Option<(Process, i32)> {
     let text = fs::read(format!("/proc/{number}/stat")).ok()?;
     let text = String::from_utf8_lossy(&text);
-    // The name of the program stands in parentheses and may hold anything.
+    // The name of the program, in parentheses, may hold any character.
     let (_, facts) = text.rsplit_once(") ")?;
     let mut facts = facts.split(' ');
     let group = facts.nth(2)?.parse().ok()?;

@@ -1,19 +1,19 @@
 //! Two result files side by side, and whether the newer one is worse.
 //!
-//! Cells are the same if model (by its hash), algorithm with parameters, source, threads and group
-//! are. What is compared how depends on what it is:
+//! Two cells match if they have the same model (by its hash), algorithm with parameters, source,
+//! threads and group. Figures are compared by kind:
 //!
-//! * Times vary, so a difference is only one if it is larger than they vary. Samples of runs that
-//!   took turns ([`ResultFile::pairing`]) are compared pair by pair; others by a bootstrap interval
-//!   of the ratio of their medians, with the test of Mann and Whitney beside it. A rule on time is
-//!   broken if the interval lies wholly beyond its limit.
-//! * Counts do not vary: any other count means that the algorithm does something else, be it more
-//!   or less. Instructions and memory are costs, of which less is never wrong.
-//! * A figure that a rule is on and that one of the files lacks breaks the rule: a gate must not
-//!   fall silent because there is nothing left to watch.
-//! * A cell that was well and is not any more is a regression under any rules.
-//! * A cell that the new file lacks is one only under a rule on missing cells: to compare a part of
-//!   a benchmark with the whole is nothing unusual.
+//! * Times vary, so a difference counts only beyond their variation. Samples of runs that took
+//!   turns ([`ResultFile::pairing`]) are compared pair by pair; others by a bootstrap interval of
+//!   the ratio of their medians, with the test of Mann and Whitney. A rule on time is broken if
+//!   the interval lies wholly beyond its limit.
+//! * Counts do not vary: any change, up or down, means that the algorithm works differently.
+//!   Instructions and memory are costs, which may decrease.
+//! * A rule is broken if one of the files lacks its figure. Else a gate would pass when the figure
+//!   disappears.
+//! * A cell that ended well in the old file and does not in the new one is always a regression.
+//! * A cell that the new file lacks is a regression only under a rule on missing cells, because
+//!   users compare parts of a benchmark with the whole.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -34,7 +34,7 @@ pub use rules::{Rule, Rules, Subject};
 /// The schema of a comparison in JSON.
 pub const SCHEMA: &str = "geobench-comparison/1";
 
-/// What comparing two files found.
+/// The comparison of two result files.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// Always [`SCHEMA`].
@@ -47,7 +47,7 @@ pub struct Comparison {
     pub rules: Vec<String>,
     /// Whether the runs of both files took turns.
     pub paired: bool,
-    /// How many cells are worse.
+    /// Number of cells that are worse.
     pub regressions: usize,
     /// Cells of both files, in the order of the new one.
     pub cells: Vec<CellChange>,
@@ -55,9 +55,9 @@ pub struct Comparison {
     pub missing: Vec<Key>,
     /// Cells of the new file that the old one lacks.
     pub added: Vec<Key>,
-    /// In what the new file as a whole is worse.
+    /// Regressions of the new file as a whole.
     pub overall: Vec<Regression>,
-    /// What else a reader must know.
+    /// Notes.
     pub notes: Vec<String>,
 }
 
@@ -71,32 +71,32 @@ impl Comparison {
 /// One of the two files.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Side {
-    /// Its name.
+    /// The name of the file.
     pub file: String,
     /// Version of the program.
     pub version: String,
     /// Commit of the program.
     pub commit: Option<String>,
-    /// When it started.
+    /// The start of the run.
     pub started: String,
 }
 
 /// A cell of both files.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CellChange {
-    /// Which.
+    /// The identity of the cell.
     pub cell: Key,
-    /// How it ended in each file.
+    /// The status in each file.
     pub status: [Status; 2],
     /// Time; null unless both have samples.
     pub time: Option<TimeChange>,
-    /// All other figures that at least one of them has, or must have for a rule.
+    /// All other figures that at least one cell has, or must have for a rule.
     pub figures: Vec<FigureChange>,
-    /// In what it is worse; empty if it is not.
+    /// Regressions of the cell.
     pub regressions: Vec<Regression>,
 }
 
-/// A figure that is compared as it is.
+/// A change of a figure that is compared exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FigureChange {
     /// Its name in result files.
@@ -109,8 +109,8 @@ pub struct FigureChange {
     pub new: Option<f64>,
 }
 
-/// Writes counts and bytes without a point, as result files do.
-#[allow(clippy::ref_option, clippy::cast_sign_loss)] // Serde wants the one; no count is negative.
+/// Writes counts and bytes without a decimal point, as in result files.
+#[allow(clippy::ref_option, clippy::cast_sign_loss)] // Serde's signature; no count is negative.
 fn whole_if_it_is<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
     match value {
         Some(value) if value.fract() == 0.0 => serializer.serialize_u64(*value as u64),
@@ -127,12 +127,12 @@ impl FigureChange {
     }
 }
 
-/// Something that is worse.
+/// A regression.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Regression {
-    /// The rule that is broken; none where the cell does not end well any more.
+    /// The broken rule; `None` if the cell no longer ends well.
     pub rule: Option<String>,
-    /// What happened, in words.
+    /// The description.
     pub what: String,
 }
 
@@ -192,7 +192,7 @@ pub fn compare(
     })
 }
 
-/// That more cells are missing than a rule allows.
+/// The regression of more missing cells than a rule allows.
 fn too_many_missing(missing: usize, all: usize, rules: &Rules) -> Option<Regression> {
     let rule = rules.on(Subject::Missing)?;
     let share = missing as f64 / all as f64;
@@ -249,7 +249,7 @@ fn change(cell: Key, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> Cel
         };
         let kinds = different_instructions(old, new).filter(|_| measure == Measure::Instructions);
         let what = match (figure.old, figure.new, kinds) {
-            // Such a difference may hide a slower solver.
+            // The difference may hide a slower solver.
             (Some(old), Some(new), Some([from, to])) => {
                 let [old, new] = [old, new].map(exact);
                 format!("instructions {old} with {from} -> {new} with {to} do not compare")
@@ -275,7 +275,7 @@ fn change(cell: Key, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> Cel
     }
 }
 
-/// That one of two files lacks a figure, or both do.
+/// The regression of a figure that one or both files lack.
 fn missing(name: &str, old: Option<String>, new: Option<String>) -> String {
     let file = match (&old, &new) {
         (Some(_), None) => "the new file",
@@ -286,7 +286,7 @@ fn missing(name: &str, old: Option<String>, new: Option<String>) -> String {
     format!("{name} {old} -> {new}: missing in {file}")
 }
 
-/// In what a cell that ends well breaks the rule on times, if it does.
+/// The regression of the time of a cell that ends well, if it breaks the rule on times.
 fn worse_time(time: Option<&TimeChange>, old: &Cell, new: &Cell, rule: &Rule) -> Option<String> {
     if let Some(time) = time {
         let is_worse = time.is_above(rule.limit);
@@ -294,7 +294,7 @@ fn worse_time(time: Option<&TimeChange>, old: &Cell, new: &Cell, rule: &Rule) ->
     }
     let median = |cell: &Cell| cell.time.median.map(|median| format!("{median} s"));
     match [median(old), median(new)] {
-        // They are there, but one of them is 0.
+        // Both files have samples, but one of them is 0.
         [Some(_), Some(_)] => None,
         [old, new] => Some(missing("time", old, new)),
     }
@@ -311,7 +311,7 @@ pub(crate) fn percent(ratio: f64) -> String {
     }
 }
 
-/// A figure in full, the thousands of a count apart.
+/// A figure with all digits; counts have separators of thousands.
 pub(crate) fn exact(value: f64) -> String {
     if value.fract() == 0.0 {
         group(&format!("{value:.0}"))
@@ -320,7 +320,7 @@ pub(crate) fn exact(value: f64) -> String {
     }
 }
 
-/// What of the machines makes times hard to compare.
+/// Differences between the machines that make times hard to compare.
 fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
     let mut notes = Vec::new();
     if !old.host.is_same_machine(&new.host) {
@@ -359,7 +359,7 @@ fn different_instructions<'c>(old: &'c Cell, new: &'c Cell) -> Option<[&'c str; 
     (old != new).then_some([old, new])
 }
 
-/// Which cells have instructions that were counted with other vector instructions.
+/// A note on the cells whose instructions were counted with different vector instructions.
 fn notes_on_instructions(cells: &[(Key, &Cell, &Cell)]) -> Option<String> {
     let mut others = cells.iter().filter_map(|(key, old, new)| {
         let [old, new] = different_instructions(old, new)?;
@@ -375,7 +375,7 @@ fn notes_on_instructions(cells: &[(Key, &Cell, &Cell)]) -> Option<String> {
     ))
 }
 
-/// Which rules could not be applied.
+/// Notes on rules that could not be applied.
 fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
     let well: Vec<&CellChange> = cells
         .iter()
@@ -413,7 +413,7 @@ fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
         };
         let name = measure.name();
         let of = |cell: &&&CellChange| cell.figures.iter().find(|f| f.name == name).copied();
-        // That some algorithms lack a counter is as it should be.
+        // Some algorithms lack counters by design.
         if well.iter().all(|cell| of(&cell).is_none()) {
             notes.push(format!(
                 "`{name}` is not compared in {0} of {0} cells: neither file has it",
@@ -438,7 +438,7 @@ fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
     notes
 }
 
-/// A figure that is compared as it is; times are not among them.
+/// A figure that is compared exactly; not a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// A count.
@@ -447,7 +447,7 @@ pub enum Measure {
     WavefrontDeviation,
     /// Instructions.
     Instructions,
-    /// A figure of memory, by its place in the list of them.
+    /// A figure of memory, by its index in `MEMORY`.
     Memory(usize),
 }
 
@@ -490,10 +490,10 @@ impl Measure {
         }
     }
 
-    /// Whether `cell` must have it. A counter is lacking where the algorithm does not count it, and
-    /// nothing is certain of outside programs.
+    /// Whether `cell` must have it. Algorithms do not have every counter, and outside programs
+    /// may omit any figure.
     pub fn is_due(self, cell: &Cell) -> bool {
-        // The other figures of memory follow from counters.
+        // The other figures of memory derive from counters.
         let is_measured = matches!(
             self.name(),
             "instructions" | "heap_peak_bytes" | "rss_peak_bytes"
@@ -501,8 +501,8 @@ impl Measure {
         is_measured && !cell.algorithm.starts_with("ext:")
     }
 
-    /// Whether more of it is worse and less is better. Of counters that is not so: another count
-    /// means that the algorithm does something else.
+    /// Whether only an increase is worse. Any change of a counter means that the algorithm works
+    /// differently.
     pub const fn is_cost(self) -> bool {
         matches!(self, Self::Instructions | Self::Memory(_))
     }
@@ -512,16 +512,16 @@ impl Measure {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TimeMethod {
-    /// Sample by sample, which were taken next to each other.
+    /// Sample by sample, each pair taken one after the other.
     Paired,
-    /// All with all.
+    /// All samples with all.
     Unpaired,
 }
 
 /// The times of a cell in two files.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TimeChange {
-    /// How they were compared.
+    /// The method of comparison.
     pub method: TimeMethod,
     /// Medians of the old and the new times, in seconds.
     pub medians: [f64; 2],
@@ -531,13 +531,13 @@ pub struct TimeChange {
     pub ratio: f64,
     /// 95 % interval of the ratio; null from fewer than five samples.
     pub ci95: Option<[f64; 2]>,
-    /// The probability of Mann and Whitney that times so different come from the same
+    /// The probability of Mann and Whitney's test that times so different come from the same
     /// distribution; null for pairs.
     pub p: Option<f64>,
 }
 
 impl TimeChange {
-    /// How `new` compares with `old`; none if one of them has no samples, or one of 0.
+    /// Compares `new` with `old`. `None` if one of them has no samples, or a sample of 0.
     fn between(old: &Time, new: &Time, paired: bool) -> Option<Self> {
         let pairs = paired_ratio(&new.samples, &old.samples).filter(|_| paired);
         let (method, ratio) = match pairs {
@@ -559,7 +559,7 @@ impl TimeChange {
         })
     }
 
-    /// Whether it has certainly grown by more than `limit`, a share of the old time.
+    /// Whether the whole interval lies beyond an increase by `limit`, a share of the old time.
     pub fn is_above(&self, limit: f64) -> bool {
         self.ci95.is_some_and(|[low, _]| low > 1.0 + limit)
     }
@@ -577,7 +577,7 @@ impl TimeChange {
     }
 }
 
-/// What makes a cell the one it is.
+/// The identity of a cell.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Key {
     /// Name of the model, in the file that has the cell; in the new one if both have.
@@ -594,7 +594,7 @@ pub struct Key {
     pub group: Option<String>,
 }
 
-/// All but the name of the model, which is only what people call it; without a hash, the name.
+/// The identity without the name of the model, unless the model has no hash.
 #[derive(PartialEq, Eq, Hash)]
 struct Identity {
     model: Result<String, String>,
@@ -606,19 +606,19 @@ struct Identity {
 
 /// The cells of two files.
 struct Matched<'f> {
-    /// Those of both, in the order of the new file.
+    /// Cells of both files, in the order of the new one.
     common: Vec<(Key, &'f Cell, &'f Cell)>,
-    /// Those of the old file alone.
+    /// Cells of the old file alone.
     missing: Vec<Key>,
-    /// Those of the new file alone.
+    /// Cells of the new file alone.
     added: Vec<Key>,
-    /// Models that have the same name and are not the same.
+    /// Different models of the same name.
     notes: Vec<String>,
 }
 
 /// Matches the cells of two files.
 fn matched<'f>(old: &'f ResultFile, new: &'f ResultFile) -> Matched<'f> {
-    // Copies of one model are the same by their hash; each has its own cells.
+    // Copies of one model have the same hash; each has its own cells.
     let mut waiting: HashMap<Identity, Vec<(Key, &Cell)>> = HashMap::new();
     for cell in &old.cells {
         let key = Key::of(old, cell);
@@ -692,8 +692,7 @@ impl Key {
 }
 
 impl Key {
-    /// What a reader needs to find the cell among others: `horse, vtp, source 0`, after the group;
-    /// group and source only if they are asked for.
+    /// The identity in words: group, model, algorithm, source. Group and source are optional.
     pub fn among(&self, with_group: bool, with_source: bool) -> String {
         let group = match &self.group {
             Some(group) if with_group => format!("{group}: "),

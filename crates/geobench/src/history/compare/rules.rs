@@ -1,4 +1,4 @@
-//! What counts as a regression: `time=10%,propagated=0,heap_peak_bytes=5%`.
+//! The rules of regressions, such as `time=10%,propagated=0,heap_peak_bytes=5%`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,14 +8,14 @@ use geobench_mesh::did_you_mean;
 use super::Measure;
 use crate::UsageError;
 
-/// What a rule is on.
+/// The subject of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// Times.
     Time,
-    /// How many cells of the old file the new one lacks.
+    /// Cells of the old file that the new one lacks.
     Missing,
-    /// A figure that is compared as it is.
+    /// A figure that is compared exactly.
     Figure(Measure),
 }
 
@@ -26,7 +26,7 @@ impl Subject {
             .chain(Measure::all().map(Self::Figure))
     }
 
-    /// The name of rules on it.
+    /// The name in rules.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Time => "time",
@@ -35,7 +35,7 @@ impl Subject {
         }
     }
 
-    /// Whether more of it is worse and less is better.
+    /// Whether only an increase is worse.
     fn is_cost(self) -> bool {
         match self {
             Self::Time | Self::Missing => true,
@@ -44,26 +44,26 @@ impl Subject {
     }
 }
 
-/// How far something may go.
+/// A limit on the change of a subject.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {
-    /// What.
+    /// The subject.
     pub subject: Subject,
     /// The largest change that passes, as a share of the old value; of missing cells, their largest
     /// share of all that the old file has.
     pub limit: f64,
-    /// Whether a change for the smaller passes, whatever its size.
+    /// Whether every decrease passes.
     pub only_more: bool,
 }
 
-/// Rules, each on something else.
+/// Rules with different subjects.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rules(Vec<Rule>);
 
 impl Rule {
-    /// Whether a change from `old` to `new` of a figure that is compared as it is breaks the rule.
+    /// Whether a change from `old` to `new` of a figure that is compared exactly breaks the rule.
     pub fn is_broken(&self, old: f64, new: f64) -> bool {
-        // From nothing, any change is infinitely large.
+        // From 0, any change is infinitely large.
         let change = if new == old { 0.0 } else { (new - old) / old };
         change > self.limit || (!self.only_more && change < -self.limit)
     }
@@ -75,7 +75,7 @@ impl Rules {
         self.0.iter().find(|rule| rule.subject == subject)
     }
 
-    /// Each of them.
+    /// All rules.
     pub fn iter(&self) -> impl Iterator<Item = &Rule> {
         self.0.iter()
     }
@@ -154,7 +154,7 @@ impl fmt::Display for Rule {
         if self.limit == 0.0 {
             f.write_str("0")
         } else {
-            // Not the binary digits of a hundredth.
+            // Without the rounding error of a division by 100.
             write!(f, "{}%", (self.limit * 1e8).round() / 1e6)
         }
     }
@@ -231,7 +231,7 @@ mod tests {
         assert!(broken("instructions=2%", 100.0, 103.0));
         assert!(!broken("instructions=2%", 100.0, 90.0));
         assert!(!broken("heap_peak_bytes=2%", 100.0, 102.0));
-        // Nothing stays nothing, and something in its place is no small change.
+        // 0 may stay 0. A change from 0 breaks every limit.
         assert!(!broken("trimmed=5%", 0.0, 0.0) && broken("trimmed=5%", 0.0, 1.0));
     }
 }

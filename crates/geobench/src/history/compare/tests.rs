@@ -41,7 +41,7 @@ fn compared(old: &ResultFile, new: &ResultFile, rules: &str) -> Comparison {
     compare(("old.json", old), ("new.json", new), &rules).unwrap()
 }
 
-/// What is worse, a line each.
+/// The regressions, one per line.
 fn worse(comparison: &Comparison) -> Vec<String> {
     let cells = comparison.cells.iter();
     cells
@@ -53,7 +53,7 @@ fn worse(comparison: &Comparison) -> Vec<String> {
         .collect()
 }
 
-/// A new file in which something of every kind is different.
+/// A new file with a change of every kind.
 fn eventful() -> (ResultFile, ResultFile) {
     let (mut old, mut new) = (file(), file());
     (old.pairing, new.pairing) = (Some("turns".into()), Some("turns".into()));
@@ -149,11 +149,11 @@ fn a_rule_on_time_is_broken_only_by_an_interval_beyond_it() {
     assert_eq!(worse(&compared(&old, &new, "time=20%")), [""; 0]);
     assert_eq!(worse(&compared(&old, &new, "")), [""; 0]);
     assert_eq!(worse(&compared(&old, &new, "time=5%")).len(), 1);
-    // The same on the median, but one sample in three says otherwise.
+    // The same median, but one sample in three differs.
     cell(&mut old, "horse", "vtp").time.samples[0] = 1.0;
     cell(&mut old, "horse", "vtp").time.samples[1] = 1.0;
     assert_eq!(worse(&compared(&old, &new, "time=5%")), [""; 0]);
-    // Too few samples break nothing, and that is said.
+    // Too few samples break no rule, and a note says so.
     let (mut old, mut new) = (file(), file());
     cell(&mut old, "horse", "vtp").time.samples.truncate(4);
     scale(cell(&mut new, "horse", "vtp"), 9.0);
@@ -181,10 +181,10 @@ fn what_does_not_end_well_any_more_is_worse_under_any_rules() {
         let comparison = compared(&old, &new, "");
         assert_eq!(comparison.regressions, 1);
         assert!(worse(&comparison)[0].starts_with("horse, vtp, source 0: was ok, is "));
-        // It was no better before.
+        // It failed before, too.
         cell(&mut old, "horse", "vtp").status = Status::Crashed;
         assert_eq!(compared(&old, &new, "time=0,propagated=0").regressions, 0);
-        // It is well again.
+        // It ends well again.
         cell(&mut new, "horse", "vtp").status = Status::Ok;
         assert_eq!(compared(&old, &new, "time=0,propagated=0").regressions, 0);
     }
@@ -225,7 +225,7 @@ fn a_figure_that_one_of_the_files_lacks_breaks_its_rule() {
         shown.contains("new !") && shown.contains("missing !"),
         "{shown}"
     );
-    // Without a rule it is as it may be.
+    // Without a rule no figure is required.
     assert!(!compared(&old, &new, "propagated=0").is_worse());
 }
 
@@ -258,7 +258,7 @@ fn counts_with_different_vector_instructions_are_said() {
     let (mut old, mut new) = (file(), file());
     cell(&mut old, "horse", "vtp").instructions_simd = Some("avx2".to_owned());
     cell(&mut new, "horse", "vtp").instructions_simd = Some("scalar".to_owned());
-    // Files of older programs do not tell.
+    // Files of older versions lack the field.
     cell(&mut new, "horse", "ich").instructions_simd = Some("avx2".to_owned());
     assert_eq!(
         compared(&old, &new, "").notes,
@@ -302,7 +302,7 @@ fn times_that_are_gone_or_0_do_not_pass_a_rule_on_time_in_silence() {
             "horse, vtp, source 0: time none -> {median} s: missing in the old file"
         )]
     );
-    // Without a rule it is said as well.
+    // The note appears without a rule, too.
     let comparison = compared(&old, &new, "propagated=0");
     assert_eq!(worse(&comparison), [""; 0]);
     assert_eq!(
@@ -322,7 +322,7 @@ fn a_gate_on_missing_cells_does_not_pass_a_file_that_lacks_some() {
     assert_eq!(comparison.regressions, 0);
     assert_eq!(comparison.overall[0].what, "1 of 6 cells is missing");
     assert_eq!(comparison.overall[0].rule.as_deref(), Some("missing=0"));
-    // What is new is not missing.
+    // New cells are not missing.
     assert!(!compared(&new, &old, "missing=0").is_worse());
 }
 
@@ -394,14 +394,14 @@ fn other_machines_and_builds_are_said() {
             "the old file is of a debug build: its times mean little"
         ]
     );
-    // Of the same memory kernels report a little more or less.
+    // Kernels report slightly different sizes of the same memory.
     let (old, mut new) = (file(), file());
     let memory = old.host.memory_bytes.unwrap();
     new.host.memory_bytes = Some(memory - memory / 200);
     assert_eq!(compared(&old, &new, "").notes, [""; 0]);
     new.host.memory_bytes = Some(memory / 2);
     assert_eq!(compared(&old, &new, "").notes.len(), 1);
-    // Files of older programs do not tell.
+    // Files of older versions lack the field.
     let (old, mut new) = (file(), file());
     new.tool.rustflags = None;
     assert_eq!(compared(&old, &new, "").notes, [""; 0]);

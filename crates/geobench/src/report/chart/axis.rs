@@ -1,11 +1,11 @@
-//! Axes: from values to places, with ticks where people expect them.
+//! Axes: they map values to places and choose ticks.
 
-/// What an axis measures.
+/// The quantity of an axis and its scale.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Axis {
     /// With its unit.
     pub(crate) label: String,
-    /// Whether equal steps are equal ratios. Values that have no logarithm are then left out.
+    /// Whether the scale is logarithmic. Values of 0 and less are then left out.
     pub(crate) log: bool,
 }
 
@@ -19,8 +19,8 @@ impl Axis {
         }
     }
 
-    /// An axis of equal ratios where the values ask for it: all above 0, the largest more than four
-    /// times the smallest.
+    /// A logarithmic scale if all values are above 0 and the largest is more than four times the
+    /// smallest; else a linear one.
     pub(crate) fn fitting(label: &str, values: impl IntoIterator<Item = f64>) -> Self {
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         for value in values {
@@ -40,12 +40,12 @@ pub(crate) struct Scale {
     log: bool,
     values: [f64; 2],
     places: [f64; 2],
-    /// Distance of ticks if steps are equal.
+    /// Distance of ticks on a linear scale.
     step: f64,
 }
 
 impl Scale {
-    /// An axis that has room for all of `values` that it can show, between two places.
+    /// An axis between two places that covers all of `values` that its scale can show.
     pub(crate) fn new(
         axis: &Axis,
         values: impl IntoIterator<Item = f64>,
@@ -95,7 +95,7 @@ impl Scale {
         }
     }
 
-    /// The place of a value, if the axis has one.
+    /// The place of a value, if it is on the axis.
     pub(crate) fn place(&self, value: f64) -> Option<f64> {
         let [low, high] = self.values;
         let share = if self.log {
@@ -108,23 +108,23 @@ impl Scale {
             .then_some(from + share * (to - from))
     }
 
-    /// Where the axis starts.
+    /// The start of the axis.
     pub(crate) const fn start(&self) -> f64 {
         self.places[0]
     }
 
-    /// Where it ends.
+    /// The end of the axis.
     pub(crate) const fn end(&self) -> f64 {
         self.places[1]
     }
 
-    /// The place of a value, or the end of the axis that it lies beyond.
+    /// The place of a value, clamped to the axis.
     pub(crate) fn clamped(&self, value: f64) -> f64 {
         let [low, high] = self.values;
         self.place(value.clamp(low, high)).unwrap_or(self.places[0])
     }
 
-    /// Values with labels, and values without.
+    /// Values of ticks with labels, and of ticks without.
     pub(crate) fn ticks(&self) -> (Vec<f64>, Vec<f64>) {
         let [low, high] = self.values;
         if !self.log {
@@ -151,7 +151,7 @@ impl Scale {
             let every = (decades / 6.0).ceil() as usize;
             major = major.into_iter().step_by(every).collect();
         } else if decades < 1.0 {
-            // 1 to 9 would be crowded: as many as have room.
+            // Ticks from 1 to 9 would be crowded, so only as many as have room.
             major = times(&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0]);
         } else if decades < 2.4 {
             major = times(&[1.0, 2.0, 5.0]);
@@ -170,7 +170,7 @@ pub(crate) fn nice(step: f64) -> f64 {
         .unwrap_or(10.0 * power)
 }
 
-/// A tick's value in few characters.
+/// The short label of a tick.
 pub(crate) fn label(value: f64) -> String {
     let size = value.abs();
     let (scaled, unit) = match size {

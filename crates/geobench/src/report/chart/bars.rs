@@ -1,10 +1,10 @@
-//! Bars made of parts: where the time of each algorithm goes.
+//! Bars made of parts: the time of each algorithm by phase.
 
 use super::axis::{Axis, Scale};
 use super::{Datum, LINE, WIDTH, axis_below};
 use crate::report::svg::{Svg, fitted, px, width_of};
 
-/// The most parts that a bar can have: there are so many patterns.
+/// Most parts of a bar: the number of patterns.
 pub(crate) const PARTS: usize = 3;
 
 /// A chart of bars made of parts.
@@ -23,20 +23,20 @@ pub(crate) struct Group {
     pub(crate) bars: Vec<Bar>,
 }
 
-/// A bar, or what stands in its place.
+/// A bar, or the reason why there is none.
 #[derive(Clone, Debug)]
 pub(crate) struct Bar {
     pub(crate) label: String,
     /// Lengths of the parts, in the unit of the axis.
     pub(crate) parts: [f64; PARTS],
-    /// What stands behind it: its sum in a unit of its own, or why there is no bar.
+    /// The label behind the bar: its sum with unit, or the reason why there is no bar.
     pub(crate) note: String,
-    /// Whether that says that something failed.
+    /// Whether the label reports a failure.
     pub(crate) failed: bool,
 }
 
 impl Bars {
-    /// Draws it and returns its height. Patterns are known by `id` in the page.
+    /// Draws it and returns its height. `id` makes the ids of patterns unique in the page.
     pub(super) fn draw(&self, svg: &mut Svg, id: &str) -> f64 {
         patterns(svg, id);
         let bars = || self.groups.iter().flat_map(|group| &group.bars);
@@ -77,7 +77,7 @@ impl Bars {
         bottom + 34.0
     }
 
-    /// Draws a bar and returns where it ends.
+    /// Draws a bar and returns its end.
     fn draw_bar(&self, svg: &mut Svg, id: &str, bar: &Bar, scale: &Scale, y: f64) -> f64 {
         svg.text(
             [scale.start() - 8.0, y + 11.3],

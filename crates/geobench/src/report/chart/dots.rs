@@ -1,29 +1,29 @@
-//! Points on lanes: one band for each model, one lane for each algorithm. Where there would be too
-//! many lanes, a band becomes a single one that all algorithms share.
+//! Points on lanes: one band for each model, one lane for each algorithm. If there are too many
+//! lanes, the algorithms of a band share one.
 
 use super::axis::{Axis, Scale};
 use super::{Datum, LINE, Point, WIDTH, axis_below, draw_marker, draw_whisker, legend};
 use crate::report::svg::{Svg, fitted, width_of};
 use crate::table::group::distinct;
 
-/// Most lanes that have a line of their own.
+/// Most lanes of a chart. With more, the algorithms of a band share one.
 const MOST_LANES: usize = 64;
 
-/// Widest that the names of lanes may be.
+/// Greatest width of the names of lanes.
 const WIDEST_NAME: f64 = 165.0;
 
 /// A chart of points on lanes.
 #[derive(Clone, Debug)]
 pub(crate) struct Dots {
     pub(crate) axis: Axis,
-    /// A value at which a line stands, such as 1 in a chart of ratios.
+    /// A value marked by a line, such as 1 in a chart of ratios.
     pub(crate) reference: Option<f64>,
     pub(crate) bands: Vec<Band>,
-    /// What markers mean, where the lanes do not say it.
+    /// The legend of markers that the lanes do not explain.
     pub(crate) legend: Vec<(usize, bool, String)>,
 }
 
-/// What belongs together, such as the algorithms on one model.
+/// A group of lanes, such as the algorithms on one model.
 #[derive(Clone, Debug)]
 pub(crate) struct Band {
     pub(crate) title: String,
@@ -35,7 +35,7 @@ pub(crate) struct Band {
 pub(crate) struct Lane {
     pub(crate) label: String,
     pub(crate) points: Vec<Point>,
-    /// What stands there if there is no point.
+    /// The text if there is no point.
     pub(crate) absent: Option<String>,
 }
 
@@ -99,7 +99,7 @@ impl Dots {
         bottom + 34.0
     }
 
-    /// The same with one lane for each band, and a legend that names the markers.
+    /// The same chart with one lane for each band, and a legend that names the markers.
     fn merged(&self) -> Self {
         let lanes = self.bands.iter().map(|band| {
             let absent: Vec<String> = band
@@ -180,7 +180,7 @@ fn draw_lane(svg: &mut Svg, lane: &Lane, scale: &Scale, y: f64) {
             .iter()
             .filter_map(|p| scale.place(p.value.value))
             .fold(left, f64::max);
-        // Where there is room: after the points, or before them.
+        // After the points if there is room, else before them.
         let at = if farthest + 12.0 + width_of(absent) < right {
             farthest + 8.0
         } else {
@@ -190,7 +190,7 @@ fn draw_lane(svg: &mut Svg, lane: &Lane, scale: &Scale, y: f64) {
     }
 }
 
-/// What a pointer over the marker says.
+/// The tooltip of a marker.
 fn spoken(point: &Point) -> String {
     let text = format!("{}: {}", point.name, significant(point.value.value));
     match point.value.interval {
@@ -199,7 +199,7 @@ fn spoken(point: &Point) -> String {
     }
 }
 
-/// A number with four digits that say something.
+/// A number with four significant digits.
 fn significant(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || !size.is_finite() {

@@ -1,4 +1,4 @@
-//! Lines over two axes: how algorithms scale.
+//! Lines over two axes, such as times over the numbers of faces.
 
 use super::axis::{Axis, Scale};
 use super::{
@@ -18,7 +18,7 @@ const MOST_MARKERS: usize = 25;
 pub(crate) struct Lines {
     pub(crate) x: Axis,
     pub(crate) y: Axis,
-    /// A value at which a line stands across the chart.
+    /// A value marked by a line across the chart.
     pub(crate) reference: Option<f64>,
     pub(crate) series: Vec<Series>,
 }
@@ -110,7 +110,7 @@ fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
             ],
         );
     }
-    // A long line would disappear under its markers.
+    // Markers on every point would hide a long line.
     let every = if series.joined {
         places.len().div_ceil(MOST_MARKERS).max(1)
     } else {

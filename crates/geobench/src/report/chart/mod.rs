@@ -1,8 +1,8 @@
-//! Charts: what they show, and drawing them.
+//! Charts and their drawing.
 //!
-//! A chart is drawn as SVG that stands in a page or in a file of its own. Its text is text, its ink
-//! the colour of the text around it, so that it follows a dark page, and no meaning hangs on
-//! colour alone: every algorithm has a marker of its own, every part of a bar a pattern.
+//! A chart is drawn as SVG, for a page or a file of its own. Text is drawn as text. Lines have the
+//! colour of the surrounding text, so that charts follow a dark page. Colour never carries meaning
+//! alone: every algorithm has a marker of its own, every part of a bar a pattern.
 
 use super::picture::Picture;
 use crate::report::svg::{Svg, px, width_of};
@@ -34,37 +34,36 @@ pub(crate) enum Chart {
     Picture(Picture),
 }
 
-/// A value that is shown by the marker of an algorithm.
+/// A value, drawn with the marker of an algorithm.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Point {
-    /// Whose marker.
+    /// The style of the algorithm.
     pub(crate) style: usize,
-    /// What it is the value of.
+    /// The name of the value.
     pub(crate) name: String,
     pub(crate) value: Value,
     /// Whether only the outline of the marker is drawn.
     pub(crate) hollow: bool,
 }
 
-/// A row of the numbers behind a chart: what is drawn where, in words and numbers.
+/// A row of the numbers behind a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Datum {
     /// The band, the panel or the family.
     pub(crate) of: String,
-    /// The algorithm, or what else is shown by a marker or pattern.
+    /// The algorithm, or another name for a marker or pattern.
     pub(crate) series: String,
-    /// Where it stands if the chart has two axes.
+    /// The place on the x-axis, if the chart has two axes.
     pub(crate) x: Option<f64>,
     pub(crate) value: Option<f64>,
     pub(crate) interval: Option<[f64; 2]>,
-    /// What stands in the place of a value.
+    /// The text in place of a value.
     pub(crate) absent: Option<String>,
 }
 
 impl Chart {
-    /// The drawing, as an `svg` element known by `id` in the page, with what it says to those who do
-    /// not see it. One that is to stand in a file `alone` says how its parts look; in a page the page
-    /// does.
+    /// The drawing as an `svg` element with this `id` and a description for screen readers. For a
+    /// file `alone` it includes the style sheet; in a page, the page does.
     pub(crate) fn draw(&self, id: &str, title: &str, description: &str, alone: bool) -> String {
         let mut inside = Svg::default();
         let [width, height] = match self {
@@ -109,10 +108,10 @@ impl Chart {
     }
 }
 
-/// How a drawing looks, for the page that holds some.
+/// The style sheet of charts, for pages that hold some.
 pub(crate) const STYLE: &str = include_str!("chart.css");
 
-/// A legend: markers with names, in lines from `at` on that are at most `width` wide. Returns its
+/// Draws a legend: markers with names, in lines from `at` on, at most `width` wide. Returns its
 /// height.
 fn legend(svg: &mut Svg, at: [f64; 2], width: f64, names: &[(usize, bool, &str)]) -> f64 {
     let [mut x, mut y] = at;
@@ -133,10 +132,10 @@ fn legend(svg: &mut Svg, at: [f64; 2], width: f64, names: &[(usize, bool, &str)]
     }
 }
 
-/// An interval that ends at two points, with a stroke across each end.
+/// Draws an interval between two points, with a stroke across each end.
 fn draw_whisker(svg: &mut Svg, style: usize, [low, high]: [[f64; 2]; 2]) {
     let [along, down] = [0, 1].map(|i| (high[i] - low[i]).abs());
-    // Ends that lie within the marker would only blur it.
+    // Ends within the marker would blur it.
     if along + down <= 8.0 {
         return;
     }
@@ -148,8 +147,8 @@ fn draw_whisker(svg: &mut Svg, style: usize, [low, high]: [[f64; 2]; 2]) {
     }
 }
 
-/// The lines of the ticks of an axis, each between the points of `ends`, and the labels of the major
-/// ones beside the point of `label`.
+/// Draws the lines of the ticks of an axis, each between the points of `ends`, and the labels of
+/// the major ones beside the point of `label`.
 fn draw_ticks(
     svg: &mut Svg,
     scale: &Scale,
@@ -171,7 +170,7 @@ fn draw_ticks(
     }
 }
 
-/// The axis of a chart below it, and the lines of its ticks.
+/// Draws the axis below a chart, and the lines of its ticks.
 fn axis_below(svg: &mut Svg, scale: &Scale, label: &str, [top, bottom]: [f64; 2]) {
     let ends = |x| [[x, top], [x, bottom]];
     draw_ticks(svg, scale, ends, "m", |x| [x, bottom + 13.0]);
@@ -180,10 +179,10 @@ fn axis_below(svg: &mut Svg, scale: &Scale, label: &str, [top, bottom]: [f64; 2]
     svg.text([middle, bottom + 28.0], "m", label);
 }
 
-/// How many colours there are; `chart.css` has them.
+/// Number of colours, which `chart.css` defines.
 pub(crate) const COLOURS: usize = 8;
 
-/// How many shapes there are. One more than colours, so that it is long until both come again.
+/// Number of shapes: one more than colours, so that few algorithms share both.
 const SHAPES: usize = 9;
 
 /// The class that gives a style its colour.

@@ -1,4 +1,4 @@
-//! A paper's ratios and ours side by side.
+//! Ratios of a paper beside ours.
 
 use super::{PaperTable, Printed};
 use crate::measure::number::grouped;
@@ -10,20 +10,20 @@ use crate::table::group::{Group, Value, distinct};
 use crate::table::results::mean_and_deviation;
 use crate::table::{Column, Entry, Part, Table};
 
-/// What the paper and we have of one figure of two algorithms.
+/// The ratios of one figure of two algorithms, in the paper and here.
 #[derive(Clone, Debug)]
 struct Pair {
     figure: &'static Figure,
     algorithm: String,
     to: String,
-    /// What the paper prints, as ratios.
+    /// The paper's ratios.
     paper: Vec<Printed>,
     /// Our ratios, one for each model.
     ours: Vec<(String, Value)>,
 }
 
-/// The ratios of `table` beside those of `group`, as far as they have figures and algorithms in
-/// common; to the base of `setting` if the table has it, else to the last algorithm of the table.
+/// The ratios of `table` beside those of `group`, for the figures and algorithms that both have.
+/// The base is that of `setting` if the table has it, else the last algorithm of the table.
 pub(crate) fn compare(
     group: &Group<'_>,
     table: &PaperTable,
@@ -56,7 +56,7 @@ pub(crate) fn compare(
     ]
 }
 
-/// Every ratio that both have.
+/// All ratios that both have.
 fn pairs(group: &Group<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair> {
     let measured = || table.printed.iter().filter(|row| row.to.is_none());
     let last = measured().next_back().map(|row| row.algorithm.as_str());
@@ -113,8 +113,8 @@ fn pairs(group: &Group<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair>
     pairs
 }
 
-/// The paper's models that are in the group too, with their names there: the one name is part of
-/// the other, and the numbers of faces are within one in a hundred.
+/// The paper's models that the group has too, with their names there. Models match if one name is
+/// part of the other and the numbers of faces differ by at most 1 %.
 fn same_models(group: &Group<'_>, pairs: &[Pair]) -> Vec<(String, String)> {
     let found = |known: &Printed| {
         let (faces, name) = (known.faces?, known.model.to_lowercase());
@@ -203,7 +203,7 @@ fn side_by_side(pairs: &[Pair], same: &[(String, String)], source: &str, prefix:
     }
 }
 
-/// Over how many models the ratios of a figure are.
+/// The number of models of the ratios, in words.
 fn models(pair: &Pair) -> String {
     let paper = match &pair.paper[..] {
         [one] => one.model.clone(),
@@ -237,7 +237,7 @@ fn range(values: &[f64]) -> String {
     }
 }
 
-/// A ratio: two decimals, none where they would say nothing.
+/// A ratio with two decimals, or none from 100 on.
 fn plain(ratio: f64) -> String {
     if ratio >= 99.5 {
         format!("{ratio:.0}")
@@ -246,7 +246,7 @@ fn plain(ratio: f64) -> String {
     }
 }
 
-/// A plot for each figure, the ratios of which may be of very different sizes.
+/// A plot for each figure, because the sizes of their ratios differ widely.
 fn plots(pairs: &[Pair], setting: Setting<'_>, source: &str, prefix: &str) -> Vec<Plot> {
     let of_figure = pairs.chunk_by(|a, b| a.figure.key == b.figure.key);
     of_figure
@@ -293,7 +293,7 @@ fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
         },
         hollow: true,
     });
-    // Without their intervals, which would hide one another.
+    // Without intervals, which would overlap.
     let ours = pair.ours.iter().map(|(model, ratio)| Point {
         style,
         name: format!("here, {model}"),
@@ -307,7 +307,7 @@ fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
     }
 }
 
-/// The name of a figure without its unit, which ratios do not have.
+/// The name of a figure without its unit. Ratios have none.
 fn without_unit(label: &str) -> &str {
     label.split(" (").next().unwrap_or(label)
 }

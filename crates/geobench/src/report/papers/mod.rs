@@ -1,8 +1,7 @@
-//! What the papers printed, and our ratios beside theirs.
+//! The papers' tables, and our ratios beside theirs.
 //!
-//! The numbers stand in `bench-configs/papers`, a file for each table; its README defines the
-//! columns. Times of other machines mean nothing here, so only ratios between the algorithms of a
-//! table are compared.
+//! `bench-configs/papers` has a file for each table; its README defines the columns. Times of
+//! different machines cannot be compared, so only ratios between the algorithms of a table are.
 
 use crate::UsageError;
 use crate::schema::Status;
@@ -45,18 +44,18 @@ fn known() -> Vec<&'static str> {
     names.filter(|name| !name.ends_with(RATIOS)).collect()
 }
 
-/// The end of the name of a file that holds only ratios of a table whose numbers are in another.
+/// The end of the name of a file with ratios of a table only. Another file has its numbers.
 const RATIOS: &str = "-ratios";
 
-/// Which tables to compare with.
+/// The tables to compare with.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Tables {
-    /// That of the suite that a result was made with.
+    /// The table of the suite of a result.
     #[default]
     OfSuite,
     /// None.
     None,
-    /// Those of these names.
+    /// The tables with these names.
     Named(Vec<String>),
 }
 
@@ -80,7 +79,7 @@ impl std::str::FromStr for Tables {
 }
 
 impl Tables {
-    /// The tables to compare a result with that `command` made.
+    /// The tables for a result that `command` made.
     pub(crate) fn of(&self, command: &[String]) -> Vec<PaperTable> {
         let names = match self {
             Self::None => Vec::new(),
@@ -114,23 +113,23 @@ fn suite(command: &[String]) -> Option<String> {
 pub(crate) struct PaperTable {
     /// The authors and the year.
     pub(crate) paper: String,
-    /// What the paper calls it.
+    /// The paper's name for it.
     pub(crate) table: String,
-    /// What it prints, in its order.
+    /// Its numbers, in its order.
     pub(crate) printed: Vec<Printed>,
-    /// Rows that hold other numbers than figures of ours.
+    /// Rows with numbers that are no figures here.
     pub(crate) others: usize,
 }
 
-/// A figure of an algorithm on a model, or how many times as much of it another takes.
+/// A figure of an algorithm on a model, or its ratio to that of another algorithm.
 #[derive(Clone, Debug)]
 pub(crate) struct Printed {
-    /// The model, or what the ratio is a mean of.
+    /// The model, or the models of a mean.
     pub(crate) model: String,
     pub(crate) faces: Option<u64>,
-    /// Our name of the algorithm.
+    /// The algorithm, by its name here.
     pub(crate) algorithm: String,
-    /// The algorithm with which it is compared, if it is a ratio.
+    /// The base, if it is a ratio.
     pub(crate) to: Option<String>,
     pub(crate) figure: &'static Figure,
     pub(crate) value: f64,
@@ -138,20 +137,20 @@ pub(crate) struct Printed {
     pub(crate) deviation: Option<f64>,
 }
 
-/// Columns that hold no figure.
+/// Columns without a figure.
 #[rustfmt::skip]
 const FACTS: [&str; 9] = [
     "paper", "table", "model", "vertices", "faces", "algorithm", "printed", "status", "note",
 ];
 
-/// Columns that hold numbers which are not figures of ours.
+/// Columns with numbers that are no figures here.
 const OTHERS: [&str; 2] = ["log_b_n", "b"];
 
 /// Reads the table in the file `name`.
 ///
 /// # Errors
 ///
-/// Says in which line something is not as the README of the papers' tables defines it.
+/// Names the line that does not follow the README of the papers' tables.
 fn parse(name: &str, text: &str) -> anyhow::Result<PaperTable> {
     use anyhow::{Context, bail};
 
@@ -190,7 +189,7 @@ fn parse(name: &str, text: &str) -> anyhow::Result<PaperTable> {
         };
         (table.paper, table.table) = (text("paper")?, text("table")?);
         let (model, algorithm) = (text("model")?, text("algorithm")?);
-        // Our name of it, which must be one.
+        // The name must be that of an algorithm here.
         crate::registry::select_one(&algorithm).with_context(|| format!("{name}, line {line}"))?;
         text("printed")?;
         let faces = number("faces")?.map(|faces| faces as u64);

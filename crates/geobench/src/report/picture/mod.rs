@@ -1,8 +1,7 @@
 //! A picture of a model, coloured by distance, with isolines.
 //!
-//! Drawn by a small rasteriser of our own: orthographic view, depth buffer, smooth shading, four
-//! samples per pixel. The picture's ground is transparent, so that it stands on light and dark
-//! pages alike.
+//! A small rasteriser draws it: orthographic view, depth buffer, smooth shading, four samples per
+//! pixel. The background is transparent, for light and dark pages.
 
 pub(crate) mod plot;
 mod raster;
@@ -23,18 +22,18 @@ const SIZE: [f64; 2] = [480.0, 400.0];
 /// Pixels for each unit.
 const DENSITY: f64 = 1.5;
 
-/// About as many isolines as are drawn.
+/// Approximate number of isolines.
 const ISOLINES: f64 = 24.0;
 
 /// A model coloured by distance.
 #[derive(Clone, Debug)]
 pub(crate) struct Picture {
     png: Vec<u8>,
-    /// Where the source is seen, if it is.
+    /// The place of the source, if visible.
     source: Option<[f64; 2]>,
     /// The distance at the bright end of the ramp.
     farthest: f64,
-    /// The distance from isoline to isoline.
+    /// The distance between isolines.
     step: f64,
 }
 
@@ -94,7 +93,7 @@ impl Picture {
         [width, height + 46.0]
     }
 
-    /// The colours with the distances that they stand for.
+    /// The colour scale, with distances.
     fn draw_ramp(&self, svg: &mut Svg, y: f64) {
         const STRIPES: usize = 64;
         let (left, width) = (60.0, SIZE[0] - 120.0);
@@ -106,7 +105,7 @@ impl Picture {
                 &[
                     ("x", px(left + width * k as f64 / STRIPES as f64)),
                     ("y", px(y)),
-                    // A little wider than its part, so that no ground shows between stripes.
+                    // A little wider than its part, so that no background shows between stripes.
                     (
                         "width",
                         px(width / STRIPES as f64 + if k + 1 < STRIPES { 1.0 } else { 0.0 }),
@@ -142,7 +141,7 @@ impl Picture {
     }
 }
 
-/// A round distance, so many of which make up the farthest.
+/// A round distance, about [`ISOLINES`] of which make up the farthest.
 fn step(farthest: f64, parts: f64) -> f64 {
     if farthest <= 0.0 {
         return 1.0;

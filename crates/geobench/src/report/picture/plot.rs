@@ -1,4 +1,4 @@
-//! Which model a report pictures, and its distances.
+//! The choice of the model for the picture, and its distances.
 
 use geobench_mesh::VertexId;
 
@@ -11,17 +11,17 @@ use crate::report::chart::Chart;
 use crate::report::document::{Plot, slug};
 use crate::schema::ResultFile;
 
-/// Largest model for which a picture is drawn unasked.
+/// Most faces of a model that is drawn by default.
 const MOST_FACES: u64 = 1_000_000;
 
-/// Which picture a report is to have.
+/// The choice of the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Wanted {
     /// None.
     None,
-    /// One of the first model that can be made again.
+    /// The first model that can be loaded again.
     Any,
-    /// One of this model, from this source or that of its first cell.
+    /// This model, from this source or that of its first cell.
     Of {
         /// Its name in the result.
         model: String,
@@ -56,7 +56,7 @@ impl std::str::FromStr for Wanted {
     }
 }
 
-/// Why there is no picture of a model.
+/// Why a model cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PictureError {
@@ -65,7 +65,7 @@ pub enum PictureError {
     Unknown {
         /// The name.
         name: String,
-        /// Those that there are.
+        /// The models of the result.
         models: Vec<String>,
     },
     /// The model cannot be loaded any more.
@@ -73,18 +73,18 @@ pub enum PictureError {
     Unloadable {
         /// The name.
         name: String,
-        /// Why not.
+        /// The error.
         problem: String,
     },
-    /// What lies there now is another model.
+    /// The file is now another model.
     #[error("no picture of {name}: {path} is not what was measured, its hash differs")]
     Changed {
         /// The name.
         name: String,
-        /// Where it was looked for.
+        /// Its path.
         path: String,
     },
-    /// It has no such vertex.
+    /// The model has no such vertex.
     #[error("no picture of {name}: vertex {source_vertex} does not exist or has no face")]
     NoSource {
         /// The name.
@@ -98,8 +98,7 @@ pub enum PictureError {
 ///
 /// # Errors
 ///
-/// When a model was named and there is no picture of it. Nothing is an error of a model that was
-/// not asked for.
+/// When a model was named and cannot be drawn. A model that was not named causes no error.
 pub(crate) fn plot(
     result: &ResultFile,
     wanted: &Wanted,

@@ -7,21 +7,20 @@ use crate::table::distance_formats;
 /// Samples for each pixel of the picture, each way.
 const SAMPLES: usize = 2;
 
-/// Where the light comes from: from behind the viewer, from the left and above.
+/// The direction of the light: from behind the viewer, left and above.
 const LIGHT: [f64; 3] = [-0.35, 0.55, 0.76];
 
-/// Faces that meet at a larger angle than this have an edge between them and no smooth bend: the
-/// cosine of 40 degrees.
+/// The cosine of 40 degrees. Faces that meet at a larger angle are not shaded smoothly.
 const SHARP: f64 = 0.766;
 
-/// What is seen at a sample.
+/// The surface visible at a sample.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
-    /// How near it is to the viewer, in samples; minus infinity if nothing is there.
+    /// The depth, larger if nearer to the viewer, in samples; minus infinity without a surface.
     depth: f32,
     /// The distance from the source; infinite where no path leads.
     distance: f32,
-    /// How bright it is, from 0 to 1.
+    /// The brightness, from 0 to 1.
     light: f32,
 }
 
@@ -82,7 +81,7 @@ pub(super) fn render(
     }
 }
 
-/// The mean of the normals around each vertex, larger faces counting more.
+/// The mean of the normals around each vertex, weighted by area.
 fn vertex_normals(mesh: &Mesh) -> Vec<[f64; 3]> {
     let mut sums = vec![[0.0; 3]; mesh.vertex_count()];
     for face in mesh.faces() {
@@ -97,7 +96,7 @@ fn vertex_normals(mesh: &Mesh) -> Vec<[f64; 3]> {
     sums.into_iter().map(unit).collect()
 }
 
-/// How bright a surface with this normal is, whichever side is seen.
+/// The brightness of a surface with this normal, the same for both sides.
 fn brightness(normal: [f64; 3]) -> f64 {
     let towards = if normal[2] < 0.0 {
         normal.map(|x| -x)
@@ -107,7 +106,7 @@ fn brightness(normal: [f64; 3]) -> f64 {
     0.55 + 0.45 * dot(towards, unit(LIGHT)).max(0.0)
 }
 
-/// Fills the samples of a triangle where it is nearer than what was there.
+/// Fills the samples of a triangle where it is nearer than the earlier surface.
 fn fill(
     samples: &mut [Sample],
     [width, height]: [usize; 2],
@@ -137,7 +136,7 @@ fn fill(
                 side(c, a, x, y) / area,
                 side(a, b, x, y) / area,
             ];
-            // A hair beyond the edge, so that nothing shines through between neighbours.
+            // Slightly beyond the edge, so that there are no gaps between neighbours.
             if shares.iter().any(|share| *share < -1e-9) {
                 continue;
             }
@@ -154,7 +153,7 @@ fn fill(
     }
 }
 
-/// The colour of a sample, if there is something.
+/// The colour of a sample, if a surface is visible.
 fn colour(
     samples: &[Sample],
     [width, height]: [usize; 2],
@@ -244,7 +243,7 @@ impl Image {
         bytes
     }
 
-    /// Where a point of the surface is seen, in pixels, unless something is in front of it.
+    /// The pixel of a point of the surface, unless the point is hidden.
     pub(super) fn sees(&self, position: [f64; 3], camera: &Camera) -> Option<[f64; 2]> {
         let view = camera.enlarged(SAMPLES);
         let [x, y, depth] = view.project(position);
@@ -267,9 +266,9 @@ type Vector = [f64; 3];
 pub(super) struct Camera {
     /// To the right, up, and towards the viewer; of length 1 and at right angles.
     axes: [Vector; 3],
-    /// What is seen in the middle, in the coordinates of the axes.
+    /// The centre of the view, in the coordinates of the axes.
     middle: [f64; 2],
-    /// Pixels for each unit of the model.
+    /// Pixels per unit of the model.
     scale: f64,
     /// Width and height in pixels.
     pub(super) size: [usize; 2],
@@ -282,9 +281,9 @@ const FILL: f64 = 0.96;
 const GRID: usize = 96;
 
 impl Camera {
-    /// The view that shows most of the surface of `mesh`, its source if possible, on a picture of
-    /// `size` pixels. Up is the y-axis, as in most files, or the z-axis if the model is flat along
-    /// that. O(directions x vertices).
+    /// The view that shows most of the surface of `mesh`, and the source if possible, with `size`
+    /// pixels. Up is the y-axis, as in most files, or the z-axis if the model is flat along that.
+    /// O(directions x vertices).
     pub(super) fn choose(mesh: &Mesh, source: VertexId, size: [usize; 2]) -> Self {
         let positions = mesh.positions();
         let (low, high) = bounds(positions);
@@ -295,7 +294,7 @@ impl Camera {
         } else {
             [0.0, 1.0, 0.0]
         };
-        // What lies flat is looked at from above, what stands upright from the side.
+        // Flat models are shown from above, upright ones from the side.
         let heights: &[f64] = if flat { &[50.0, 70.0] } else { &[12.0, 32.0] };
         let normal = normal_at(mesh, source);
         let directions = (0..16).flat_map(|k| {
@@ -334,7 +333,7 @@ impl Camera {
         }
     }
 
-    /// Where a point is seen, from the top left, and how near it is to the viewer, all in pixels.
+    /// The place of a point from the top left, and its depth, in pixels.
     pub(super) fn project(&self, position: Vector) -> Vector {
         let [right, up, towards] = self.axes.map(|axis| dot(position, axis));
         [
@@ -359,8 +358,8 @@ impl Camera {
     }
 }
 
-/// How much of the surface a view shows: cells of a grid in which some vertex is seen; more if the
-/// source is among what is seen, and yet more if it looks at the viewer.
+/// The score of a view: the number of grid cells with a visible vertex, more if the source is
+/// visible, and more again if the source faces the viewer.
 fn score(positions: &[Vector], source: VertexId, axes: &[Vector; 3], facing: f64) -> f64 {
     let (low, high) = bounds(positions);
     let size = (0..3)
@@ -418,7 +417,7 @@ fn normal_at(mesh: &Mesh, vertex: VertexId) -> Vector {
     unit(sum)
 }
 
-/// The normal of a triangle, as long as twice its area.
+/// The normal of a triangle; its length is twice the area.
 pub(super) fn face_normal([a, b, c]: [Vector; 3]) -> Vector {
     let edge = |to: Vector| std::array::from_fn(|k| to[k] - a[k]);
     cross(edge(b), edge(c))
@@ -448,7 +447,7 @@ fn cross(a: Vector, b: Vector) -> Vector {
     ]
 }
 
-/// The vector of length 1 in this direction; what has no direction stays as it is.
+/// The unit vector in this direction. A zero vector stays unchanged.
 pub(super) fn unit(v: Vector) -> Vector {
     let length = dot(v, v).sqrt();
     if length > 0.0 {

@@ -181,7 +181,7 @@ fn wherever_a_run_is_killed_it_goes_on_to_the_same_result() {
     }
 }
 
-/// Counts instructions and how often it was asked to.
+/// Counts instructions, and its own calls.
 #[derive(Default)]
 struct Counting(u64);
 
@@ -413,8 +413,8 @@ fn a_journal_is_written_by_one_process_at_a_time() {
     assert_eq!(desk.open(&small()).unwrap().sessions().len(), 2);
 }
 
-/// The child of a process that was killed holds the lock for a moment. Whoever went on at once was
-/// refused then, once in some hundred times.
+/// The child of a killed process holds the lock for a moment. A run that was resumed at once was
+/// then refused, about once in a hundred times.
 #[test]
 fn a_journal_that_is_let_go_of_soon_is_waited_for() {
     let desk = Desk::new();

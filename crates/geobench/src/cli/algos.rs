@@ -10,7 +10,7 @@ use crate::registry::{self, Algorithm, Numbers, Parameter, Selection, Value};
 use crate::table::terminal::listing;
 use crate::table::{Column, Entry, Table};
 
-/// Which algorithm to take for what; `docs/algorithms` says the same.
+/// The recommended algorithm for each use, as in `docs/algorithms`.
 const ADVICE: [(&str, &str); 6] = [
     (
         "distances, fast",

@@ -22,7 +22,7 @@ impl Terminal {
         let styled = match color {
             ColorChoice::Always => true,
             ColorChoice::Never => false,
-            // https://no-color.org: set and not empty, whatever its value.
+            // https://no-color.org: set and not empty.
             ColorChoice::Auto => {
                 io::stdout().is_terminal()
                     && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())

@@ -11,7 +11,7 @@ use std::{fmt, fs};
 pub enum Expected {
     /// Beside the model, or in the folder `expected` beside the model's folder or in it.
     BesideModels,
-    /// In this one file, whatever its name.
+    /// In this file, with any name.
     File(PathBuf),
 }
 
@@ -49,7 +49,7 @@ pub enum ExpectedError {
         path: PathBuf,
         /// The line, counted from 1.
         line: usize,
-        /// What is wrong.
+        /// The error.
         problem: String,
     },
 }

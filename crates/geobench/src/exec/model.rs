@@ -54,7 +54,7 @@ pub enum ModelError {
     Missing {
         /// The argument.
         path: String,
-        /// What is wrong.
+        /// The error.
         problem: String,
     },
     /// The ending of the file is not supported.
@@ -74,7 +74,7 @@ pub enum ModelError {
     /// The file or the spec cannot be read.
     #[error("{message}")]
     Unreadable {
-        /// What is wrong and where.
+        /// The error and its place.
         message: String,
     },
     /// The mesh has fatal defects.

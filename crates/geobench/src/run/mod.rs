@@ -39,7 +39,7 @@ impl Records {
 }
 
 /// Carries out `plan`, model by model. Runs in `journal` are not repeated, and a model with all
-/// runs in it is not loaded. After an interruption the records cover what is done.
+/// runs in it is not loaded. After an interruption the records cover the finished runs.
 ///
 /// # Errors
 ///

@@ -1,5 +1,5 @@
-//! Records what the program was built from and with, for the result files, and has it linked so that its
-//! memory can be measured.
+//! Records what the program was built from and with, for the result files, and has it linked so
+//! that its memory can be measured.
 
 use std::path::Path;
 use std::process::Command;
@@ -14,9 +14,10 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
 }
 
-/// Has the program loaded at the same address each time. Linux maps the 64 KB around each page of code that is
-/// needed, aligned by address: with an address by chance the memory of a cell on a model of 6,000 faces differs by up
-/// to 1 MB of 8 from one start to the next, with one address by 0.3, and it is 0.1 less.
+/// Has the program loaded at the same address each time. Linux maps the 64 KB around each page of
+/// code that is needed, aligned by address: with an address by chance the memory of a cell on a
+/// model of 6,000 faces differs by up to 1 MB of 8 from one start to the next, with one address by
+/// 0.3, and it is 0.1 less.
 fn lie_at_one_address() {
     let target = |variable| std::env::var(variable).unwrap_or_default();
     let is_static = target("CARGO_CFG_TARGET_FEATURE")
@@ -49,7 +50,8 @@ fn commit() -> Option<String> {
     output("git", &["rev-parse", "HEAD"])
 }
 
-/// What cargo tells the compiler besides what it always does: of `.cargo/config.toml` or the environment.
+/// What cargo tells the compiler besides what it always does: of `.cargo/config.toml` or the
+/// environment.
 fn rustflags() -> Option<String> {
     let flags = std::env::var("CARGO_ENCODED_RUSTFLAGS").ok()?;
     Some(flags.replace('\x1f', " "))

@@ -25,8 +25,8 @@ pub fn named(name: impl Into<String>, solver: impl Solver + 'static) -> Named {
     (name.into(), Box::new(solver))
 }
 
-/// Times whole solves from vertex 0 of three generated models, without set-up, by each of the solvers that `set_up` makes
-/// for a mesh.
+/// Times whole solves from vertex 0 of three generated models, without set-up, by each of the
+/// solvers that `set_up` makes for a mesh.
 ///
 /// # Panics
 ///

@@ -48,7 +48,8 @@ impl Default for LabelCorrectingOptions {
 ///
 /// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
 /// let policy = Splitting::new(&mesh, VertexFilter::On);
-/// let mut solver = Continuous::new(&mesh, policy, LabelCorrecting::new(LabelCorrectingOptions { beta: 1.0 }));
+/// let order = LabelCorrecting::new(LabelCorrectingOptions { beta: 1.0 });
+/// let mut solver = Continuous::new(&mesh, policy, order);
 /// assert_eq!(solver.distances_from(5)?[5], 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -52,8 +52,8 @@ impl Splitting {
     /// Whether a window cannot matter any more, since its root was reached by a shorter path or a
     /// better window took the angle above it.
     ///
-    /// Where windows are kept, each of them goes on: it may have taken the place of others that were
-    /// equal to it, even of the one that took the angle.
+    /// Where windows are kept, each of them goes on: it may have taken the place of others that
+    /// were equal to it, even of the one that took the angle.
     #[inline]
     #[allow(clippy::needless_bitwise_bool)] // Neither is likely: one branch for both.
     fn is_stale(&self, sigma: f64, lineage: &Lineage, surface: &Surface) -> bool {

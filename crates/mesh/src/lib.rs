@@ -23,8 +23,8 @@
 //! `3 * face + corner`, so the twin is the only link to store. A mesh never changes.
 //!
 //! Surfaces need not be closed, connected or manifold at every vertex. Components that no path
-//! reaches are infinitely far. Paths pass through a *pinched* vertex, in which several fans of faces
-//! meet. Edges with more than two faces, and surfaces that cannot be oriented, are refused.
+//! reaches are infinitely far. Paths pass through a *pinched* vertex, in which several fans of
+//! faces meet. Edges with more than two faces, and surfaces that cannot be oriented, are refused.
 
 mod build;
 mod defect;

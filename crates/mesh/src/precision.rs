@@ -28,8 +28,8 @@ pub const RESOLUTION: f64 = 1e-6;
 /// own.
 ///
 /// Two paths that meet behind such a face meet at an angle of at most twice its height over its
-/// sides, which [`RESOLUTION`] cannot tell from 0. A comparison takes them for one path and may drop
-/// the only one that leads behind a corner of the face.
+/// sides, which [`RESOLUTION`] cannot tell from 0. A comparison takes them for one path and may
+/// drop the only one that leads behind a corner of the face.
 pub const SLIVER_HEIGHT: f64 = 2.0 * RESOLUTION;
 
 #[cfg(test)]

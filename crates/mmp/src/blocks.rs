@@ -32,7 +32,7 @@ pub(crate) fn roomier(class: u8, len: usize) -> u8 {
     larger
 }
 
-/// The blocks that nobody uses, of each class, by where they start.
+/// The free blocks of each class, by where they start.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FreeBlocks {
     of_class: Vec<Vec<u32>>,

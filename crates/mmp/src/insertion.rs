@@ -42,7 +42,7 @@ impl Inserter {
     ///
     /// Each stored window that `new` meets is split at the tie points inside the common range, of
     /// which there may be two, and each part goes to the window that is shorter there.
-    /// Ranges that nobody held go to `new`. Takes O(log k + m) for m windows met among k, and the
+    /// Ranges without a window go to `new`. Takes O(log k + m) for m windows met among k, and the
     /// moving of the windows behind them.
     #[inline]
     pub(crate) fn insert(

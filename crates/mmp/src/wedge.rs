@@ -31,7 +31,7 @@ impl Fate {
             let lo = if w.b0 > new.b0 { w.b0 } else { new.b0 };
             let hi = if w.b1 < new.b1 { w.b1 } else { new.b1 };
             if decided < lo {
-                // Nobody holds that.
+                // No window holds that.
                 if end == decided && start < end {
                     end = lo;
                 } else if !is_sliver(new, decided, lo, l) {

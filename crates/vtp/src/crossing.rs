@@ -100,7 +100,7 @@ impl<R: Rule> Program for Carry<'_, '_, R> {
     unsafe fn run<L: Lanes>(self) -> Carried {
         let Self { hand, .. } = self;
         let [left, right] = self.targets;
-        // SAFETY: promised by the caller, and by whoever made this.
+        // SAFETY: promised by the caller, and by the maker of this.
         unsafe {
             carry::<L, R>(
                 hand.block(),
@@ -130,7 +130,7 @@ impl Program for Least<'_> {
 
     #[inline(always)]
     unsafe fn run<L: Lanes>(self) -> f64 {
-        // SAFETY: promised by the caller, and by whoever made this.
+        // SAFETY: promised by the caller, and by the maker of this.
         unsafe {
             measure::<L, false>(self.block, self.start, self.len, self.gate, self.keep).distance
         }

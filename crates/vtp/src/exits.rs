@@ -1,6 +1,6 @@
 //! Through which exits of its face a window may leave.
 
-// What the engine is made of is nobody else's business, so others cannot make choices of their own.
+// The engine is private, so that other crates cannot implement the trait here.
 #![allow(private_bounds, private_interfaces)]
 
 use crate::crossing::Least;

@@ -4,7 +4,7 @@
 #![allow(unsafe_code)]
 // Kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
-// What the engine is made of is nobody else's business, so others cannot make choices of their own.
+// The engine is private, so that other crates cannot implement the trait here.
 #![allow(private_bounds, private_interfaces)]
 
 use geobench_window::Window;

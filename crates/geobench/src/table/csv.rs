@@ -35,8 +35,8 @@ pub(crate) fn table(table: &Table) -> anyhow::Result<String> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-/// A row for each cell. A column is named after its place in the JSON file, joined by `_`; `null` is
-/// an empty field, and a list is joined by `;`.
+/// A row for each cell. A column is named after its place in the JSON file, joined by `_`; `null`
+/// is an empty field, and a list is joined by `;`.
 pub(super) fn results(result: &ResultFile) -> Table {
     let row = |cell: &Cell| {
         columns(cell)

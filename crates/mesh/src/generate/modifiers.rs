@@ -66,8 +66,8 @@ impl Default for Modifiers {
 impl Modifiers {
     /// The soup with all modifiers applied; unchanged, bit for bit, by the default ones.
     ///
-    /// Vertices keep their numbers, and defects stay for validation to find: `file_faces` leads from
-    /// split triangles back to the faces of the file.
+    /// Vertices keep their numbers, and defects stay for validation to find: `file_faces` leads
+    /// from split triangles back to the faces of the file.
     ///
     /// # Errors
     ///

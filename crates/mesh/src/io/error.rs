@@ -4,7 +4,8 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-/// Why a mesh file could not be read or written. The message names the file, the place in it and a remedy.
+/// Why a mesh file could not be read or written. The message names the file, the place in it and a
+/// remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {

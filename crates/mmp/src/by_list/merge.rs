@@ -82,7 +82,7 @@ impl Merger {
     ///
     /// Each stored window that a new one meets is split at the tie points inside the common range,
     /// of which there may be two, and each part goes to the window that is shorter there, the
-    /// stored one where they are equal. Ranges that nobody held go to the new one. What comes out
+    /// stored one where they are equal. Ranges without a window go to the new one. What comes out
     /// is the same as if the windows were inserted one after the other: those in ascending order
     /// take one sweep over the list, and one that is not in order starts another. A sweep takes
     /// O(log k + m) for m windows met among k, and the moving of those behind them.

@@ -15,7 +15,7 @@ pub(super) struct Stored {
 }
 
 impl Stored {
-    /// Fills what nobody uses.
+    /// Fills unused room.
     const NONE: Self = Self {
         window: Window {
             b0: 0.0,

@@ -142,7 +142,7 @@ mod tests {
         assert_eq!((moved(4, 0.0), moved(4, 1e-15)), (1, 2));
     }
 
-    /// Between two windows of one source there is the shadow of a hole, whose rays nobody has.
+    /// Between two windows of one source there is the shadow of a hole, whose rays no window has.
     #[test]
     fn windows_of_one_source_apart_from_each_other_stay_two() {
         let beyond = [0.6, 0.75, 3.0, -40.0, 2.0];

@@ -273,7 +273,7 @@ impl WindowStore {
         &mut self.lines[range]
     }
 
-    /// The block of `list` and the line behind it, which belongs to nobody or to another block.
+    /// The block of `list` and the line behind it, which is free or belongs to another block.
     #[inline]
     pub(crate) fn block_and_line_behind(&mut self, list: u32) -> &mut [Line] {
         let range = self.range(list);

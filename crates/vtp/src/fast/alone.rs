@@ -86,7 +86,7 @@ impl Field for Alone {
         nearer
     }
 
-    /// Nobody else finds paths.
+    /// No other thread finds paths.
     #[inline(always)]
     fn reached(&self, v: u32) -> f64 {
         self.distance(v)

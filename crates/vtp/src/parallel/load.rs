@@ -81,7 +81,7 @@ impl Loads {
         Self((0..threads).map(absent).collect())
     }
 
-    /// Nobody has woken up.
+    /// No thread has woken up.
     pub(super) fn reset(&mut self) {
         self.0.fill_with(|| Padded(AtomicU64::new(ABSENT)));
     }

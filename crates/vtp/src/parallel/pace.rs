@@ -102,13 +102,13 @@ impl Pace {
         self.pending.0.fetch_sub(1, Release);
     }
 
-    /// Whether nobody has anything left to do. What all have done is seen then.
+    /// Whether no thread has anything left to do. What all have done is seen then.
     pub(super) fn is_over(&self) -> bool {
         self.pending.0.load(Acquire) == 0
     }
 
     /// Waits until all threads have come here. What they have done before is seen then. Returns
-    /// whether nobody has panicked.
+    /// whether no thread has panicked.
     pub(super) fn meet(&self) -> bool {
         let arrived = &self.arrived.0;
         arrived.fetch_add(1, Release);
@@ -119,7 +119,7 @@ impl Pace {
         !self.is_broken()
     }
 
-    /// A thread has panicked; nobody is to wait for it.
+    /// A thread has panicked; no other may wait for it.
     pub(super) fn break_up(&self) {
         self.broken.store(true, Relaxed);
     }

@@ -14,7 +14,7 @@ type Position = [f32; 3];
 ///
 /// Parts of the wavefront that lie together have few half-edges on which two threads have windows,
 /// and windows that travel away from the source stay beside each other. So a thread gives what lies
-/// on the side of whoever gets it.
+/// on the side of the receiver.
 #[derive(Debug)]
 pub(super) struct Regions {
     positions: Vec<Position>,
@@ -43,7 +43,7 @@ impl Regions {
         }
     }
 
-    /// Nobody is anywhere.
+    /// No thread has a place.
     pub(super) fn reset(&mut self) {
         self.centers.fill_with(Padded::default);
     }
@@ -106,7 +106,7 @@ impl Regions {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
     pub(super) vertex: u32,
-    /// How far it lies on the side of whoever might get it.
+    /// How far it lies on the side of a possible receiver.
     along: f32,
 }
 
@@ -194,7 +194,7 @@ mod tests {
             assert_eq!(given(&regions, 2, &row, 0.01), [14]);
             assert_eq!(given(&regions, 2, &row, 1.0), [14, 13, 12, 11]);
             regions.reset();
-            // Nobody is anywhere: one end of the longer side.
+            // No thread has a place: one end of the longer side.
             let vertices = [10, 11, 12, 13, 14, 17];
             assert_eq!(given(&regions, 1, &vertices, 0.2), [14, 13]);
             regions.come_to(1, &[12]);

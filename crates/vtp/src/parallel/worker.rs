@@ -193,7 +193,7 @@ impl Worker {
     }
 
     /// Waits for a gift, or until `nearest`, the nearest bucket that has a vertex, may have its
-    /// turn; returns whether there is anything left to do, and nobody has panicked.
+    /// turn; returns whether there is anything left to do, and no thread has panicked.
     fn wait(&mut self, shared: &Shared, nearest: Option<u32>) -> bool {
         let Some(bucket) = nearest else {
             shared.pace.end();

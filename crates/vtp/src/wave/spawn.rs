@@ -33,7 +33,7 @@ impl Wave {
         let (vertex, distance) = (field.surface().vertices[v as usize], field.reached(v));
         if vertex.pseudo_source
             && distance < self.spawned[v as usize]
-            // Whoever has found a shorter path sends windows from it.
+            // The thread that has found a shorter path sends windows from it.
             && distance <= field.distance(v)
         {
             self.spawned[v as usize] = distance;

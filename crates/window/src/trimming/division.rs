@@ -36,8 +36,8 @@ impl Division {
         &self.segments
     }
 
-    /// Divides the ranges of `met` and `new`, on an edge of length `l`, between them; slivers fall
-    /// to nobody.
+    /// Divides the ranges of `met` and `new`, on an edge of length `l`, between them; slivers are
+    /// left out.
     pub fn share_out(&mut self, met: &[Window], new: &Window, l: f64) {
         self.segments.clear();
         let mut covered = new.b0;

@@ -69,8 +69,9 @@ impl KeptWindows {
         }
     }
 
-    /// Keeps `new`, which comes to half-edge number `h`, and returns the part of it that is to be propagated; `None` if nothing is. A window to a half-edge of no
-    /// thin face is returned whole. O(k) for k windows kept there.
+    /// Keeps `new`, which comes to half-edge number `h`, and returns the part of it that is to be
+    /// propagated; `None` if nothing is. A window to a half-edge of no thin face is returned whole.
+    /// O(k) for k windows kept there.
     ///
     /// What is returned must be propagated, even when its root has been reached by a shorter path
     /// since: it may have taken the place of a window that was equal to it.

@@ -13,8 +13,8 @@ const THIN: f64 = 6.5e-3;
 
 /// The same on a mesh with a tip.
 ///
-/// No face of a needle is this thin if it is 20 times as long as wide, and windows still turn around
-/// it ten times. Scans have no tips, and are spared the asking for each window.
+/// No face of a needle is this thin if it is 20 times as long as wide, and windows still turn
+/// around it ten times. Scans have no tips, and are spared the asking for each window.
 const THIN_AROUND_TIPS: f64 = 0.1;
 
 /// Total angle of a vertex, in radians, below which it is the tip of a needle.

@@ -20,7 +20,8 @@ use crate::schema::Status;
 /// Location of the last panic.
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
 
-/// Serves requests over standard input and output; the arguments are the model and [`ChildSettings`].
+/// Serves requests over standard input and output; the arguments are the model and
+/// [`ChildSettings`].
 ///
 /// # Errors
 ///

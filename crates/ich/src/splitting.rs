@@ -58,12 +58,7 @@ impl Splitting {
     #[allow(clippy::needless_bitwise_bool)] // Neither is likely: one branch for both.
     fn is_stale(&self, sigma: f64, lineage: &Lineage, surface: &Surface) -> bool {
         ((surface.distance(lineage.root) < sigma) | self.angles.cuts_off(&lineage.guard))
-            && self.keeps_none()
-    }
-
-    #[cold]
-    fn keeps_none(&self) -> bool {
-        self.kept.is_empty()
+            && self.kept.is_empty()
     }
 }
 

@@ -9,7 +9,7 @@ import urllib.error
 import urllib.parse
 import urllib.request
 
-SERVER, PAGE, WORK, PICTURES = sys.argv[1:5]
+SERVER, PAGE, WORK, BROWSER, PICTURES = sys.argv[1:6]
 
 # Elements that stick out of the page to the right, unless they scroll within a container of their own.
 OVERFLOWING = """
@@ -60,7 +60,7 @@ def session(name):
     ]
     wanted = {
         "browserName": "chrome",
-        "goog:chromeOptions": {"args": arguments, "binary": "/usr/bin/chromium"},
+        "goog:chromeOptions": {"args": arguments, "binary": BROWSER},
         "goog:loggingPrefs": {"browser": "ALL"},
     }
     return call("POST", "/session", {"capabilities": {"alwaysMatch": wanted}})["sessionId"]

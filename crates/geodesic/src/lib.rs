@@ -34,7 +34,7 @@
 //!   [`Mesh::from_soup`] reports every defect that it found or repaired.
 //! * [`VtpFast`], the fastest solver, and [`Pvtp`], the same on several threads.
 //! * [`solvers`]: all of them, under the names of the papers.
-//! * [`Solver`]: what they have in common. It also counts windows and clocks phases.
+//! * [`Solver`]: what they have in common. It also counts windows and samples phases.
 //! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`]: the crates behind this
 //!   one, with the parts from which solvers are made.
 //!

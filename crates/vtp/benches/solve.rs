@@ -8,7 +8,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use geobench_benches::{named, whole_solves};
 use geobench_mesh::{Mesh, VertexId};
 use geobench_vtp::{FastOptions, Instructions, Pvtp, Vtp, VtpFast};
-use geobench_window::{Counters, Phases, Solution, SolveError, Solver};
+use geobench_window::{Counters, PhaseSampler, Solution, SolveError, Solver};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 fn options() -> Vec<(String, FastOptions)> {
@@ -84,8 +84,12 @@ impl Solver for Twice {
         self.first.count(sources)
     }
 
-    fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError> {
-        self.first.clock(sources)
+    fn profile(
+        &mut self,
+        sources: &[VertexId],
+        sampler: &mut PhaseSampler,
+    ) -> Result<Solution, SolveError> {
+        self.first.profile(sources, sampler)
     }
 }
 

@@ -18,7 +18,8 @@
 //! * [`continuous`] is the frame of the algorithms that take one window at a time: a policy under a
 //!   [discipline](queue::Discipline).
 //! * [`Solver`] is all that a runner sees. What an algorithm implements is [`Propagate`]: one run,
-//!   generic over a [`Probe`] that observes nothing (and costs nothing), counts, or clocks.
+//!   generic over a [`Probe`] that observes nothing (and costs nothing), counts, or tells its
+//!   phase to a [`PhaseSampler`].
 
 pub mod continuous;
 mod counters;
@@ -27,6 +28,7 @@ mod crossings;
 mod filter;
 mod frame;
 mod passage;
+mod phases;
 pub mod precision;
 mod prefetch;
 mod probe;
@@ -44,8 +46,9 @@ pub use crossings::{Crossings, LANES, Offspring};
 pub use filter::{VertexFilter, is_beaten_from_ends};
 pub use frame::{Entrance, Exit, Faces, Frame, Outlet, Side};
 pub use passage::Passage;
+pub use phases::{PhaseProbe, PhaseSampler, Phases};
 pub use prefetch::prefetch;
-pub use probe::{Clock, Count, Phase, Phases, Probe};
+pub use probe::{Count, Phase, Probe};
 pub use solver::{Propagate, Solution, SolveError, Solver, Sources};
 pub use spawn::spawn_window;
 pub use tie::{TiePoints, tie_points};

@@ -1,15 +1,13 @@
-//! How a run is observed: not at all, counted, or clocked.
+//! How a run is observed: not at all, or counted; [`phases`](crate::phases) samples its phases.
 //!
 //! Solvers are generic over a [`Probe`] and call it at every event. Timings are taken with `()`,
 //! whose methods are empty and compile to nothing; counts and phases come from separate runs, so
 //! that observing never disturbs a time.
 
-use std::time::{Duration, Instant};
-
 use crate::counters::{Counter, Counters};
 use crate::wavefront::Wavefront;
 
-/// What a solver does at a moment, for [`Phases`].
+/// What a solver does at a moment, for [`Phases`](crate::Phases).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// Computing child windows and apex distances.
@@ -122,59 +120,6 @@ impl Probe for Count {
 
     fn sample(&mut self, labels: impl Iterator<Item = f64>) {
         self.wavefront.sample(labels, self.k);
-    }
-}
-
-/// Time spent in each phase of one run. Clocking slows a run down: the shares mean something, the
-/// sum is more than an unobserved run takes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Phases {
-    /// Time in [`Phase::Propagation`].
-    pub propagation: Duration,
-    /// Time in [`Phase::Pruning`].
-    pub pruning: Duration,
-    /// Time in [`Phase::Management`].
-    pub management: Duration,
-}
-
-/// Clocks the phases of a run, starting in [`Phase::Management`].
-#[derive(Clone, Debug)]
-pub struct Clock {
-    phases: Phases,
-    current: Phase,
-    since: Instant,
-}
-
-impl Default for Clock {
-    fn default() -> Self {
-        Self {
-            phases: Phases::default(),
-            current: Phase::Management,
-            since: Instant::now(),
-        }
-    }
-}
-
-impl Clock {
-    /// Stops the clock and returns what it measured.
-    pub fn stop(mut self) -> Phases {
-        self.enter(Phase::Management);
-        self.phases
-    }
-}
-
-impl Probe for Clock {
-    #[inline]
-    fn enter(&mut self, phase: Phase) {
-        let now = Instant::now();
-        let spent = now - self.since;
-        match self.current {
-            Phase::Propagation => self.phases.propagation += spent,
-            Phase::Pruning => self.phases.pruning += spent,
-            Phase::Management => self.phases.management += spent,
-        }
-        self.current = phase;
-        self.since = now;
     }
 }
 

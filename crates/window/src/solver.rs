@@ -3,7 +3,8 @@
 use geobench_mesh::VertexId;
 
 use crate::counters::{Counter, Counters};
-use crate::probe::{Clock, Count, Phases, Probe};
+use crate::phases::PhaseSampler;
+use crate::probe::{Count, Probe};
 
 /// The distances that a run found.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -118,12 +119,16 @@ pub trait Solver: Send {
     /// As [`solve`](Solver::solve).
     fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError>;
 
-    /// The same with its phases clocked.
+    /// The same with its phases sampled.
     ///
     /// # Errors
     ///
     /// As [`solve`](Solver::solve).
-    fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError>;
+    fn profile(
+        &mut self,
+        sources: &[VertexId],
+        sampler: &mut PhaseSampler,
+    ) -> Result<Solution, SolveError>;
 }
 
 /// What an algorithm implements: one run, generic over the probe. Every `Propagate` is a
@@ -206,12 +211,14 @@ impl<T: Propagate> Solver for T {
         Ok((solution, count.counters(&T::counters())))
     }
 
-    fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError> {
+    fn profile(
+        &mut self,
+        sources: &[VertexId],
+        sampler: &mut PhaseSampler,
+    ) -> Result<Solution, SolveError> {
         check_sources(self.vertex_count(), sources)?;
         self.check()?;
-        let mut clock = Clock::default();
-        let solution = self.propagate(sources, &mut clock);
-        Ok((solution, clock.stop()))
+        Ok(sampler.watch(|probe| self.propagate(sources, probe)))
     }
 }
 

@@ -69,7 +69,7 @@ impl Progress {
             Pass::Warmup => "warming up",
             Pass::Time => "timing",
             Pass::Count => "counting",
-            Pass::Profile => "clocking phases of",
+            Pass::Profile => "profiling",
         };
         let mut row = format!("{}: {pass} {}", self.place, step.algorithm.label());
         for (label, result) in &self.results {
@@ -203,7 +203,7 @@ mod tests {
         progress.ran(&step(&plan, 0, 0, Pass::Time), Ok(Some(3.0)));
         progress.step(&step(&plan, 0, 0, Pass::Profile));
         insta::assert_snapshot!(shown(&terminal), @r"
-        horse, source 0: clocking phases of mmp  mmp 3.00s
+        horse, source 0: profiling mmp  mmp 3.00s
         00:00:00 [                                  ] 0/40
         ");
     }

@@ -99,6 +99,7 @@ impl Session for MockSession<'_> {
                     propagation: Some(0.5),
                     pruning: Some(0.25),
                     management: Some(0.125),
+                    samples: Some(1000),
                 });
                 observation.peaks = Peaks {
                     heap: Some(100_000 * size),

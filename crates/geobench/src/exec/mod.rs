@@ -35,7 +35,7 @@ pub enum Pass {
     Time,
     /// Counts windows and events.
     Count,
-    /// Clocks the phases and measures memory.
+    /// Samples the phases and measures memory.
     #[serde(rename = "clock")]
     Profile,
 }

@@ -97,6 +97,8 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     cell.phases.propagation = over(|c| c.phases.propagation);
     cell.phases.pruning = over(|c| c.phases.pruning);
     cell.phases.management = over(|c| c.phases.management);
+    // Unknown if one of them was clocked.
+    cell.phases.samples = rounds.iter().map(|c| c.phases.samples).sum();
     cell.memory.heap_peak_bytes = most(|c| c.memory.heap_peak_bytes);
     cell.memory.rss_peak_bytes = most(|c| c.memory.rss_peak_bytes);
     cell.check.max_abs = largest(|c| c.check.max_abs);

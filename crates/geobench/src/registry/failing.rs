@@ -8,7 +8,7 @@ use std::time::Duration;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_mmp::mmp;
 use geobench_vtp::Instructions;
-use geobench_window::{Counter, Counters, Phases, Solution, SolveError, Solver};
+use geobench_window::{Counter, Counters, PhaseSampler, Solution, SolveError, Solver};
 use rustix::process::{Signal, getpid, kill_process};
 
 use super::{Algorithm, Parameter, Values};
@@ -195,9 +195,13 @@ impl<D: FnMut() + Send> Solver for Misbehaving<D> {
         self.inner.count(sources)
     }
 
-    fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError> {
+    fn profile(
+        &mut self,
+        sources: &[VertexId],
+        sampler: &mut PhaseSampler,
+    ) -> Result<Solution, SolveError> {
         self.run();
-        self.inner.clock(sources)
+        self.inner.profile(sources, sampler)
     }
 }
 
@@ -236,9 +240,13 @@ impl Solver for Wrong {
         Ok((solution, counters))
     }
 
-    fn clock(&mut self, sources: &[VertexId]) -> Result<(Solution, Phases), SolveError> {
-        let (mut solution, phases) = self.inner.clock(sources)?;
+    fn profile(
+        &mut self,
+        sources: &[VertexId],
+        sampler: &mut PhaseSampler,
+    ) -> Result<Solution, SolveError> {
+        let mut solution = self.inner.profile(sources, sampler)?;
         self.spoil(&mut solution);
-        Ok((solution, phases))
+        Ok(solution)
     }
 }

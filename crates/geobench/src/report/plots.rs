@@ -126,7 +126,7 @@ fn ratios(group: &Group<'_>, setting: Setting<'_>, base: &str) -> Option<Plot> {
     })
 }
 
-/// The clocked time by phase.
+/// The time by phase.
 fn phases(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
     let parts = |phases: &Phases| Some([phases.propagation?, phases.pruning?, phases.management?]);
     let mut groups = Vec::new();
@@ -173,12 +173,11 @@ fn phases(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
         id: format!("{}-phases", setting.prefix),
         title: "Where the time goes".to_owned(),
         caption:
-            "Of a run whose clocks slow it down, so that sums are larger than the times above; of \
-                  several sources the first."
+            "Shares by sampling, of runs apart from the timed ones; of several sources the first."
                 .to_owned(),
         chart: Chart::Bars(Bars {
             axis: Axis {
-                label: "Clocked time, % of the slowest algorithm on the model".to_owned(),
+                label: "Time, % of the slowest algorithm on the model".to_owned(),
                 log: false,
             },
             parts: ["propagation", "pruning", "management"].map(str::to_owned),

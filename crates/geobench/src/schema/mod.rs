@@ -230,7 +230,7 @@ pub struct Cell {
     pub counters: Counters,
     /// Memory, of the run that counted.
     pub memory: Memory,
-    /// Where the time goes, from a run of its own that the clocks slow down.
+    /// Where the time goes, by sampling a run of its own.
     pub phases: Phases,
     /// How the answer compares with the reference.
     pub check: Check,
@@ -415,7 +415,7 @@ pub struct Memory {
     pub rss_peak_bytes: Option<u64>,
 }
 
-/// Seconds in each phase.
+/// Seconds of one run in each phase: its time, divided in proportion to samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Phases {
     /// Computing child windows and distances.
@@ -424,6 +424,10 @@ pub struct Phases {
     pub pruning: Option<f64>,
     /// Queues, lists, storage and all else.
     pub management: Option<f64>,
+    /// Number of samples. `None` in records whose phases were clocked, which makes short phases
+    /// look several times as long as they are.
+    #[serde(default)]
+    pub samples: Option<u64>,
 }
 
 /// How an answer compares with the reference; the largest of all runs of the cell.

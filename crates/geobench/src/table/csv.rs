@@ -107,6 +107,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             ("phases_propagation", text(cell.phases.propagation)),
             ("phases_pruning", text(cell.phases.pruning)),
             ("phases_management", text(cell.phases.management)),
+            ("phases_samples", text(cell.phases.samples)),
             ("check_reference", text(cell.check.reference.as_ref())),
             ("check_max_abs", text(cell.check.max_abs)),
             ("check_max_rel", text(cell.check.max_rel)),

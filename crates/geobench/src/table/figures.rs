@@ -176,16 +176,16 @@ fn all() -> &'static [Figure] {
             ),
             Figure::computed(
                 "phase_propagation",
-                "Propagation, clocked (s)",
+                "Propagation, sampled (s)",
                 Decimals(6),
                 |c| c.phases.propagation,
             ),
-            Figure::computed("phase_pruning", "Pruning, clocked (s)", Decimals(6), |c| {
+            Figure::computed("phase_pruning", "Pruning, sampled (s)", Decimals(6), |c| {
                 c.phases.pruning
             }),
             Figure::computed(
                 "phase_management",
-                "Management, clocked (s)",
+                "Management, sampled (s)",
                 Decimals(6),
                 |c| c.phases.management,
             ),

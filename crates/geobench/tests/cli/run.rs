@@ -22,6 +22,7 @@ const FIELDS: &str = "
     cells.0.memory.papers_bytes cells.0.memory.windows_peak_bytes cells.0.memory.heap_peak_bytes
     cells.0.memory.rss_peak_bytes
     cells.0.phases.propagation cells.0.phases.pruning cells.0.phases.management
+    cells.0.phases.samples
     cells.0.check.reference cells.0.check.max_abs cells.0.check.max_rel cells.0.check.unreachable";
 
 /// The value at a dotted path; `None` if there is no such field, which is not the same as null.

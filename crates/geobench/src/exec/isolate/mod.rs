@@ -385,7 +385,7 @@ impl Child {
             (None, Pass::Warmup) => "warming up",
             (None, Pass::Time) => "being timed",
             (None, Pass::Count) => "being counted",
-            (None, Pass::Profile) => "having its phases clocked",
+            (None, Pass::Profile) => "being profiled",
         };
         // 8 bytes take 11 characters of base64 at most.
         let longest = LONGEST + 11 * vertices;

@@ -1,0 +1,183 @@
+//! The shares of phases in the time of a run, by sampling.
+//!
+//! A clock read at every change of phase costs more than a short phase takes, and makes short
+//! phases look several times as long as they are. Here the solver stores its phase in one byte, and
+//! another thread reads that byte some ten thousand times a second.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use crate::probe::{Phase, Probe};
+
+/// Time between two samples, at least; systems add some 50 µs.
+const INTERVAL: Duration = Duration::from_micros(50);
+
+/// Time that one run spends in each phase: its duration, divided in proportion to the samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Phases {
+    /// Time in [`Phase::Propagation`].
+    pub propagation: Duration,
+    /// Time in [`Phase::Pruning`].
+    pub pruning: Duration,
+    /// Time in [`Phase::Management`].
+    pub management: Duration,
+    /// Number of samples. The standard error of a share p is √(p(1-p) / samples).
+    pub samples: u64,
+}
+
+/// A thread that samples the phase of the runs that it [watches](PhaseSampler::watch).
+///
+/// ```
+/// use geobench_window::{Phase, PhaseSampler, Probe};
+///
+/// let mut sampler = PhaseSampler::start()?;
+/// while sampler.samples() < 10 {
+///     sampler.watch(|probe| probe.enter(Phase::Propagation));
+/// }
+/// assert!(sampler.phases().samples >= 10);
+/// # Ok::<(), std::io::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct PhaseSampler {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+    runs: u32,
+    elapsed: Duration,
+}
+
+/// What both threads see.
+#[derive(Debug)]
+struct Shared {
+    /// The [`Phase`] of the run as a number, or [`IDLE`].
+    phase: AtomicU8,
+    /// Samples of each phase.
+    samples: [AtomicU64; 3],
+    ended: AtomicBool,
+}
+
+/// No run is under way.
+const IDLE: u8 = 3;
+
+/// The probe of a watched run.
+#[derive(Debug)]
+pub struct PhaseProbe<'a>(&'a AtomicU8);
+
+impl Probe for PhaseProbe<'_> {
+    #[inline]
+    fn enter(&mut self, phase: Phase) {
+        self.0.store(phase as u8, Ordering::Relaxed);
+    }
+}
+
+impl PhaseSampler {
+    /// Starts the thread. It ends with this value.
+    ///
+    /// # Errors
+    ///
+    /// When the system does not start a thread.
+    pub fn start() -> io::Result<Self> {
+        let shared = Arc::new(Shared {
+            phase: AtomicU8::new(IDLE),
+            samples: Default::default(),
+            ended: AtomicBool::new(false),
+        });
+        let thread = thread::Builder::new().name("phases".to_owned()).spawn({
+            let shared = Arc::clone(&shared);
+            move || shared.sample()
+        })?;
+        Ok(Self {
+            shared,
+            thread: Some(thread),
+            runs: 0,
+            elapsed: Duration::ZERO,
+        })
+    }
+
+    /// Samples the phases of `run`, which begins in [`Phase::Management`].
+    pub fn watch<T>(&mut self, run: impl FnOnce(&mut PhaseProbe<'_>) -> T) -> T {
+        let mut probe = PhaseProbe(&self.shared.phase);
+        let start = Instant::now();
+        probe.enter(Phase::Management);
+        let result = run(&mut probe);
+        self.shared.phase.store(IDLE, Ordering::Relaxed);
+        self.elapsed += start.elapsed();
+        self.runs += 1;
+        result
+    }
+
+    /// Number of samples that fell into runs.
+    pub fn samples(&self) -> u64 {
+        let count = |samples: &AtomicU64| samples.load(Ordering::Relaxed);
+        self.shared.samples.iter().map(count).sum()
+    }
+
+    /// The phases of a run, on average over all that were watched; zero if no sample fell into one.
+    pub fn phases(&self) -> Phases {
+        let counts = [0, 1, 2].map(|i: usize| self.shared.samples[i].load(Ordering::Relaxed));
+        let samples: u64 = counts.iter().sum();
+        let time = |count: u64| {
+            let share = count as f64 / samples.max(1) as f64;
+            self.elapsed.mul_f64(share) / self.runs.max(1)
+        };
+        Phases {
+            propagation: time(counts[Phase::Propagation as usize]),
+            pruning: time(counts[Phase::Pruning as usize]),
+            management: time(counts[Phase::Management as usize]),
+            samples,
+        }
+    }
+}
+
+impl Drop for PhaseSampler {
+    fn drop(&mut self) {
+        self.shared.ended.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // The thread only sleeps and counts: it does not panic.
+            thread.join().ok();
+        }
+    }
+}
+
+impl Shared {
+    /// The work of the thread.
+    fn sample(&self) {
+        while !self.ended.load(Ordering::Relaxed) {
+            let phase = usize::from(self.phase.load(Ordering::Relaxed));
+            if let Some(samples) = self.samples.get(phase) {
+                samples.fetch_add(1, Ordering::Relaxed);
+            }
+            thread::sleep(INTERVAL);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_is_divided_in_proportion_to_the_samples() {
+        let mut sampler = PhaseSampler::start().unwrap();
+        while sampler.samples() < 20 {
+            sampler.watch(|probe| {
+                probe.enter(Phase::Pruning);
+                thread::sleep(Duration::from_millis(1));
+            });
+        }
+        let phases = sampler.phases();
+        assert_eq!(phases.samples, sampler.samples());
+        // A run begins in another phase, which a sample hits rarely.
+        assert!(phases.pruning > Duration::ZERO && phases.pruning > phases.management);
+        assert_eq!(phases.propagation, Duration::ZERO);
+    }
+
+    #[test]
+    fn nothing_is_sampled_outside_of_runs() {
+        let sampler = PhaseSampler::start().unwrap();
+        thread::sleep(Duration::from_millis(2));
+        assert_eq!(sampler.phases(), Phases::default());
+    }
+}

@@ -1,9 +1,9 @@
-//! Whole solves on three generated models: windows of the CH and of the MMP kind from buckets, and
-//! in the order of VTP.
+//! Whole solves on three generated models: the CH and MMP kinds under buckets and in the vertex
+//! order of VTP, and FWP-MMP in batches.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use geobench_benches::{named, whole_solves};
-use geobench_fwp::{BucketOptions, fwp_ch, fwp_mmp, fwp_mmp_by_window, vtp_ch, vtp_mmp};
+use geobench_fwp::{BucketOptions, fwp_ch, fwp_mmp, fwp_mmp_batched, vtp_ch, vtp_mmp};
 
 fn solve(criterion: &mut Criterion) {
     whole_solves(criterion, |mesh| {
@@ -12,8 +12,8 @@ fn solve(criterion: &mut Criterion) {
             named("vtp-ch", vtp_ch(mesh)),
             named("fwp-mmp", fwp_mmp(mesh, BucketOptions::default())),
             named(
-                "fwp-mmp-by-window",
-                fwp_mmp_by_window(mesh, BucketOptions::default()),
+                "fwp-mmp{turn=list}",
+                fwp_mmp_batched(mesh, BucketOptions::default()),
             ),
             named("vtp-mmp", vtp_mmp(mesh)),
         ]

@@ -49,18 +49,23 @@ impl Default for BucketOptions {
 
 /// The queue of the fast wavefront propagation framework (Xu et al. 2015, section 4).
 ///
-/// Labels are divided into buckets of equal width, first in first out, and events are taken in
-/// rounds. A round chooses the buckets from the first non-empty one, `P1`, to the first, `P_end`,
-/// by which they hold at least K events, and takes from each of them what was there before the
-/// round; what comes during the round waits for the next. The paper tells the two apart by a
-/// *birth* that every event keeps; here a round empties its buckets when it begins, so that what is
-/// in them later is younger, and what comes next is known long before. How K follows the wavefront
-/// is told at [`BatchSize::Adaptive`].
+/// Labels are divided into buckets of equal width, first in, first out, and events are taken in
+/// rounds. A round counts buckets from the first non-empty one, `P1`, until they hold at least K
+/// events. `P_end` is the bucket behind the last one counted, as algorithm 1 prints it: its events
+/// are taken, too. The round takes from the buckets `P1` to `P_end` the events that were there
+/// before it. Events that arrive during the round wait for the next; each is *beyond* or *near*,
+/// depending on whether its bucket is behind `P_end`. [`BatchSize::Adaptive`] tells how K follows
+/// from these counts.
 ///
-/// Where the paper leaves a choice: `P_end` is the last bucket that is counted, and an event is
-/// *beyond* it if its bucket is. A label below `P1`, by rounding, counts as being in it. An event
-/// whose window has been trimmed, or dropped, since it was queued stays where it is, counts among
-/// the K, and is skipped by the policy; a trimmed window waits under its new label too.
+/// The paper marks every window with its birth, the round in which it was made. Here a round takes
+/// the events out of its buckets when it begins, so that all events that are in the buckets
+/// afterwards were born in the round. That is the same rule without a mark.
+///
+/// Algorithm 1 never resets the counts of near and beyond. The text does (section 4.2: they are
+/// counts of the children of one round), and so does this queue. A label below `P1`, by rounding,
+/// counts as in `P1`. The paper does not say what becomes of an event whose window has been trimmed
+/// or dropped: it stays where it is, counts among the K, and is skipped by the policy; a trimmed
+/// window waits under its new label, too.
 ///
 /// # Cost
 ///
@@ -99,7 +104,7 @@ pub struct Buckets {
 struct Round {
     /// K; 0 before the first round.
     size: i64,
-    /// The last bucket whose events are taken, `P_end`.
+    /// The last bucket whose events are taken, `P_end` in the paper.
     end: u64,
     /// The [place](Calendar::place) at which that bucket ends.
     limit: f64,
@@ -213,23 +218,32 @@ impl Buckets {
         wanted.min(limit).min(waiting).max(1)
     }
 
-    /// Takes the events out of the buckets from `first` on to the one by which they are K, or to
-    /// the last one in the ring.
+    /// Takes the events out of the buckets from `first` on until they are K, or to the last bucket
+    /// of the ring, and those of the bucket behind it.
     fn empty_buckets(&mut self, first: u64) {
         let size = self.round.size.unsigned_abs();
         let mut taken = 0;
         let mut next = Some(first);
         while let Some(bucket) = next {
-            self.round.end = bucket;
-            self.calendar.detach(bucket, &mut self.linked);
-            taken = match &mut self.weights {
-                Some(weights) => taken + weights.take(bucket),
-                None => self.linked.len() as u64,
-            };
+            self.round.end = bucket + 1;
+            taken += self.empty_bucket(bucket);
+            next = self.calendar.next_occupied(bucket + 1);
             if taken >= size {
                 break;
             }
-            next = self.calendar.next_occupied(bucket + 1);
+        }
+        if next == Some(self.round.end) {
+            self.empty_bucket(self.round.end);
+        }
+    }
+
+    /// Takes the events out of `bucket`; returns the number of windows that they count as.
+    fn empty_bucket(&mut self, bucket: u64) -> u64 {
+        let before = self.linked.len();
+        self.calendar.detach(bucket, &mut self.linked);
+        match &mut self.weights {
+            Some(weights) => weights.take(bucket),
+            None => (self.linked.len() - before) as u64,
         }
     }
 

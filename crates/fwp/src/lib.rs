@@ -1,32 +1,33 @@
-//! Disciplines between first in first out and a priority queue, for windows taken one by one or
-//! list by list.
+//! Disciplines that cost less than a priority queue: buckets in rounds (FWP), label correcting, and
+//! the vertex order of VTP.
 //!
-//! What a window algorithm answers does not depend on the order in which it takes its windows (Xu
-//! et al. 2015, proposition 1): every window that provides a shortest path descends from such
-//! windows only, and none of these is ever discarded. What depends on the order is how many windows
-//! are tried in vain. Nearest first tries the fewest and pays O(log k) for each, in a heap of a
-//! hundred thousand entries that no cache holds; first in first out pays nothing and tries several
-//! times as many. The disciplines of this crate pay O(1) and try nearly as few.
+//! The distances of a window algorithm do not depend on the order in which it takes its windows
+//! (Xu et al. 2015, proposition 1): every window that provides a shortest path descends from such
+//! windows only, and none of these is ever discarded. The order decides how many windows are
+//! propagated in vain. Nearest first propagates the fewest and pays O(log k) for each, in a heap of
+//! a hundred thousand entries that no cache holds. First in, first out pays nothing and propagates
+//! several times as many. The disciplines of this crate pay O(1) and propagate nearly as few.
 //!
-//! Each is a [`Discipline`](geobench_window::queue::Discipline), and knows nothing of what it
-//! orders. Under MMP, which can take the windows of a half-edge together ([`ByList`]) or one by one
-//! ([`Trimming`]), and under the policy of ICH ([`Splitting`]) it makes these algorithms:
+//! Each is a [`Discipline`](geobench_window::queue::Discipline) and knows nothing about the policy
+//! that it orders:
 //!
 //! | discipline | algorithms | source | takes next | memory beside the policy's |
 //! |---|---|---|---|---|
-//! | [`Buckets`] | [`fwp_mmp`], [`fwp_mmp_by_window`], [`fwp_ch`] | Xu et al. 2015, section 4 | the K nearest, roughly, in rounds | 24 bytes for each window or list that waits, 12 for each bucket that the wavefront spans |
-//! | [`LabelCorrecting`] | [`lc_mmp`], [`lc_mmp_by_window`], [`lc_ch`] | Bertsekas 1993; Xu et al. 2015, section 7.4 | one below the mean, roughly | 16 bytes for each window or list that waits |
+//! | [`Buckets`] | [`fwp_mmp`], [`fwp_ch`] | Xu et al. 2015, section 4 | at least K of the nearest, in rounds | 24 bytes for each window or list that waits, 12 for each bucket that the wavefront spans |
+//! | [`LabelCorrecting`] | [`lc_mmp`], [`lc_ch`] | Bertsekas 1993; Xu et al. 2015, section 7.4 | one below the mean, roughly | 16 bytes for each window or list that waits |
 //! | [`VertexOrder`] | [`vtp_mmp`], [`vtp_ch`] | Qin et al. 2016, section 6.2 | windows around the nearest vertex | 24 bytes for each window or list that waits, 12 for each half-edge, 4 for each face |
 //!
-//! Nearest first by lists is [`NearLists`](geobench_mmp::NearLists).
+//! The MMP kinds take windows one at a time, without a filter, and store all of them, as their
+//! papers do ([`Trimming`]). Each has a batched form, such as [`fwp_mmp_batched`], which propagates
+//! the due windows of a half-edge together ([`Batched`]) and can filter and evict windows. The CH
+//! kinds use the policy of ICH ([`Splitting`]).
 //!
 //! # Which one to choose
 //!
-//! * Buckets are the authors' choice where windows are taken one by one, and have the bound to show
-//!   for it: O(n²) windows for n vertices of bounded degree, in O(n² log n) time with MMP's lists
-//!   and O(n²) with ICH's records (proposition 2).
-//! * Label correcting needs no width and no limit to be set. It has no such bound: there are meshes
-//!   on which it takes Ω(n³) windows. It is here because the papers compare with it.
+//! * Buckets are the choice of Xu et al. and have a bound: O(n²) windows for n vertices of bounded
+//!   degree, in O(n² log n) time with MMP's lists and O(n²) with ICH's records (proposition 2).
+//! * Label correcting needs no width and no limit. It has no such bound: there are meshes on which
+//!   it takes Ω(n³) windows. The papers compare with it.
 //! * Vertex order keeps the fewest things in order. It separates what VTP owes to its schedule from
 //!   what it owes to its rules: the schedule alone saves time and no windows.
 //!
@@ -47,7 +48,7 @@ mod weights;
 
 use geobench_ich::Splitting;
 use geobench_mesh::Mesh;
-use geobench_mmp::{ByList, Carrier, Trimming};
+use geobench_mmp::{Batched, Carrier, Trimming};
 use geobench_window::VertexFilter;
 use geobench_window::continuous::Continuous;
 
@@ -55,13 +56,10 @@ pub use buckets::{BatchSize, BucketOptions, Buckets};
 pub use label_correcting::{LabelCorrecting, LabelCorrectingOptions};
 pub use vertex_order::VertexOrder;
 
-/// FWP-MMP for `mesh`: windows filtered, kept and trimmed on half-edges, taken from buckets in
-/// rounds, those of one half-edge together; O(faces).
+/// FWP-MMP for `mesh`: windows stored and trimmed on half-edges, taken one at a time from buckets in
+/// rounds; O(faces).
 ///
-/// Time O(n² log n), space O(n²) (proposition 2 of Xu et al. 2015). The rounds are the same as with
-/// [windows one by one](fwp_mmp_by_window), up to windows that come to a list before its turn,
-/// which make a fourth more of them on the horse, and to those that are filtered: with the filter
-/// it makes seven tenths more; within a round the paper leaves the order open.
+/// Time O(n² log n), space O(n²) (proposition 2 of Xu et al. 2015).
 ///
 /// ```
 /// use geobench_fwp::{BatchSize, BucketOptions, fwp_mmp};
@@ -74,42 +72,45 @@ pub use vertex_order::VertexOrder;
 /// assert_eq!(solver.distances_from(5)?[5], 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> ByList<Buckets> {
-    ByList::new(mesh, Buckets::new(mesh, options).of_lists())
+pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> Continuous<Trimming, Buckets> {
+    Continuous::new(mesh, trimming(mesh), Buckets::new(mesh, options))
 }
 
-/// FWP-MMP with windows taken one by one, first in first out, as
-/// [`mmp_by_window`](geobench_mmp::mmp_by_window) takes them from another queue; O(faces).
-pub fn fwp_mmp_by_window(mesh: &Mesh, options: BucketOptions) -> Continuous<Trimming, Buckets> {
-    Continuous::new(mesh, trimming(mesh), Buckets::new(mesh, options))
+/// [`fwp_mmp`] with the due windows of a half-edge taken together; O(faces).
+///
+/// The rounds are those of [`fwp_mmp`], except that a window that arrives at a list before the list
+/// is taken in the same round does not wait for the next round. That makes a fourth more rounds on
+/// the horse, and seven tenths more with the filter.
+pub fn fwp_mmp_batched(mesh: &Mesh, options: BucketOptions) -> Batched<Buckets> {
+    Batched::new(mesh, Buckets::new(mesh, options).of_lists())
 }
 
 /// FWP-CH for `mesh`: windows filtered and not kept, taken from buckets in rounds; O(faces).
 ///
-/// Time O(n²), space O(n) beside the windows that wait (proposition 2 of Xu et al. 2015).
+/// Time O(n²), space O(n) beside the waiting windows (proposition 2 of Xu et al. 2015).
 pub fn fwp_ch(mesh: &Mesh, options: BucketOptions) -> Continuous<Splitting, Buckets> {
     Continuous::new(mesh, splitting(mesh), Buckets::new(mesh, options))
 }
 
-/// LC-MMP for `mesh`: windows filtered, kept and trimmed on half-edges, those of one half-edge
-/// together in a label correcting queue; O(faces).
+/// LC-MMP for `mesh`: windows stored and trimmed on half-edges, taken one at a time from a label
+/// correcting queue; O(faces).
 ///
-/// Without a bound on time that means anything; space O(n²).
-pub fn lc_mmp(mesh: &Mesh, options: LabelCorrectingOptions) -> ByList<LabelCorrecting> {
-    ByList::new(mesh, LabelCorrecting::new(options))
-}
-
-/// LC-MMP with windows taken one by one; O(faces).
-pub fn lc_mmp_by_window(
+/// No useful bound on time; space O(n²).
+pub fn lc_mmp(
     mesh: &Mesh,
     options: LabelCorrectingOptions,
 ) -> Continuous<Trimming, LabelCorrecting> {
     Continuous::new(mesh, trimming(mesh), LabelCorrecting::new(options))
 }
 
+/// [`lc_mmp`] with the waiting windows of a half-edge taken together; O(faces).
+pub fn lc_mmp_batched(mesh: &Mesh, options: LabelCorrectingOptions) -> Batched<LabelCorrecting> {
+    Batched::new(mesh, LabelCorrecting::new(options))
+}
+
 /// LC-CH for `mesh`: windows filtered and not kept, in a label correcting queue; O(faces).
 ///
-/// Without a bound on time that means anything; space O(n) beside the windows that wait.
+/// No useful bound on time; space O(n) beside the waiting windows.
 pub fn lc_ch(
     mesh: &Mesh,
     options: LabelCorrectingOptions,
@@ -117,17 +118,22 @@ pub fn lc_ch(
     Continuous::new(mesh, splitting(mesh), LabelCorrecting::new(options))
 }
 
-/// VTP-MMP for `mesh`: windows filtered, kept and trimmed on half-edges, whole lists released
-/// around the nearest vertex; O(faces).
+/// VTP-MMP for `mesh`: windows stored and trimmed on half-edges, released around the nearest vertex
+/// and taken one at a time; O(faces).
 ///
-/// It needs about the time of [`fwp_mmp`] or less, and space O(n²).
-pub fn vtp_mmp(mesh: &Mesh) -> ByList<VertexOrder> {
-    ByList::new(mesh, VertexOrder::new(mesh))
+/// Space O(n²).
+pub fn vtp_mmp(mesh: &Mesh) -> Continuous<Trimming, VertexOrder> {
+    Continuous::new(mesh, trimming(mesh), VertexOrder::new(mesh))
+}
+
+/// [`vtp_mmp`] with the windows of a half-edge taken together; O(faces).
+pub fn vtp_mmp_batched(mesh: &Mesh) -> Batched<VertexOrder> {
+    Batched::new(mesh, VertexOrder::new(mesh))
 }
 
 /// VTP-CH for `mesh`: windows filtered and not kept, released around the nearest vertex; O(faces).
 ///
-/// It needs about the time of [`fwp_ch`], and space O(n) beside the windows that wait.
+/// About the time of [`fwp_ch`], and space O(n) beside the waiting windows.
 pub fn vtp_ch(mesh: &Mesh) -> Continuous<Splitting, VertexOrder> {
     Continuous::new(mesh, splitting(mesh), VertexOrder::new(mesh))
 }

@@ -10,13 +10,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use geobench_fwp::{
-    BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_by_window, lc_ch,
-    lc_mmp, lc_mmp_by_window, vtp_ch, vtp_mmp,
+    BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_batched, lc_ch,
+    lc_mmp, lc_mmp_batched, vtp_ch, vtp_mmp, vtp_mmp_batched,
 };
 use geobench_ich::ich;
 use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, TriangleSoup, VertexId, io};
-use geobench_mmp::{NearLists, mmp, mmp_by_window, mmp_with_slack};
+use geobench_mmp::{NearestLists, Retention, mmp, mmp_batched, mmp_fast};
 use geobench_oracle::{Geometry, Model, zoo};
 use geobench_window::{Counter, Solver, VertexFilter};
 use proptest::prelude::*;
@@ -30,16 +30,16 @@ type Recipe = (String, Box<dyn Fn(&Mesh) -> Box<dyn Solver>>);
 fn with_buckets(options: BucketOptions, filter: VertexFilter) -> Vec<Recipe> {
     vec![
         (
-            format!("fwp-mmp {options:?} filter {filter:?}"),
-            Box::new(move |mesh| Box::new(fwp_mmp(mesh, options).filtering(filter))),
+            format!("fwp-mmp batched {options:?} filter {filter:?}"),
+            Box::new(move |mesh| Box::new(fwp_mmp_batched(mesh, options).filtering(filter))),
         ),
         (
             format!("fwp-ch {options:?}"),
             Box::new(move |mesh| Box::new(fwp_ch(mesh, options))),
         ),
         (
-            format!("fwp-mmp by window {options:?}"),
-            Box::new(move |mesh| Box::new(fwp_mmp_by_window(mesh, options))),
+            format!("fwp-mmp {options:?}"),
+            Box::new(move |mesh| Box::new(fwp_mmp(mesh, options))),
         ),
     ]
 }
@@ -48,16 +48,16 @@ fn label_correcting(beta: f64, filter: VertexFilter) -> Vec<Recipe> {
     let options = LabelCorrectingOptions { beta };
     vec![
         (
-            format!("lc-mmp {beta} filter {filter:?}"),
-            Box::new(move |mesh| Box::new(lc_mmp(mesh, options).filtering(filter))),
+            format!("lc-mmp batched {beta} filter {filter:?}"),
+            Box::new(move |mesh| Box::new(lc_mmp_batched(mesh, options).filtering(filter))),
         ),
         (
             format!("lc-ch {beta}"),
             Box::new(move |mesh| Box::new(lc_ch(mesh, options))),
         ),
         (
-            format!("lc-mmp by window {beta}"),
-            Box::new(move |mesh| Box::new(lc_mmp_by_window(mesh, options))),
+            format!("lc-mmp {beta}"),
+            Box::new(move |mesh| Box::new(lc_mmp(mesh, options))),
         ),
     ]
 }
@@ -65,24 +65,25 @@ fn label_correcting(beta: f64, filter: VertexFilter) -> Vec<Recipe> {
 fn vertex_order(filter: VertexFilter) -> Vec<Recipe> {
     vec![
         (
-            format!("vtp-mmp filter {filter:?}"),
-            Box::new(move |mesh| Box::new(vtp_mmp(mesh).filtering(filter))),
+            format!("vtp-mmp batched filter {filter:?}"),
+            Box::new(move |mesh| Box::new(vtp_mmp_batched(mesh).filtering(filter))),
         ),
         ("vtp-ch".into(), Box::new(|mesh| Box::new(vtp_ch(mesh)))),
+        ("vtp-mmp".into(), Box::new(|mesh| Box::new(vtp_mmp(mesh)))),
     ]
 }
 
 fn nearest_lists(slack: f64, filter: VertexFilter) -> Vec<Recipe> {
     vec![(
-        format!("mmp slack {slack} filter {filter:?}"),
-        Box::new(move |mesh| Box::new(mmp_with_slack(mesh, slack).filtering(filter))),
+        format!("mmp batched {slack} filter {filter:?}"),
+        Box::new(move |mesh| Box::new(mmp_batched(mesh, slack).filtering(filter))),
     )]
 }
 
 /// All disciplines with defaults, without the filter for MMP as well, and each parameter at its
 /// extremes and between.
 fn recipes() -> Vec<Recipe> {
-    let default = VertexFilter::default();
+    let default = VertexFilter::On;
     let adaptive = |width, max| BucketOptions {
         width,
         batch: BatchSize::Adaptive { max },
@@ -124,7 +125,7 @@ fn defaults(filter: VertexFilter) -> [Vec<Recipe>; 4] {
         with_buckets(BucketOptions::default(), filter),
         label_correcting(LabelCorrectingOptions::default().beta, filter),
         vertex_order(filter),
-        nearest_lists(NearLists::SLACK, filter),
+        nearest_lists(NearestLists::SLACK, filter),
     ]
 }
 
@@ -136,7 +137,7 @@ fn generated(spec: &str) -> Mesh {
 /// Runs `recipes` from `source` and complains of every one that differs from MMP.
 fn compare(model: &str, mesh: &Mesh, source: u32, recipes: &[Recipe]) {
     let sources = [VertexId::new(source)];
-    let expected = mmp_by_window(mesh).solve(&sources).unwrap().distances;
+    let expected = mmp(mesh).solve(&sources).unwrap().distances;
     let furthest = expected.iter().copied().filter(|d| d.is_finite());
     let floor = 1e-15 * furthest.fold(0.0, f64::max);
     let mut failures = Vec::new();
@@ -330,7 +331,7 @@ fn windows_are_nearly_as_few_as_nearest_first() {
         let (_, counters) = solver.count(&[VertexId::new(0)]).unwrap();
         counters.get(Counter::Parents).unwrap() as f64
     };
-    let [of_mmp, of_ich] = [parents(&mut mmp_by_window(&mesh)), parents(&mut ich(&mesh))];
+    let [of_mmp, of_ich] = [parents(&mut mmp(&mesh)), parents(&mut ich(&mesh))];
     let nearest = [of_mmp, of_ich, of_mmp];
     let off = VertexFilter::Off;
     let same_order = nearest_lists(0.0, off);
@@ -343,18 +344,22 @@ fn windows_are_nearly_as_few_as_nearest_first() {
     }
 }
 
-/// `mmp` is the algorithm of lists: its queue holds as many times fewer entries as there are
-/// windows in a list.
+/// The queue of the batched form holds as many times fewer entries as there are windows in a batch.
 #[test]
-fn mmp_queues_lists_and_mmp_by_window_queues_windows() {
+fn mmp_queues_windows_and_its_batched_form_lists() {
     let mesh = generated("gen:torus,faces=5000,bump=0.1,seed=7");
     let counters = |solver: &mut dyn Solver| solver.count(&[VertexId::new(0)]).unwrap().1;
+    let slack = NearestLists::SLACK;
+    let lists = counters(&mut mmp_batched(&mesh, slack));
     assert_eq!(
-        counters(&mut mmp(&mesh)),
-        counters(&mut mmp_with_slack(&mesh, NearLists::SLACK))
+        counters(
+            &mut mmp_fast(&mesh)
+                .filtering(VertexFilter::Off)
+                .retaining(Retention::All)
+        ),
+        lists
     );
-    let lists = counters(&mut mmp(&mesh).filtering(VertexFilter::Off));
-    let windows = counters(&mut mmp_by_window(&mesh));
+    let windows = counters(&mut mmp(&mesh));
     let of = |counter| [&lists, &windows].map(|counters| counters.get(counter).unwrap());
     let [few, many] = of(Counter::QueuePeak);
     assert!(2 * few < many, "{few} {many}");

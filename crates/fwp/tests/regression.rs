@@ -2,8 +2,8 @@
 //! wrong.
 
 use geobench_fwp::{
-    BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_by_window, lc_ch, lc_mmp,
-    lc_mmp_by_window, vtp_ch, vtp_mmp,
+    BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_batched, lc_ch, lc_mmp,
+    lc_mmp_batched, vtp_ch, vtp_mmp, vtp_mmp_batched,
 };
 use geobench_mesh::Mesh;
 
@@ -17,15 +17,13 @@ fn solvers(mesh: &Mesh) -> Solvers {
     let labels = LabelCorrectingOptions::default();
     vec![
         ("fwp-mmp", Box::new(fwp_mmp(mesh, buckets))),
-        (
-            "fwp-mmp by window",
-            Box::new(fwp_mmp_by_window(mesh, buckets)),
-        ),
+        ("fwp-mmp batched", Box::new(fwp_mmp_batched(mesh, buckets))),
         ("fwp-ch", Box::new(fwp_ch(mesh, buckets))),
         ("lc-mmp", Box::new(lc_mmp(mesh, labels))),
-        ("lc-mmp by window", Box::new(lc_mmp_by_window(mesh, labels))),
+        ("lc-mmp batched", Box::new(lc_mmp_batched(mesh, labels))),
         ("lc-ch", Box::new(lc_ch(mesh, labels))),
         ("vtp-mmp", Box::new(vtp_mmp(mesh))),
+        ("vtp-mmp batched", Box::new(vtp_mmp_batched(mesh))),
         ("vtp-ch", Box::new(vtp_ch(mesh))),
     ]
 }

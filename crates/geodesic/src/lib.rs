@@ -63,8 +63,9 @@ pub use geobench_window::{Solution, SolveError, Solver, Sources};
 
 /// Every solver, named as in its paper and in the benchmark.
 ///
-/// All are exact. They differ in time, memory and the windows they try; `docs/algorithms` has a
-/// page for each.
+/// Each does what its paper says; `mmp_fast`, [`VtpFast`] and [`Pvtp`] are faster forms, and
+/// `..._batched` takes the windows of a half-edge together. All are exact. They differ in time,
+/// memory and the windows they propagate; `docs/algorithms` has a page for each.
 ///
 /// ```
 /// use geodesic::solvers::{BucketOptions, Vtp, fwp_ch, ich, mmp};
@@ -84,11 +85,11 @@ pub use geobench_window::{Solution, SolveError, Solver, Sources};
 /// ```
 pub mod solvers {
     pub use geobench_fwp::{
-        BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_by_window,
-        lc_ch, lc_mmp, lc_mmp_by_window, vtp_ch, vtp_mmp,
+        BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_batched, lc_ch,
+        lc_mmp, lc_mmp_batched, vtp_ch, vtp_mmp, vtp_mmp_batched,
     };
     pub use geobench_ich::{ch, ich, ich1};
-    pub use geobench_mmp::{Keep, mmp, mmp_by_window, mmp_edge, mmp_with_slack};
+    pub use geobench_mmp::{Retention, mmp, mmp_batched, mmp_edge, mmp_fast};
     pub use geobench_vtp::{
         EdgeBased, FastOptions, Ftp, Instructions, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast,
         VtpNoRule1, VtpNoRules23, VtpTrimming,

@@ -55,7 +55,8 @@ fn every_solver_can_be_stored_sent_and_asked_again() {
     let correcting = LabelCorrectingOptions::default();
     let solvers: Vec<Box<dyn Solver>> = vec![
         Box::new(mmp(&mesh)),
-        Box::new(mmp_by_window(&mesh)),
+        Box::new(mmp_batched(&mesh, 1.0)),
+        Box::new(mmp_fast(&mesh)),
         Box::new(mmp_edge(&mesh)),
         Box::new(ch(&mesh)),
         Box::new(ich1(&mesh)),

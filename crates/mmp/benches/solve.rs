@@ -1,17 +1,20 @@
-//! Whole solves of `mmp`, by list and by window, storing the windows around the wavefront or all of
-//! them, and of `mmp-edge`, on three generated models.
+//! Whole solves of `mmp` and `mmp-edge`, as their papers describe them, of `mmp-fast`, and of
+//! `mmp-fast` with all windows stored, on three generated models.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use geobench_benches::{named, whole_solves};
-use geobench_mmp::{Keep, mmp, mmp_by_window, mmp_edge};
+use geobench_mmp::{Retention, mmp, mmp_edge, mmp_fast};
 
 fn solve(criterion: &mut Criterion) {
     whole_solves(criterion, |mesh| {
         vec![
             named("mmp", mmp(mesh)),
-            named("mmp-keep", mmp(mesh).keeping(Keep::All)),
-            named("mmp-by-window", mmp_by_window(mesh)),
             named("mmp-edge", mmp_edge(mesh)),
+            named("mmp-fast", mmp_fast(mesh)),
+            named(
+                "mmp-fast{lists=keep}",
+                mmp_fast(mesh).retaining(Retention::All),
+            ),
         ]
     });
 }

@@ -1,11 +1,11 @@
-//! The blocks in which lists lie: their sizes, and those that are free.
+//! Blocks of memory for lists: size classes and free lists.
 
-/// As many places are compared at once.
+/// Number of places that a search compares at once.
 pub(crate) const GROUP: usize = 4;
 
-/// Number of places in a block of each class: 4, and then two sizes for each power of two. It is
-/// read from a table, since a branch on the class is foreseen wrongly every other time. There are
-/// more than a list can ever need.
+/// Number of places in a block of each class: 4, and then two sizes for each power of two. A table,
+/// because a branch on the class is mispredicted every other time. It has more classes than a list
+/// can need.
 const ROOMS: [usize; 64] = {
     let mut rooms = [0; 64];
     rooms[1] = GROUP;
@@ -39,7 +39,7 @@ pub(crate) struct FreeBlocks {
 }
 
 impl FreeBlocks {
-    /// Forgets all.
+    /// Drops all free blocks.
     pub(crate) fn clear(&mut self) {
         self.of_class.clear();
     }
@@ -49,7 +49,7 @@ impl FreeBlocks {
         self.of_class.get_mut(usize::from(class))?.pop()
     }
 
-    /// Gives a block of this class back; class 0 has none.
+    /// Frees a block of this class; class 0 has none.
     pub(crate) fn give(&mut self, class: u8, start: u32) {
         let class = usize::from(class);
         if class == 0 {

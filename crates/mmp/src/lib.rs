@@ -1,52 +1,61 @@
-//! The MMP algorithm: continuous Dijkstra on windows that are kept on half-edges and trimmed
-//! against each other where they tie.
+//! The MMP algorithm: continuous Dijkstra on windows that are stored on half-edges and trimmed
+//! against each other at tie points.
 //!
-//! Mitchell, Mount and Papadimitriou, "The discrete geodesic problem" (1987), in the form that
-//! Surazhsky et al., "Fast exact and approximate geodesics on meshes" (2005), section 3, made
-//! practical. The intervals of the windows on one half-edge never overlap: a new window is compared
-//! with those it meets, and each keeps the range on which it is shorter. In the paper every window
-//! is stored until the end, so that afterwards the distance is known along every edge; memory is
-//! the number of windows, O(n²) in the worst case and about n^1.5 in practice ([`Keep::All`]).
-//! Distances of vertices do not need that: the windows of an edge are given up once the wave is
-//! past it ([`Keep::Wavefront`], the default), which leaves a twentieth of them on the horse and
-//! stores as many in all.
+//! Mitchell, Mount and Papadimitriou, "The discrete geodesic problem" (1987), in the form of
+//! Surazhsky et al., "Fast exact and approximate geodesics on meshes" (2005), section 3. The
+//! windows of one half-edge never overlap: a new window is compared with those it meets, and each
+//! keeps the range on which it is shorter.
 //!
-//! MMP compares every window that comes to an edge with those that are there. [`ByList`] drops
-//! beforehand, as ICH does, those that a path through an end of the edge beats
-//! ([`ByList::filtering`]): on the horse a twelfth of all propagations is saved so, on models of
-//! some thousands of faces with many saddles a third, and with them a third of the time.
+//! | function | form | stores | filter |
+//! |---|---|---|---|
+//! | [`mmp`] | one window at a time, nearest first; the papers' algorithm | all windows | none |
+//! | [`mmp_edge`] | the same, trimming both half-edges of an edge together (Liu 2013) | all windows | none |
+//! | [`mmp_batched`] | all due windows of a half-edge at a time | all windows | none |
+//! | [`mmp_fast`] | the same with everything that saves time | the windows around the wavefront | that of ICH |
 //!
-//! Answers do not depend on the order in which windows are taken, only the number of windows tried
-//! does. With the nearest window [`mmp`] takes those of its half-edge that are little further,
-//! which no paper does, as [`ByList`] does under any queue; [`mmp_by_window`] takes one at a time,
-//! strictly nearest first, as the papers have it: without the filter 0.3 to 1 % fewer windows, in
-//! two to four times the time on scans. In that order time is O(n² log n) for n faces in the worst
-//! case; for a slack no bound has been shown.
+//! Distances are the same in all forms, because they do not depend on the order in which windows
+//! are taken; only the number of windows does. [`Trimming`] is the policy of the single form, and
+//! [`Batched`] the solver of the other; each runs under any
+//! [`Discipline`](geobench_window::queue::Discipline), which is how `geobench-fwp` makes its
+//! algorithms.
+//!
+//! # Parts
+//!
+//! * **Retention** ([`Retention`]). The papers store every window until the end, so that the
+//!   distance is known along every edge: O(n²) windows in the worst case, about n^1.5 in practice.
+//!   Vertex distances do not need them. With [`Retention::Wavefront`] the windows of an edge are
+//!   evicted once the wavefront has passed it, which leaves a twentieth of them on the horse.
+//! * **Filter** ([`Batched::filtering`]). Drops windows that a path through an end of their edge
+//!   beats, as ICH does, before the list is searched. It saves a twelfth of the propagations on the
+//!   horse, and a third of propagations and time on models of some thousands of faces with many
+//!   saddle vertices.
+//! * **Batches** ([`Batched`]). With the windows of a half-edge taken together, a run on a scan
+//!   takes a quarter to a half of the time, and propagates 0.3 to 1 % more windows.
+//!
+//! Nearest first, time is O(n² log n) for n faces. No bound is known for batches with slack.
 
+mod batched;
 mod blocks;
-mod by_list;
-mod forgetting;
-mod insertion;
-mod lists;
-mod trimming;
-mod wedge;
+mod eviction;
+mod overlap_range;
+mod single;
 
 use geobench_mesh::Mesh;
+use geobench_window::VertexFilter;
 use geobench_window::continuous::Continuous;
 use geobench_window::queue::Priority;
 
-pub use by_list::{ByList, NearLists};
-pub use forgetting::Keep;
-pub use trimming::{Carrier, Trimming};
+pub use batched::{Batched, NearestLists};
+pub use eviction::Retention;
+pub use single::{Carrier, Trimming};
 
-/// MMP on windows that have their turns one by one, the nearest of all first.
-pub type MmpByWindow = Continuous<Trimming, Priority>;
+/// MMP one window at a time, nearest first.
+pub type Mmp = Continuous<Trimming, Priority>;
 
-/// Sets MMP up for `mesh`, with windows filtered, kept on half-edges, and those of one half-edge
-/// taken together; O(faces).
+/// Sets MMP up for `mesh` as its papers describe it: windows are taken one by one, nearest first,
+/// compared with those of their half-edge, and all stored; O(faces).
 ///
-/// The list with the nearest window has its turn, and what lies up to [a mean
-/// edge](NearLists::SLACK) further goes with it. Space is O(n²) for n faces.
+/// Time O(n² log n), space O(n²) for n faces.
 ///
 /// ```
 /// use geobench_mesh::Mesh;
@@ -59,38 +68,47 @@ pub type MmpByWindow = Continuous<Trimming, Priority>;
 /// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn mmp(mesh: &Mesh) -> ByList<NearLists> {
-    mmp_with_slack(mesh, NearLists::SLACK)
+pub fn mmp(mesh: &Mesh) -> Mmp {
+    single(mesh, Carrier::HalfEdge)
 }
 
-/// [`mmp`] whose turns take windows that are further than the nearest one of their half-edge by up
-/// to `slack` mean edge lengths; O(faces).
+/// Sets the edge-based variant of [`mmp`] up for `mesh`; O(faces).
 ///
-/// The answers and the trimming are those of [`mmp_by_window`]. At a slack of 1 there are, without
-/// the [filter](ByList::filtering), 0.3 to 1 % more windows in half of the time on scans; at 0 the
-/// order is that of [`mmp_by_window`] but for windows equally near, and takes 1.1 to 1.8 times as
-/// long. A negative slack and NaN count as 0.
-pub fn mmp_with_slack(mesh: &Mesh, slack: f64) -> ByList<NearLists> {
-    ByList::new(mesh, NearLists::new(mesh, slack))
+/// It stores fewer windows than [`mmp`], and needs more work for each.
+pub fn mmp_edge(mesh: &Mesh) -> Mmp {
+    single(mesh, Carrier::Edge)
 }
 
-/// Sets MMP up for `mesh` as its papers describe it, with windows taken one by one, the nearest of
-/// all first; O(faces).
-pub fn mmp_by_window(mesh: &Mesh) -> MmpByWindow {
-    Continuous::new(
-        mesh,
-        Trimming::new(mesh, Carrier::HalfEdge),
-        Priority::new(mesh),
-    )
+fn single(mesh: &Mesh, carrier: Carrier) -> Mmp {
+    Continuous::new(mesh, Trimming::new(mesh, carrier), Priority::new(mesh))
 }
 
-/// Sets the edge-based variant of MMP up for `mesh`, with windows taken one by one; O(faces).
+/// Sets MMP up for `mesh` with batches, the filter and eviction; O(faces).
 ///
-/// It stores fewer windows than [`mmp_by_window`], and needs more work for each.
-pub fn mmp_edge(mesh: &Mesh) -> MmpByWindow {
-    Continuous::new(
-        mesh,
-        Trimming::new(mesh, Carrier::Edge),
-        Priority::new(mesh),
-    )
+/// The fastest form, with the least memory. Its distances are those of [`mmp`].
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_mmp::{mmp, mmp_fast};
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("torus,faces=800")?;
+/// let [fast, paper] = [mmp_fast(&mesh).distances_from(0)?, mmp(&mesh).distances_from(0)?];
+/// assert!(fast.iter().zip(&paper).all(|(a, b)| (a - b).abs() <= 1e-12 * b));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn mmp_fast(mesh: &Mesh) -> Batched<NearestLists> {
+    mmp_batched(mesh, NearestLists::SLACK)
+        .filtering(VertexFilter::On)
+        .retaining(Retention::Wavefront)
+}
+
+/// [`mmp`] in batches: with the nearest window, those of its half-edge that are at most `slack`
+/// mean edge lengths further; O(faces).
+///
+/// At a slack of 1, the [default](NearestLists::SLACK) of [`mmp_fast`], it propagates 0.3 to 1 %
+/// more windows in half of the time on scans. At 0 the order is that of [`mmp`] but for windows
+/// equally near, and a run takes 1.1 to 1.8 times as long. A negative slack and NaN count as 0.
+pub fn mmp_batched(mesh: &Mesh, slack: f64) -> Batched<NearestLists> {
+    Batched::new(mesh, NearestLists::new(mesh, slack))
 }

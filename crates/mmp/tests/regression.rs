@@ -1,7 +1,7 @@
 //! Defects of the MMP kinds that were mended, each with a test that is named after what went wrong.
 
 use geobench_mesh::Mesh;
-use geobench_mmp::{mmp, mmp_by_window, mmp_edge, mmp_with_slack};
+use geobench_mmp::{mmp, mmp_batched, mmp_edge, mmp_fast};
 use geobench_window::VertexFilter;
 
 #[path = "../../window/tests/meshes/mod.rs"]
@@ -18,12 +18,15 @@ fn solvers(mesh: &Mesh) -> Solvers {
 fn of_half_edges(mesh: &Mesh) -> Solvers {
     vec![
         ("mmp", Box::new(mmp(mesh))),
-        ("mmp, nearest first", Box::new(mmp_with_slack(mesh, 0.0))),
+        ("mmp-fast", Box::new(mmp_fast(mesh))),
         (
-            "mmp, no filter",
-            Box::new(mmp(mesh).filtering(VertexFilter::Off)),
+            "mmp-fast without slack",
+            Box::new(mmp_batched(mesh, 0.0).filtering(VertexFilter::On)),
         ),
-        ("mmp by window", Box::new(mmp_by_window(mesh))),
+        (
+            "mmp-fast without filter",
+            Box::new(mmp_fast(mesh).filtering(VertexFilter::Off)),
+        ),
     ]
 }
 

@@ -1,5 +1,7 @@
 //! Buckets on their own.
 
+use std::collections::{BTreeMap, VecDeque};
+
 use geobench_window::{Count, Counter};
 use proptest::prelude::*;
 
@@ -144,7 +146,144 @@ fn k_has_a_limit() {
         buckets.push(f64::from(id), window(id), &mut ());
     }
     buckets.pop(&mut ());
-    assert_eq!((buckets.round.size, buckets.round.end), (3, 2));
+    assert_eq!((buckets.round.size, buckets.round.end), (3, 3));
+}
+
+/// `P_end` is one bucket behind the last that counts among the K.
+#[test]
+fn a_round_takes_one_bucket_more_than_it_counts() {
+    let mut buckets = unit_buckets(BatchSize::Fixed(2));
+    for (id, label) in [0.1, 1.1, 2.1, 3.1].into_iter().enumerate() {
+        buckets.push(label, window(id as u32), &mut ());
+    }
+    buckets.pop(&mut ());
+    assert_eq!(left(&buckets), 2);
+    let mut buckets = unit_buckets(BatchSize::Fixed(2));
+    for (id, label) in [0.1, 1.1, 3.1].into_iter().enumerate() {
+        buckets.push(label, window(id as u32), &mut ());
+    }
+    buckets.pop(&mut ());
+    assert_eq!(left(&buckets), 1, "the bucket behind the last one is empty");
+}
+
+/// Algorithm 1 of Xu et al. 2015 as printed, with births, on buckets of width 1 that are numbered
+/// from 1. Where its lines 5 and 7 and section 4.2 differ, it follows the text: the counts are
+/// those of one round.
+#[derive(Default)]
+struct Algorithm1 {
+    buckets: BTreeMap<u64, VecDeque<(i64, u32)>>,
+    wavefront_size: i64,
+    k: i64,
+    c_large: i64,
+    c_small: i64,
+}
+
+impl Algorithm1 {
+    fn insert(&mut self, label: f64, birth: i64, id: u32) {
+        let bucket = label as u64 + 1;
+        self.buckets
+            .entry(bucket)
+            .or_default()
+            .push_back((birth, id));
+        self.wavefront_size += 1;
+    }
+
+    /// Runs to the end. `children` gives the labels of the children of a window, which are numbered
+    /// in the order in which they come. Returns the windows in the order in which they are
+    /// propagated, and K of each round.
+    fn run(
+        mut self,
+        first: &[f64],
+        k_max: i64,
+        mut children: impl FnMut(u32) -> Vec<f64>,
+    ) -> (Vec<u32>, Vec<i64>) {
+        let (mut order, mut ks) = (Vec::new(), Vec::new());
+        let mut ids = 0..;
+        for &label in first {
+            self.insert(label, -1, ids.next().unwrap());
+        }
+        self.c_large = self.wavefront_size;
+        let mut iter = 0;
+        while self.wavefront_size != 0 {
+            self.k += self.c_large - self.c_small;
+            (self.c_large, self.c_small) = (0, 0);
+            self.k = self.k.max(1).min(self.wavefront_size).min(k_max);
+            ks.push(self.k);
+            self.buckets.retain(|_, queue| !queue.is_empty());
+            let p1 = *self.buckets.keys().next().unwrap();
+            let (mut p_end, mut wc) = (p1, 0);
+            while wc < self.k {
+                wc += self
+                    .buckets
+                    .get(&p_end)
+                    .map_or(0, |queue| queue.len() as i64);
+                p_end += 1;
+            }
+            for p2 in p1..=p_end {
+                while let Some(&(birth, id)) = self.buckets.get(&p2).and_then(VecDeque::front)
+                    && birth < iter
+                {
+                    self.buckets.get_mut(&p2).unwrap().pop_front();
+                    self.wavefront_size -= 1;
+                    order.push(id);
+                    for label in children(id) {
+                        if label >= p_end as f64 {
+                            self.c_large += 1;
+                        } else {
+                            self.c_small += 1;
+                        }
+                        self.insert(label, iter, ids.next().unwrap());
+                    }
+                }
+            }
+            iter += 1;
+        }
+        (order, ks)
+    }
+}
+
+proptest! {
+    #[test]
+    fn rounds_are_those_of_algorithm_1(
+        first in prop::collection::vec(0.0..20.0f64, 1..30),
+        steps in prop::collection::vec(prop::collection::vec(0.0..8.0f64, 0..3), 1..300),
+        k_max in 1..40u32,
+    ) {
+        // Labels and numbers of windows are the same in both, since both take them in one order.
+        let script = |labels: &mut Vec<f64>, id: u32, step: usize| -> Vec<f64> {
+            let further = steps.get(step).map_or(&[][..], |step| step);
+            let children: Vec<f64> = further.iter().map(|f| labels[id as usize] + f).collect();
+            labels.extend(&children);
+            children
+        };
+        let (mut labels, mut step) = (first.clone(), 0);
+        let expected = Algorithm1::default().run(&first, i64::from(k_max), |id| {
+            step += 1;
+            script(&mut labels, id, step - 1)
+        });
+        let mut buckets = unit_buckets(BatchSize::Adaptive { max: k_max });
+        let (mut labels, mut order, mut ks) = (first.clone(), Vec::new(), Vec::new());
+        let (mut id, mut rounds) = (0, Count::default());
+        let mut push = |buckets: &mut Buckets, label| {
+            buckets.push(label, window(id), &mut ());
+            id += 1;
+        };
+        for &label in &first {
+            push(&mut buckets, label);
+        }
+        loop {
+            let is_new = left(&buckets) == 0;
+            let Some((_, event)) = buckets.pop(&mut rounds) else { break };
+            if is_new {
+                ks.push(buckets.round.size);
+            }
+            for label in script(&mut labels, id_of(event), order.len()) {
+                push(&mut buckets, label);
+            }
+            order.push(id_of(event));
+        }
+        prop_assert_eq!((order, ks), expected);
+    }
 }
 
 /// Rounding can put a child a bucket below its parent, behind the one at which a round begins.

@@ -11,16 +11,15 @@ use crate::table::terminal::listing;
 use crate::table::{Column, Entry, Table};
 
 /// The recommended algorithm for each use, as in `docs/algorithms`.
-const ADVICE: [(&str, &str); 6] = [
+const ADVICE: [(&str, &str); 5] = [
     (
         "distances, fast",
         "vtp-fast; on several idle processors pvtp",
     ),
-    ("a reference for others", "mmp"),
-    ("MMP as published", "mmp{turn=window,lists=keep}"),
+    ("a reference for others", "mmp-fast"),
     (
-        "ICH, FWP, VTP as published",
-        "ich, fwp-ch, fwp-mmp{turn=window,lists=keep}, vtp",
+        "to compare the algorithms of the papers",
+        "mmp, ich, fwp-mmp, fwp-ch, vtp",
     ),
     ("the least memory", "vtp-fast or vtp, then ich"),
     (
@@ -124,7 +123,7 @@ impl From<&Algorithm> for AlgorithmEntry {
             complexity: algorithm.complexity,
             keeps: algorithm.keeps,
             choose: algorithm.choose,
-            departs: algorithm.departs(),
+            departs: algorithm.departs,
             parameters: algorithm.parameters.iter().map(Into::into).collect(),
         }
     }
@@ -232,7 +231,7 @@ fn facts(algorithms: &[&Algorithm]) -> Table {
         let facts = [
             ("what", algorithm.summary),
             ("source", algorithm.paper),
-            ("departs", algorithm.departs()),
+            ("departs", algorithm.departs),
             ("cost", algorithm.complexity),
             ("keeps", algorithm.keeps),
             ("choose it", algorithm.choose),

@@ -18,7 +18,7 @@ use crate::run::check::{self, Deviation};
 use crate::schema::ModelRecord;
 
 /// The reference; it runs even if it is not asked for.
-const REFERENCE: &str = "mmp";
+const REFERENCE: &str = "mmp-fast";
 
 pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     let models = if options.models.is_empty() {

@@ -169,6 +169,7 @@ mod tests {
         paper: "",
         exact: true,
         summary: "",
+        departs: "",
         complexity: "",
         keeps: "",
         choose: "",

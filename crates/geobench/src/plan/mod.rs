@@ -61,9 +61,9 @@ pub enum Reference {
 }
 
 impl Reference {
-    /// The default: `mmp` if it runs, else the first algorithm.
+    /// The default: `mmp-fast` if it runs, else the first algorithm.
     pub fn usual(algorithms: &[Selection]) -> Self {
-        let usual = algorithms.iter().find(|a| a.label() == "mmp");
+        let usual = algorithms.iter().find(|a| a.label() == "mmp-fast");
         match usual.or(algorithms.first()) {
             Some(selection) => Self::Algorithm(selection.clone()),
             None => Self::None,

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use geobench_mesh::{Mesh, VertexId};
-use geobench_mmp::mmp;
+use geobench_mmp::mmp_fast;
 use geobench_vtp::Instructions;
 use geobench_window::{Counter, Counters, PhaseSampler, Solution, SolveError, Solver};
 use rustix::process::{Signal, getpid, kill_process};
@@ -94,7 +94,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
     }),
     algorithm("test-wrong", &[AFTER, SHARE, VERTEX], |mesh, values| {
         Box::new(Wrong {
-            inner: Box::new(mmp(mesh)),
+            inner: Box::new(mmp_fast(mesh)),
             well: values.integer(&AFTER),
             factor: 1.0 + values.real(&SHARE),
             vertex: values.integer(&VERTEX) as usize,
@@ -129,6 +129,7 @@ const fn algorithm(
         paper: "none",
         exact: false,
         summary: "does what its name says",
+        departs: "",
         complexity: "none",
         keeps: "nothing",
         choose: "never",
@@ -161,7 +162,7 @@ fn descend(depth: u64) -> u64 {
 
 fn misbehave(mesh: &Mesh, values: &Values, deed: impl FnMut() + Send + 'static) -> Box<dyn Solver> {
     Box::new(Misbehaving {
-        inner: Box::new(mmp(mesh)),
+        inner: Box::new(mmp_fast(mesh)),
         well: values.integer(&AFTER),
         deed,
     })

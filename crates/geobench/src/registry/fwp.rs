@@ -2,12 +2,12 @@
 //! queue.
 
 use geobench_fwp::{
-    BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_by_window, lc_ch,
-    lc_mmp, lc_mmp_by_window, vtp_ch, vtp_mmp,
+    BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_batched, lc_ch,
+    lc_mmp, lc_mmp_batched, vtp_ch,
 };
 use geobench_window::Counter;
 
-use super::mmp::{FILTER, LIST_FILTER, LISTS, filter, keep};
+use super::mmp::{FILTER, LISTS, TURN, VERTEX_ORDER, batched, is_batched, single};
 use super::parameter::{THRESHOLD, threshold_width};
 use super::{Algorithm, Parameter, Value, Values};
 
@@ -44,15 +44,8 @@ const BETA: Parameter = Parameter::real(
 
 const BUCKET_PARAMETERS: &[Parameter] = &[BUCKET, K, K_MAX, THRESHOLD];
 
-/// What is propagated at once.
-const TURN: Parameter = Parameter::word(
-    "turn",
-    &["list", "window"],
-    "`list` takes the windows of a half-edge together, as far as the queue does not part them; `window` one at a time",
-);
-
 const BUCKET_AND_LIST_PARAMETERS: &[Parameter] =
-    &[BUCKET, K, K_MAX, TURN, LIST_FILTER, LISTS, THRESHOLD];
+    &[BUCKET, K, K_MAX, TURN, FILTER, LISTS, THRESHOLD];
 
 /// The options of the buckets.
 fn buckets(values: &Values) -> BucketOptions {
@@ -82,21 +75,18 @@ pub(super) const FAMILY: &[Algorithm] = &[
         family: "fwp-family",
         paper: "Xu et al. 2015, section 4",
         summary: "mmp in buckets, some thousands of windows a round",
+        departs: "as mmp; K counts the children of one round (algorithm 1 never resets the counts)",
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "as mmp; of the queue the windows that wait and the buckets they span",
-        choose: "to see what buckets gain over the queue of mmp, with nearly the same windows; with turn=window its rounds are those of the paper",
+        choose: "to see what buckets gain over the queue of mmp, with nearly the same windows",
         memory_counter: Counter::StoredWindows,
         parameters: BUCKET_AND_LIST_PARAMETERS,
         build: |mesh, values| {
-            let threshold = threshold_width(mesh, values);
-            if values.word(&TURN) == Some("window") {
-                let solver = fwp_mmp_by_window(mesh, buckets(values));
-                let solver = solver.map_policy(|policy| policy.keeping(keep(values)));
-                return Box::new(solver.with_threshold(threshold));
+            if is_batched(values) {
+                batched(fwp_mmp_batched(mesh, buckets(values)), mesh, values)
+            } else {
+                single(fwp_mmp(mesh, buckets(values)), mesh, values)
             }
-            let solver = fwp_mmp(mesh, buckets(values));
-            let solver = solver.filtering(filter(values)).keeping(keep(values));
-            Box::new(solver.with_threshold(threshold))
         },
         ..Algorithm::EXACT
     },
@@ -105,6 +95,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         family: "fwp-family",
         paper: "Xu et al. 2015, section 4; Xin, Wang 2009, section 3.2",
         summary: "ich in buckets, some thousands of windows a round",
+        departs: "as ich; K counts the children of one round (algorithm 1 never resets the counts)",
         keeps: "the windows in the buckets and one record for each angle",
         choose: "instead of ich: the same windows in less time",
         parameters: BUCKET_PARAMETERS,
@@ -118,21 +109,18 @@ pub(super) const FAMILY: &[Algorithm] = &[
         family: "lc-family",
         paper: "Bertsekas 1993; Xu et al. 2015, section 7.4",
         summary: "mmp in a label correcting queue",
+        departs: "as mmp; the papers print neither beta nor how the threshold follows the distances, so that both are ours; large label last rotates at most once",
         complexity: "time without a useful bound, space O(n^2)",
         keeps: "as mmp",
         choose: "to compare with fwp-mmp",
         memory_counter: Counter::StoredWindows,
-        parameters: &[BETA, TURN, LIST_FILTER, LISTS, THRESHOLD],
+        parameters: &[BETA, TURN, FILTER, LISTS, THRESHOLD],
         build: |mesh, values| {
-            let threshold = threshold_width(mesh, values);
-            if values.word(&TURN) == Some("window") {
-                let solver = lc_mmp_by_window(mesh, label_correcting(values));
-                let solver = solver.map_policy(|policy| policy.keeping(keep(values)));
-                return Box::new(solver.with_threshold(threshold));
+            if is_batched(values) {
+                batched(lc_mmp_batched(mesh, label_correcting(values)), mesh, values)
+            } else {
+                single(lc_mmp(mesh, label_correcting(values)), mesh, values)
             }
-            let solver = lc_mmp(mesh, label_correcting(values));
-            let solver = solver.filtering(filter(values)).keeping(keep(values));
-            Box::new(solver.with_threshold(threshold))
         },
         ..Algorithm::EXACT
     },
@@ -141,6 +129,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         family: "lc-family",
         paper: "Bertsekas 1993; Xu et al. 2015, section 7.4; Xin, Wang 2009, section 3.2",
         summary: "ich in a label correcting queue",
+        departs: "as ich; beta, threshold and rotation as in lc-mmp",
         complexity: "time without a useful bound, space O(n)",
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with fwp-ch",
@@ -152,29 +141,13 @@ pub(super) const FAMILY: &[Algorithm] = &[
         },
         ..Algorithm::EXACT
     },
-    Algorithm {
-        name: "vtp-mmp",
-        family: "vtp-family",
-        paper: "Qin et al. 2016, section 6.2",
-        summary: "mmp in the order of vtp",
-        complexity: "time O(n^2 log n), space O(n^2)",
-        keeps: "as mmp; of the queue the vertices of the wavefront",
-        choose: "to tell what vtp owes to its order from what it owes to its rules",
-        memory_counter: Counter::StoredWindows,
-        parameters: &[FILTER, LISTS, THRESHOLD],
-        build: |mesh, values| {
-            let solver = vtp_mmp(mesh)
-                .filtering(filter(values))
-                .keeping(keep(values));
-            Box::new(solver.with_threshold(threshold_width(mesh, values)))
-        },
-        ..Algorithm::EXACT
-    },
+    VERTEX_ORDER,
     Algorithm {
         name: "vtp-ch",
         family: "vtp-family",
         paper: "Qin et al. 2016, section 6.2; Xin, Wang 2009, section 3.2",
         summary: "ich in the order of vtp",
+        departs: "as ich",
         keeps: "the windows of the wavefront and one record for each angle",
         choose: "to tell what vtp owes to its order from what it owes to its rules",
         build: |mesh, values| Box::new(vtp_ch(mesh).with_threshold(threshold_width(mesh, values))),

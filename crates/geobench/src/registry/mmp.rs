@@ -1,80 +1,117 @@
-//! Algorithms that keep windows on edges and trim them against each other.
+//! Algorithms that store windows on edges and trim them against each other.
 
-use geobench_mmp::{Keep, NearLists, mmp_by_window, mmp_edge, mmp_with_slack};
-use geobench_window::{Counter, VertexFilter};
+use geobench_fwp::{vtp_mmp, vtp_mmp_batched};
+use geobench_mesh::Mesh;
+use geobench_mmp::{
+    Batched, Carrier, NearestLists, Retention, Trimming, mmp, mmp_batched, mmp_edge, mmp_fast,
+};
+use geobench_window::continuous::Continuous;
+use geobench_window::queue::{Discipline, Fifo};
+use geobench_window::{Counter, Solver, VertexFilter};
 
 use super::parameter::{THRESHOLD, threshold_width};
 use super::{Algorithm, Parameter, Values};
 
-/// Whether windows of edges behind the wavefront are kept.
-pub(super) const LISTS: Parameter = Parameter::word(
-    "lists",
-    &["forget", "keep"],
-    "`forget` gives up the windows of an edge once the wave is past it; `keep` stores all that are left until the end, with filter=none as in the paper",
-);
-
-/// The value of [`LISTS`].
-pub(super) fn keep(values: &Values) -> Keep {
-    match values.word(&LISTS) {
-        Some("keep") => Keep::All,
-        _ => Keep::Wavefront,
-    }
-}
-
-/// Filter before windows are compared.
-pub(super) const FILTER: Parameter = Parameter::word(
-    "filter",
-    &["vertices", "none"],
-    "`vertices` drops windows that a path through an end of their edge beats, by two of the three tests of ich; `none` compares all with those of the edge, as in the paper",
-);
-
-/// The value of [`FILTER`].
-pub(super) fn filter(values: &Values) -> VertexFilter {
-    match values.word(&FILTER) {
-        Some("none") => VertexFilter::Off,
-        _ => VertexFilter::On,
-    }
-}
-
-/// [`FILTER`] for algorithms with the parameter `turn`: single windows are never filtered, as in
-/// the papers.
-pub(super) const LIST_FILTER: Parameter = FILTER.only_with(TURN.name, "list");
-
 /// What is propagated at once.
-const TURN: Parameter = Parameter::word(
+pub(super) const TURN: Parameter = Parameter::word(
     "turn",
-    &["list", "window"],
-    "`list` takes the nearest window and others of its half-edge with it; `window` one at a time, strictly nearest first, as in the paper",
+    &["window", "list"],
+    "`window` takes one window at a time, as in the paper; `list` takes the windows of a half-edge together, as far as the queue allows",
 );
 
 const SLACK: Parameter = Parameter::real(
     "slack",
-    NearLists::SLACK,
+    NearestLists::SLACK,
     0.0..=1e6,
-    "with turn=list, how much further than the nearest one these may be, in mean edge lengths",
+    "how much further than the nearest window of its half-edge a window may be to be taken with it, in mean edge lengths",
 )
 .only_with(TURN.name, "list");
+
+/// Filter before windows are compared. Single windows are never filtered.
+pub(super) const FILTER: Parameter = Parameter::word(
+    "filter",
+    &["none", "vertices"],
+    "`none` compares all windows with those of their edge, as in the paper; `vertices` first drops those that a path through an end of their edge beats, by two of the three tests of ich",
+)
+.only_with(TURN.name, "list");
+
+/// Which windows are stored.
+pub(super) const LISTS: Parameter = Parameter::word(
+    "lists",
+    &["keep", "forget"],
+    "`keep` stores all windows that trimming leaves until the end, as in the paper; `forget` evicts those of an edge once the wavefront has passed it",
+);
+
+const QUEUE: Parameter = Parameter::word(
+    "queue",
+    &["priority", "fifo"],
+    "`priority` takes the nearest window first, as in the paper; `fifo` takes windows first in, first out",
+)
+.only_with(TURN.name, "window");
+
+/// Whether windows are taken by lists.
+pub(super) fn is_batched(values: &Values) -> bool {
+    values.word(&TURN) == Some("list")
+}
+
+fn retention(values: &Values) -> Retention {
+    match values.word(&LISTS) {
+        Some("forget") => Retention::Wavefront,
+        _ => Retention::All,
+    }
+}
+
+/// A single form with [`LISTS`] and [`THRESHOLD`].
+pub(super) fn single<Q: Discipline + 'static>(
+    solver: Continuous<Trimming, Q>,
+    mesh: &Mesh,
+    values: &Values,
+) -> Box<dyn Solver>
+where
+    Continuous<Trimming, Q>: Solver,
+{
+    let solver = solver.map_policy(|policy| policy.retaining(retention(values)));
+    Box::new(solver.with_threshold(threshold_width(mesh, values)))
+}
+
+/// A batched form with [`FILTER`], [`LISTS`] and [`THRESHOLD`].
+pub(super) fn batched<Q: Discipline + 'static>(
+    solver: Batched<Q>,
+    mesh: &Mesh,
+    values: &Values,
+) -> Box<dyn Solver>
+where
+    Batched<Q>: Solver,
+{
+    let filter = match values.word(&FILTER) {
+        Some("vertices") => VertexFilter::On,
+        _ => VertexFilter::Off,
+    };
+    let solver = solver.filtering(filter).retaining(retention(values));
+    Box::new(solver.with_threshold(threshold_width(mesh, values)))
+}
 
 pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "mmp",
         family: "mmp-family",
         paper: "Mitchell, Mount, Papadimitriou 1987; Surazhsky et al. 2005, section 3",
-        summary: "windows kept on half-edges, trimmed at tie points, nearest first",
-        complexity: "time O(n^2 log n) with turn=window, space O(n^2)",
-        keeps: "the windows around the wavefront; with lists=keep every window until the end, about n^1.5 of them",
-        choose: "as the reference; with filter=none,lists=keep it stores as much as the papers' programs do, with turn=window it keeps to their order and has no filter",
+        summary: "windows stored on half-edges, trimmed at tie points, nearest first",
+        departs: "drops no narrow windows (threshold); filters windows beside thin faces",
+        complexity: "time O(n^2 log n), space O(n^2)",
+        keeps: "every window until the end, about n^1.5 of them",
+        choose: "to compare with published figures of MMP; mmp-fast is faster and needs less memory",
         memory_counter: Counter::StoredWindows,
-        parameters: &[TURN, SLACK, LIST_FILTER, LISTS, THRESHOLD],
+        parameters: &[TURN, QUEUE, SLACK, FILTER, LISTS, THRESHOLD],
         build: |mesh, values| {
-            let threshold = threshold_width(mesh, values);
-            if values.word(&TURN) == Some("window") {
-                let solver = mmp_by_window(mesh).map_policy(|policy| policy.keeping(keep(values)));
-                return Box::new(solver.with_threshold(threshold));
+            if is_batched(values) {
+                batched(mmp_batched(mesh, values.real(&SLACK)), mesh, values)
+            } else if values.word(&QUEUE) == Some("fifo") {
+                let policy = Trimming::new(mesh, Carrier::HalfEdge);
+                single(Continuous::new(mesh, policy, Fifo::default()), mesh, values)
+            } else {
+                single(mmp(mesh), mesh, values)
             }
-            let solver = mmp_with_slack(mesh, values.real(&SLACK));
-            let solver = solver.filtering(filter(values)).keeping(keep(values));
-            Box::new(solver.with_threshold(threshold))
         },
         ..Algorithm::EXACT
     },
@@ -83,15 +120,49 @@ pub(super) const FAMILY: &[Algorithm] = &[
         family: "mmp-family",
         paper: "Liu 2013; Mitchell, Mount, Papadimitriou 1987",
         summary: "mmp with the windows of both sides of an edge trimmed together",
+        departs: "as mmp",
         complexity: "time O(n^2 log n), space O(n^2)",
-        keeps: "as mmp; of all windows there are a tenth to a half fewer",
-        choose: "instead of mmp where few windows matter more than time; it takes them one by one, so compare it with mmp{turn=window}",
+        keeps: "as mmp, a tenth to a half fewer windows",
+        choose: "instead of mmp where few windows matter more than time",
         memory_counter: Counter::StoredWindows,
         parameters: &[LISTS, THRESHOLD],
-        build: |mesh, values| {
-            let solver = mmp_edge(mesh).map_policy(|policy| policy.keeping(keep(values)));
-            Box::new(solver.with_threshold(threshold_width(mesh, values)))
-        },
+        build: |mesh, values| single(mmp_edge(mesh), mesh, values),
         ..Algorithm::EXACT
     },
 ];
+
+pub(super) const FAST: &[Algorithm] = &[Algorithm {
+    name: "mmp-fast",
+    family: "mmp-family",
+    paper: "Surazhsky et al. 2005, with improvements of our own",
+    summary: "mmp with every improvement that keeps it exact",
+    departs: "mmp{turn=list,filter=vertices,lists=forget}: takes lists with a slack, filters windows and evicts those behind the wavefront",
+    complexity: "time without a proven bound, space O(n^2)",
+    keeps: "the windows around the wavefront",
+    choose: "as the reference of checks: an algorithm other than vtp-fast, nearly as fast as vtp",
+    parameters: &[THRESHOLD],
+    build: |mesh, values| Box::new(mmp_fast(mesh).with_threshold(threshold_width(mesh, values))),
+    ..Algorithm::EXACT
+}];
+
+/// MMP in the order of VTP, which papers count among the variants of VTP.
+pub(super) const VERTEX_ORDER: Algorithm = Algorithm {
+    name: "vtp-mmp",
+    family: "vtp-family",
+    paper: "Qin et al. 2016, section 6.2",
+    summary: "mmp in the order of vtp",
+    departs: "as mmp",
+    complexity: "time O(n^2 log n), space O(n^2)",
+    keeps: "as mmp; of the queue the vertices of the wavefront",
+    choose: "to tell what vtp owes to its order from what it owes to its rules",
+    memory_counter: Counter::StoredWindows,
+    parameters: &[TURN, FILTER, LISTS, THRESHOLD],
+    build: |mesh, values| {
+        if is_batched(values) {
+            batched(vtp_mmp_batched(mesh), mesh, values)
+        } else {
+            single(vtp_mmp(mesh), mesh, values)
+        }
+    },
+    ..Algorithm::EXACT
+};

@@ -28,8 +28,17 @@ pub use select::{Selection, select, select_one};
 
 /// Every algorithm, in the order in which tables show them.
 pub fn algorithms() -> &'static [Algorithm] {
-    static ALL: LazyLock<Vec<Algorithm>> =
-        LazyLock::new(|| [mmp::FAMILY, ch::FAMILY, fwp::FAMILY, vtp::FAMILY, vtp::FAST].concat());
+    static ALL: LazyLock<Vec<Algorithm>> = LazyLock::new(|| {
+        [
+            mmp::FAMILY,
+            ch::FAMILY,
+            fwp::FAMILY,
+            vtp::FAMILY,
+            mmp::FAST,
+            vtp::FAST,
+        ]
+        .concat()
+    });
     &ALL
 }
 
@@ -54,6 +63,8 @@ pub struct Algorithm {
     pub exact: bool,
     /// What it does, in one line.
     pub summary: &'static str,
+    /// Where it departs from its paper at the default parameters; `docs/algorithms` says why.
+    pub departs: &'static str,
     /// Worst-case time and space; n is the number of faces.
     pub complexity: &'static str,
     /// Data that it keeps in memory during the run and at the end.
@@ -82,6 +93,7 @@ impl Algorithm {
         paper: "",
         exact: true,
         summary: "",
+        departs: "",
         complexity: "time O(n^2), space O(n)",
         keeps: "the windows of the wavefront",
         choose: "",
@@ -94,46 +106,5 @@ impl Algorithm {
     /// Sets the algorithm up for `mesh`, every parameter at its default.
     pub fn build_default(&self, mesh: &Mesh) -> Box<dyn Solver> {
         (self.build)(mesh, &Values::default())
-    }
-
-    /// In what it is not its paper's algorithm unless parameters say so; `docs/algorithms` has
-    /// more. Nothing is said of an algorithm that has no paper.
-    pub fn departs(&self) -> &'static str {
-        match self.name {
-            "mmp" => {
-                "takes windows of a half-edge together (turn=window: one at a time, without a filter), filters them (filter=none: not) and gives up those behind the wavefront (lists=keep: not); drops no narrow ones"
-            }
-            "mmp-edge" => {
-                "gives up windows behind the wavefront (lists=keep: not); drops no narrow ones"
-            }
-            "ch" => "keeps and trims windows beside thin faces; drops no narrow ones",
-            "ich1" | "ich" => {
-                "the margin of the filter is relative, so that rounding never deletes one of two equal paths; drops no narrow windows"
-            }
-            "fwp-mmp" => {
-                "as mmp; a round empties its buckets when it begins instead of marking births, and takes whole lists (turn=window: windows)"
-            }
-            "fwp-ch" => {
-                "as ich; a round empties its buckets when it begins instead of marking births"
-            }
-            "lc-mmp" | "lc-ch" => {
-                "as mmp and ich; the papers print neither beta nor how the threshold follows the distances, so that both are ours; large label last rotates at most once"
-            }
-            "vtp-mmp" => "lists cross together, never single windows; filter and storage as in mmp",
-            "vtp-ch" => "as ich",
-            "ftp" | "opftp" | "vtp" | "opvtp" | "vtp-trimming" | "vtp-no-rule1"
-            | "vtp-no-rules23" => {
-                "rule 1 has a safe form, because that of the paper loses distances; rules are applied when a list crosses, and neighbours compared all at once"
-            }
-            "vtp-exhaustive" => "as vtp; cases 8 and 10 have the safe form of rule 1",
-            "edge-based" => {
-                "strategy II has the safe form of rule 1 of vtp; windows are filtered, without which they need not end"
-            }
-            "vtp-fast" => {
-                "as vtp; vertices come in buckets, both sides of a face share a list and fewer pairs are compared, so that counts are not those of the paper"
-            }
-            "pvtp" => "as vtp-fast; the paper has one thread",
-            _ => "",
-        }
     }
 }

@@ -160,6 +160,7 @@ pub(super) static OUTSIDE: Algorithm = Algorithm {
     paper: "its own",
     exact: false,
     summary: "an outside program",
+    departs: "",
     complexity: "its own",
     keeps: "its own",
     choose: "to compare with",

@@ -15,14 +15,16 @@ pub(crate) const ROUNDING: f64 = 1e-12;
 /// The difference from an independent program that no answer may exceed.
 pub(crate) const AGREEMENT: f64 = 1e-9;
 
-/// The algorithms that claim to be exact, and other programs of those that have several.
+/// The algorithms that claim to be exact, and other forms of those that have several.
 const EXACT: &str = "exact,vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pairs=1},\
-    pvtp{threads=2},mmp{turn=window},fwp-mmp{turn=window}";
+    pvtp{threads=2},mmp{turn=list},fwp-mmp{turn=list,filter=vertices,lists=forget}";
 
-/// What small meshes are solved with besides.
-const ON_SMALL: &str = "mmp{lists=keep},mmp-edge{lists=keep},fwp-mmp{lists=keep},\
-    mmp{turn=window,lists=keep},mmp{slack=0.1},lc-mmp{turn=window},mmp{filter=none},\
-    fwp-mmp{filter=none},vtp-mmp{filter=none}";
+/// Further forms for small meshes.
+const ON_SMALL: &str = "mmp{queue=fifo},mmp{lists=forget},mmp-edge{lists=forget},\
+    mmp{turn=list,slack=0.1,filter=vertices},mmp{turn=list,lists=forget},\
+    fwp-mmp{lists=forget},fwp-mmp{turn=list},lc-mmp{turn=list},\
+    lc-mmp{turn=list,filter=vertices,lists=forget},vtp-mmp{turn=list},\
+    vtp-mmp{turn=list,filter=vertices,lists=forget}";
 
 /// The exact algorithms, ready to be built.
 pub(crate) fn exact_algorithms() -> Vec<Selection> {

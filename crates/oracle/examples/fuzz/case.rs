@@ -12,7 +12,7 @@ pub(crate) struct Case {
     pub(crate) faces: Vec<[u32; 3]>,
     pub(crate) sources: Vec<u32>,
     /// Whether windows are counted: they may be at most [`MOST_WORK`](crate::judge::MOST_WORK)
-    /// times as many as those of `mmp`.
+    /// times as many as those of `mmp-fast`.
     pub(crate) bounded: bool,
 }
 

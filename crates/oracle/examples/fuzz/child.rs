@@ -35,7 +35,7 @@ struct Request {
     case: Case,
     /// If they are known.
     expected: Option<Expected>,
-    /// Windows of `mmp`, if they are known.
+    /// Windows of `mmp-fast`, if they are known.
     work: Option<u64>,
     /// Specs of the algorithms to judge, in this order.
     algorithms: Vec<String>,
@@ -195,7 +195,7 @@ impl Judge {
                     },
                 }));
             }
-            // It was `mmp` that hung while its windows were counted; its own turn will show it.
+            // It was `mmp-fast` that hung while its windows were counted; its own turn will show it.
             work_is_known = true;
         }
         let Some(expected) = expected else {

@@ -17,7 +17,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Largest error of a distance that is right, as a part of the largest distance.
 const FLOOR: f64 = 1e-13;
 
-/// How many times as many windows as `mmp` an algorithm may propagate where work is bounded.
+/// How many times as many windows as `mmp-fast` an algorithm may propagate where work is bounded.
 pub(crate) const MOST_WORK: u64 = 10;
 
 /// Windows that are few on any mesh.
@@ -75,9 +75,9 @@ fn largest(distances: &[f64]) -> f64 {
     finite.fold(0.0, f64::max)
 }
 
-/// Windows that `mmp` propagates.
+/// Windows that `mmp-fast` propagates.
 pub(crate) fn work_of_mmp(case: &Case, mesh: &Mesh) -> Option<u64> {
-    let mmp = select_one("mmp").ok()?;
+    let mmp = select_one("mmp-fast").ok()?;
     let count = || mmp.build(mesh).count(&sources(case)).ok();
     let (_, counters) = catch_unwind(AssertUnwindSafe(count)).ok()??;
     counters.get(Counter::Propagated)
@@ -87,7 +87,7 @@ fn sources(case: &Case) -> Vec<VertexId> {
     case.sources.iter().copied().map(VertexId::new).collect()
 }
 
-/// What is to be said of `selection` on `case`. `work` is that of `mmp`, if it is bounded.
+/// What is to be said of `selection` on `case`. `work` is that of `mmp-fast`, if it is bounded.
 pub(crate) fn judge(
     selection: &Selection,
     case: &Case,
@@ -126,7 +126,7 @@ pub(crate) fn judge(
         && let Some(windows) = counters.get(Counter::Propagated)
         && windows > MOST_WORK * of_mmp.max(LITTLE_WORK)
     {
-        let text = format!("{windows} windows, mmp takes {of_mmp}");
+        let text = format!("{windows} windows, mmp-fast takes {of_mmp}");
         return failed(FailureKind::Work, text);
     }
     Verdict::Right

@@ -43,8 +43,11 @@ pub(crate) fn can_finish(selection: &Selection, faces: usize) -> bool {
     selection.algorithm().name != "ch" || faces <= MOST_FACES_OF_CH
 }
 
+/// Values of parameters, by their names.
+type Settings = Vec<(&'static str, String)>;
+
 /// `algorithm` with its defaults, with every other value of one parameter, and with every pair of
-/// other words of two parameters.
+/// other words of two parameters. A parameter that only works with another one comes with it.
 fn variants(algorithm: &Algorithm) -> Vec<Selection> {
     let settings: Vec<(&Parameter, Vec<String>)> = algorithm
         .parameters
@@ -52,26 +55,51 @@ fn variants(algorithm: &Algorithm) -> Vec<Selection> {
         .filter(|parameter| parameter.name != APPROXIMATE)
         .map(|parameter| (parameter, other_values(parameter)))
         .collect();
-    let mut specs = vec![algorithm.name.to_owned()];
+    let mut specs: Vec<Settings> = vec![Vec::new()];
     for (i, (parameter, values)) in settings.iter().enumerate() {
         for value in values {
-            let one = format!("{}={value}", parameter.name);
-            specs.push(format!("{}{{{one}}}", algorithm.name));
+            let one = with_needed(parameter, value);
             for (other, values) in &settings[i + 1..] {
                 for value in values.iter().filter(|v| is_word(parameter, other, v)) {
-                    let name = algorithm.name;
-                    specs.push(format!("{name}{{{one},{}={value}}}", other.name));
+                    specs.extend(joined(&one, with_needed(other, value)));
                 }
             }
+            specs.push(one);
         }
     }
-    let parsed = specs.iter().filter_map(|spec| match select(spec) {
-        Ok(selected) => Some(selected),
-        // A parameter that goes only with another value of a second one.
-        Err(error) if error.to_string().contains("` does nothing without `") => None,
-        Err(error) => panic!("{spec}: {error}"),
+    let parsed = specs.iter().filter_map(|settings| {
+        let settings: Vec<String> = settings.iter().map(|(k, v)| format!("{k}={v}")).collect();
+        let spec = format!("{}{{{}}}", algorithm.name, settings.join(","));
+        match select(&spec) {
+            Ok(selected) => Some(selected),
+            // A parameter that goes only with the default of a second one.
+            Err(error) if error.to_string().contains("` does nothing without `") => None,
+            Err(error) => panic!("{spec}: {error}"),
+        }
     });
     parsed.flatten().collect()
+}
+
+/// The value of a parameter, after that of the one that it needs.
+fn with_needed(parameter: &Parameter, value: &str) -> Settings {
+    let needed = parameter
+        .only_with
+        .map(|(name, word)| (name, word.to_owned()));
+    let own = (parameter.name, value.to_owned());
+    needed.into_iter().chain([own]).collect()
+}
+
+/// Both settings; `None` if they contradict each other.
+fn joined(one: &Settings, other: Settings) -> Option<Settings> {
+    let mut all = one.clone();
+    for (name, value) in other {
+        match all.iter().find(|(known, _)| *known == name) {
+            Some((_, known)) if *known != value => return None,
+            Some(_) => {}
+            None => all.push((name, value)),
+        }
+    }
+    Some(all)
 }
 
 /// Whether a parameter takes words only, and `value` of `other` is one of its words.

@@ -7,7 +7,7 @@ use crate::registry::Numbers;
 /// The names that scripts may rely on, from the command-line contract.
 const PROMISED: &str = "ch ich1 ich mmp mmp-edge fwp-mmp fwp-ch lc-mmp lc-ch ftp opftp vtp opvtp \
     vtp-exhaustive vtp-trimming vtp-mmp vtp-ch edge-based vtp-no-rule1 vtp-no-rules23 vtp-fast \
-    pvtp window-vtp dijkstra fmm fmm-untidy heat svg avtp";
+    mmp-fast pvtp window-vtp dijkstra fmm fmm-untidy heat svg avtp";
 
 fn names(list: &str) -> Vec<String> {
     let selected = select(list).unwrap();
@@ -34,7 +34,7 @@ fn names_are_unique_and_promised() {
             algorithm.complexity,
             algorithm.keeps,
             algorithm.choose,
-            algorithm.departs(),
+            algorithm.departs,
         ] {
             assert!(!fact.is_empty(), "`{name}` lacks a fact");
         }
@@ -71,7 +71,11 @@ fn every_algorithm_solves_with_every_extreme_of_its_parameters() {
             let default = parameter.default.to_string();
             assert_eq!(parameter.parse(&default), Some(parameter.default), "{name}");
             for value in extremes(parameter) {
-                check(&format!("{}{{{name}={value}}}", algorithm.name));
+                let needed = parameter
+                    .only_with
+                    .map(|(other, word)| format!("{other}={word},"));
+                let needed = needed.unwrap_or_default();
+                check(&format!("{}{{{needed}{name}={value}}}", algorithm.name));
             }
         }
     }
@@ -88,7 +92,7 @@ fn names_families_and_groups_in_any_case() {
     assert_eq!(names("ich,all")[0], "ich");
     assert_eq!(names("mmp,MMP,mmp{}"), ["mmp"]);
     assert_eq!(
-        names("mmp{turn=list,slack=1},fwp-mmp{turn=list},lc-mmp{turn=list}"),
+        names("mmp{turn=window,queue=priority},fwp-mmp{lists=keep},lc-mmp{turn=window}"),
         ["mmp", "fwp-mmp", "lc-mmp"]
     );
     assert_eq!(
@@ -136,6 +140,7 @@ const NO_ONE: Algorithm = Algorithm {
     paper: "",
     exact: true,
     summary: "",
+    departs: "",
     complexity: "",
     keeps: "",
     choose: "",
@@ -206,11 +211,12 @@ fn parameters_are_refused_with_what_would_be_right() {
     // Where several algorithms are meant, all must know the parameter.
     assert_eq!(
         select("mmp{k=5},vtp").unwrap_err().to_string(),
-        "algorithm `mmp` has no parameter `k`; it has turn, slack, filter, lists, threshold"
+        "algorithm `mmp` has no parameter `k`; it has turn, queue, slack, filter, lists, threshold"
     );
     assert!(select("all{k=5}").is_err());
-    for name in ["mmp", "fwp-mmp", "lc-mmp"] {
-        assert!(select(&format!("{name}{{turn=window,filter=none}}")).is_err());
+    for name in ["mmp", "fwp-mmp", "lc-mmp", "vtp-mmp"] {
+        assert!(select(&format!("{name}{{filter=vertices}}")).is_err());
+        assert!(select(&format!("{name}{{turn=list,filter=vertices}}")).is_ok());
     }
-    assert!(select("vtp-mmp{filter=none}").is_ok());
+    assert!(select("mmp{turn=list,queue=fifo}").is_err());
 }

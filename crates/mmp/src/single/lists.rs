@@ -1,10 +1,10 @@
-//! Where the windows of all half-edges are kept.
+//! The windows of all half-edges, found by slot or by list.
 
 use geobench_window::continuous::Turn;
 use geobench_window::{Window, prefetch};
 
 use crate::blocks::{FreeBlocks, GROUP, room, roomier};
-use crate::forgetting::Past;
+use crate::eviction::Evictable;
 
 /// Which way a window crosses the edge of its list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,20 +15,20 @@ pub(crate) enum Direction {
     Reverse,
 }
 
-/// The number of a window, by which lists and the queue know it: it stays the same while the window
-/// is stored, whatever becomes of its interval.
+/// The number of a window, by which lists and the queue refer to it. It stays the same while the
+/// window is stored, also when its interval is cut.
 pub(crate) type Slot = u32;
 
-/// What is known of the window in a slot.
+/// Flags of the window in a slot.
 #[derive(Clone, Copy, Debug, Default)]
 struct State(u8);
 
 impl State {
-    /// It waits in the queue, in which it has exactly one entry.
+    /// It waits in the queue, where it has exactly one event.
     const WAITS: u8 = 1;
     /// Its least distance has grown since it was queued.
     const OUTDATED: u8 = 2;
-    /// It was removed while it waited. The slot is kept until its entry comes out of the queue.
+    /// It was removed while it waited. The slot is free once its event has come out of the queue.
     const GONE: u8 = 4;
     /// It travels against the half-edge whose frame its list uses.
     const REVERSED: u8 = 8;
@@ -39,7 +39,7 @@ impl State {
     }
 }
 
-/// A window of a list, with what a search needs to know of it.
+/// A window of a list, with the key that a search compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Place {
     /// Where the window is.
@@ -56,37 +56,36 @@ impl Place {
     };
 }
 
-/// The upper half of the bits of an abscissa that is not negative, in the order of the abscissae up
+/// The upper 32 bits of an abscissa that is not negative. Keys have the order of the abscissae up
 /// to a millionth.
 #[inline]
 fn end_key(x: f64) -> u32 {
     (x.to_bits() >> 32) as u32
 }
 
-/// The list of one half-edge: a block in the array of all lists.
+/// The list of one half-edge: a block in the array of all places.
 #[derive(Clone, Copy, Debug, Default)]
-struct List {
+struct ListHead {
     start: u32,
     len: u32,
-    /// How many of its windows wait in the queue.
+    /// Number of its windows that wait in the queue.
     waiting: u32,
     /// Size class of its block; 0 without any.
     class: u8,
-    /// Whether its windows have been given up.
+    /// Whether its windows have been evicted.
     closed: bool,
 }
 
 /// The windows of all half-edges, or of all edges in the frame of one of their half-edges. Those of
 /// one list are in ascending order and have disjoint intervals; gaps are normal.
 ///
-/// A list is a block of slots, 8 bytes for each window, of a few sizes: 4, 8, 12, 16, 24, 32, 48
-/// and so on. To insert a window moves slots only, and the queue finds a window without a look at
-/// its list. To search a list reads its block only: where the windows are is known to a millionth,
-/// and of them those are read that the new one may meet. Slots and blocks that were given back are
-/// the first to be taken again, so that the memory in use is as small as the lists are.
+/// A list is a block of 4, 8, 12, 16, 24, 32, 48 ... places of 8 bytes. An insertion moves places,
+/// not windows, and the queue reaches a window by its slot. A search reads the places only: their
+/// keys give the right ends to a millionth, and the windows that the new one may overlap are read
+/// afterwards. Freed slots and blocks are reused first.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lists {
-    heads: Vec<List>,
+    heads: Vec<ListHead>,
     places: Vec<Place>,
     free_blocks: FreeBlocks,
     windows: Vec<Window>,
@@ -96,7 +95,7 @@ pub(crate) struct Lists {
     stored: usize,
 }
 
-/// Fewer slots than this are moved one by one.
+/// Fewer places than this are moved one by one.
 const SHORT: usize = 8;
 
 impl Lists {
@@ -105,14 +104,14 @@ impl Lists {
 
     pub(crate) fn new(count: usize) -> Self {
         Self {
-            heads: vec![List::default(); count],
+            heads: vec![ListHead::default(); count],
             ..Self::default()
         }
     }
 
     /// Makes all lists empty.
     pub(crate) fn clear(&mut self) {
-        self.heads.fill(List::default());
+        self.heads.fill(ListHead::default());
         self.places.clear();
         self.free_blocks.clear();
         self.windows.clear();
@@ -140,21 +139,21 @@ impl Lists {
     /// The windows of list `i`, by their slots.
     #[inline]
     pub(crate) fn places(&self, i: usize) -> &[Place] {
-        let List { start, len, .. } = self.heads[i];
+        let ListHead { start, len, .. } = self.heads[i];
         &self.places[start as usize..][..len as usize]
     }
 
-    /// How many windows of list `i` end before `x`, for certain: up to rounding, which may leave
-    /// some more that do.
+    /// A lower bound of the number of windows of list `i` that end before `x`. Ends within a
+    /// millionth of `x` may not be counted.
     #[inline]
     pub(crate) fn ending_before(&self, i: usize, x: f64) -> usize {
-        let List {
+        let ListHead {
             start, len, class, ..
         } = self.heads[i];
         let block = &self.places[start as usize..][..room(class)];
         let key = end_key(x);
         let mut count = 0;
-        // Groups that end before it are passed over, half of what is left at a time.
+        // Binary search over groups.
         let mut groups = len as usize / GROUP;
         while groups > 1 {
             let half = groups / 2;
@@ -162,7 +161,7 @@ impl Lists {
             count += usize::from(block[last].end < key) * half * GROUP;
             groups -= half;
         }
-        // Of the others all are compared, so that no branch depends on where it is.
+        // Branch-free counts within the last groups.
         for group in block[count..].chunks_exact(GROUP) {
             let before = group.iter().map(|place| u32::from(place.end < key));
             let before = before.sum::<u32>() as usize;
@@ -174,13 +173,13 @@ impl Lists {
         count
     }
 
-    /// All windows that are stored, by slot.
+    /// All windows by slot, free slots included.
     #[inline]
     pub(crate) fn windows(&self) -> &[Window] {
         &self.windows
     }
 
-    /// Which way the window crosses its edge.
+    /// The direction in which the window crosses its edge.
     #[inline]
     pub(crate) fn direction(&self, slot: Slot) -> Direction {
         if self.states[slot as usize].has(State::REVERSED) {
@@ -196,9 +195,9 @@ impl Lists {
         self.states[slot as usize].has(State::WAITS)
     }
 
-    /// The entry of a window of list `i` has come out of the queue. The window stays stored, and
-    /// does not wait any more, unless it must wait for longer.
-    #[inline(always)] // The window is not to pass through memory on its way to its crossing.
+    /// Takes a window of list `i` whose event came out of the queue. The window stays stored and no
+    /// longer waits, unless its least distance has grown.
+    #[inline(always)] // Keeps the window in registers on its way to its crossing.
     #[allow(clippy::inline_always)] // Called for every window, and small.
     pub(crate) fn take(&mut self, i: usize, slot: Slot) -> Turn<()> {
         let state = &mut self.states[slot as usize];
@@ -217,7 +216,7 @@ impl Lists {
         Turn::Now(window, ())
     }
 
-    /// Stores a window in a slot, which is still to be put into list `i`; it `waits` or does not.
+    /// Stores a window of list `i` in a slot, which the caller puts into the list.
     #[inline]
     pub(crate) fn store(
         &mut self,
@@ -247,8 +246,8 @@ impl Lists {
         }
     }
 
-    /// Cuts window `k` of list `i` down to `b0..b1`. Returns whether its least distance has grown
-    /// while it waits.
+    /// Cuts window `k` of list `i` down to `b0..b1`. Returns whether it waits and its least distance
+    /// has grown.
     #[inline]
     pub(crate) fn cut(&mut self, i: usize, k: usize, b0: f64, b1: f64) -> bool {
         let place = &mut self.places[self.heads[i].start as usize + k];
@@ -265,7 +264,7 @@ impl Lists {
         grows
     }
 
-    /// Gives up a window of list `i`, whose slot must leave the list.
+    /// Removes a window of list `i`; the caller takes its slot out of the list.
     #[inline]
     pub(crate) fn remove(&mut self, i: usize, slot: Slot) {
         self.stored -= 1;
@@ -279,7 +278,7 @@ impl Lists {
         }
     }
 
-    /// Puts `new` in the place of the slots `first..first + old` of list `i`.
+    /// Replaces the slots `first..first + old` of list `i` by `new`.
     #[inline]
     pub(crate) fn replace(&mut self, i: usize, first: usize, old: usize, new: &[Slot]) {
         if old != new.len() {
@@ -295,7 +294,7 @@ impl Lists {
     /// Makes room for `new` slots in the place of `old` ones.
     #[inline]
     fn resize(&mut self, i: usize, first: usize, old: usize, new: usize) {
-        let List {
+        let ListHead {
             start, len, class, ..
         } = self.heads[i];
         let (start, len) = (start as usize, len as usize);
@@ -303,7 +302,7 @@ impl Lists {
         let behind = start + first + old..start + len;
         if longer > room(class) {
             let to = self.relocate(i, longer);
-            // Often there was nothing, and then there is nothing to call for.
+            // Often empty; then no call is needed.
             if first > 0 {
                 self.places.copy_within(start..start + first, to);
             }
@@ -313,7 +312,7 @@ impl Lists {
         } else {
             let to = start + first + new;
             if new == old + 1 && behind.len() < SHORT {
-                // The most frequent case, and too little for a call.
+                // The most frequent case, too short for a call.
                 let places = &mut self.places[behind.start..=behind.end];
                 for k in (1..places.len()).rev() {
                     places[k] = places[k - 1];
@@ -328,11 +327,11 @@ impl Lists {
         self.heads[i].len = longer as u32;
     }
 
-    /// Gives list `i` a block for `len` slots and returns where it starts. The old one goes to
-    /// whoever wants it: it is not written to before the next call.
+    /// Moves list `i` to a block for `len` places and returns where it starts. The old block is
+    /// freed, but not written to before the next call.
     #[inline(never)]
     fn relocate(&mut self, i: usize, len: usize) -> usize {
-        let List { start, class, .. } = self.heads[i];
+        let ListHead { start, class, .. } = self.heads[i];
         let larger = roomier(class, len);
         let to = self.free_blocks.take(larger).unwrap_or_else(|| {
             let to = self.places.len();
@@ -346,7 +345,7 @@ impl Lists {
         to as usize
     }
 
-    /// Asks for what [`take`](Self::take) looks at.
+    /// Prefetches what [`take`](Self::take) reads.
     #[inline]
     pub(crate) fn announce(&self, i: usize, slot: Slot) {
         prefetch(&self.windows, slot as usize);
@@ -355,28 +354,28 @@ impl Lists {
     }
 }
 
-impl Past for Lists {
+impl Evictable for Lists {
     #[inline]
     fn is_waited_for(&self, i: usize) -> bool {
         self.heads[i].waiting > 0
     }
 
     #[inline]
-    fn is_closed(&self, i: usize) -> bool {
+    fn is_evicted(&self, i: usize) -> bool {
         self.heads[i].closed
     }
 
-    fn forget(&mut self, i: usize) {
-        let List {
+    fn evict(&mut self, i: usize) {
+        let ListHead {
             start, len, class, ..
         } = self.heads[i];
         let places = &self.places[start as usize..][..len as usize];
         self.stored -= places.len();
         self.free.extend(places.iter().map(|place| place.slot));
         self.free_blocks.give(class, start);
-        self.heads[i] = List {
+        self.heads[i] = ListHead {
             closed: true,
-            ..List::default()
+            ..ListHead::default()
         };
     }
 
@@ -386,5 +385,4 @@ impl Past for Lists {
 }
 
 #[cfg(test)]
-#[path = "lists_tests.rs"]
 mod tests;

@@ -1,4 +1,4 @@
-//! The main loop.
+//! The main loop of the batched form.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::Surface;
@@ -9,10 +9,10 @@ use geobench_window::{
     Window, spawn_window,
 };
 
-use super::merge::{Merger, Run};
-use super::sieve::Sieve;
+use super::merge::{Batch, Merger};
+use super::prefilter::Prefilter;
 use super::store::Store;
-use crate::forgetting::{Forgetting, Keep, Past, reach};
+use crate::eviction::{Evictable, Eviction, Retention, reach};
 
 /// The counters of the algorithm, beside those of its queue.
 const COUNTERS: &[Counter] = &[
@@ -32,149 +32,149 @@ const COUNTERS: &[Counter] = &[
     Counter::Levels,
 ];
 
-/// How many turns before its own the list of a half-edge and its face are asked for, and how many
-/// before it its windows.
+/// How many turns ahead the list of a half-edge and its face are prefetched, and how many turns
+/// ahead its windows.
 const AHEAD: [usize; 2] = [6, 2];
 
-/// MMP that takes the windows of a half-edge together, all that are due by its queue.
+/// MMP that propagates all due windows of a half-edge together, under discipline `Q`.
 ///
-/// An event of the queue is a half-edge whose list has windows that wait, under the least of their
-/// labels. Its turn takes those that are [due](Discipline::is_due), and what waits on is queued
-/// again.
+/// An event of the queue is a half-edge whose list has waiting windows, under the least of their
+/// labels. When the event comes out of the queue, the windows that are
+/// [due](Discipline::is_due) are propagated. If others wait, the list is queued again.
+///
+/// It compares all windows and stores them until the end, as the papers do, unless
+/// [`filtering`](Self::filtering) and [`retaining`](Self::retaining) say otherwise.
 ///
 /// ```
 /// use geobench_mesh::Mesh;
-/// use geobench_mmp::{ByList, Keep};
+/// use geobench_mmp::Batched;
 /// use geobench_window::queue::Priority;
-/// use geobench_window::{Counter, Solver, VertexFilter};
+/// use geobench_window::{Counter, Solver};
 ///
 /// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
-/// // Every window compared and kept, as in the paper.
-/// let solver = ByList::new(&mesh, Priority::new(&mesh));
-/// let mut solver = solver.filtering(VertexFilter::Off).keeping(Keep::All);
+/// let mut solver = Batched::new(&mesh, Priority::new(&mesh));
 /// let (solution, counters) = solver.count(&[5.into()])?;
 /// assert_eq!(solution.distances[5], 0.0);
 /// assert!(counters.get(Counter::StoredWindows) > Some(0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct ByList<Q> {
-    front: Front<Q>,
-    /// The windows whose turn it is, and what they leave on the left and on the right exit.
-    taken: Run,
-    children: [Run; 2],
+pub struct Batched<Q> {
+    state: State<Q>,
+    /// The windows that are propagated, and their children on the left and on the right exit.
+    taken: Batch,
+    children: [Batch; 2],
 }
 
-/// All that windows and distances come to.
+/// The state of a run: lists, queue and distances.
 #[derive(Clone, Debug)]
-struct Front<Q> {
+struct State<Q> {
     mesh: Mesh,
     surface: Surface,
     queue: Q,
     /// The windows about to enter the face of each half-edge.
     store: Store,
     merger: Merger,
-    sieve: Sieve,
+    prefilter: Prefilter,
     thin: ThinFaces,
-    forgetting: Forgetting,
-    keep: Keep,
-    /// Windows that wait. Counted runs only.
+    eviction: Eviction,
+    retention: Retention,
+    /// Number of waiting windows. Counted runs only.
     waiting: usize,
 }
 
-impl<Q: Discipline> ByList<Q> {
+impl<Q: Discipline> Batched<Q> {
     /// Sets up for `mesh`; O(faces).
     pub fn new(mesh: &Mesh, queue: Q) -> Self {
         let order = Surface::order(mesh);
         Self {
-            front: Front {
+            state: State {
                 mesh: mesh.clone(),
                 surface: Surface::new(mesh),
                 queue,
                 store: Store::new(mesh.half_edge_count()),
                 merger: Merger::default(),
-                sieve: Sieve::default(),
+                prefilter: Prefilter::default(),
                 thin: ThinFaces::of(mesh, mesh.half_edge_count(), |h| {
                     order.new_half_edge(h).index()
                 }),
-                forgetting: Forgetting::default(),
-                keep: Keep::default(),
+                eviction: Eviction::default(),
+                retention: Retention::default(),
                 waiting: 0,
             },
-            taken: Run::default(),
+            taken: Batch::default(),
             children: Default::default(),
         }
     }
 
-    /// Stores these windows.
+    /// Chooses which windows are stored until the end; all by default.
     #[must_use]
-    pub fn keeping(mut self, keep: Keep) -> Self {
-        self.front.keep = keep;
+    pub fn retaining(mut self, retention: Retention) -> Self {
+        self.state.retention = retention;
         self
     }
 
-    /// Drops windows whose interval is narrower than `width`, in the units of the mesh, when they
-    /// come out of a triangle. Distances are then no longer exact.
+    /// Drops child windows whose interval is narrower than `width`, in the units of the mesh.
+    /// Distances are then no longer exact.
     #[must_use]
     pub fn with_threshold(mut self, width: f64) -> Self {
-        self.front.sieve.threshold = width;
+        self.state.prefilter.threshold = width;
         self
     }
 
     /// Drops windows that a path through an end of their edge beats before they are merged, by two
-    /// of the three tests of ICH, which is the default, or merges all, as in the paper of MMP.
-    /// Distances are the same.
+    /// of the three tests of ICH. Off by default, as in the papers of MMP. Distances are the same.
     #[must_use]
     pub fn filtering(mut self, filter: VertexFilter) -> Self {
-        self.front.sieve.filter = filter;
+        self.state.prefilter.filter = filter;
         self
     }
 
-    /// The list of `h` has its turn: `event`, under `label`, has come out of the queue.
+    /// Propagates the due windows of the list of `h`, whose `event` came out of the queue under
+    /// `label`.
     #[inline]
-    fn turn<P: Probe>(&mut self, h: HalfEdgeId, label: f64, event: Event, probe: &mut P) {
-        let front = &mut self.front;
+    fn take_turn<P: Probe>(&mut self, h: HalfEdgeId, label: f64, event: Event, probe: &mut P) {
+        let state = &mut self.state;
         let i = h.index();
-        if front.store.queued(i) != label {
-            // It was queued anew under a lesser label, and has had its turn.
+        if state.store.queued(i) != label {
+            // A stale event: the list was queued again under a smaller label and taken.
             return;
         }
         let taken = &mut self.taken;
         taken.clear();
-        let is_due = |label| front.queue.is_due(label);
-        let rest = (front.store).take(i, &mut taken.windows, &mut taken.levels, is_due);
-        front.store.set_queued(i, rest);
+        let is_due = |label| state.queue.is_due(label);
+        let rest = (state.store).take(i, &mut taken.windows, &mut taken.levels, is_due);
+        state.store.set_queued(i, rest);
         if rest < f64::INFINITY {
-            front.queue.push_list(rest, event, probe);
+            state.queue.push_list(rest, event, probe);
         }
         if taken.windows.is_empty() {
             return;
         }
         probe.enter(Phase::Propagation);
         if P::COUNTS {
-            front.waiting -= taken.windows.len();
+            state.waiting -= taken.windows.len();
             let parents = taken.windows.len() as u64;
             probe.add(Counter::Parents, parents);
             if probe.wants_sample(parents) {
-                probe.sample(front.store.waiting().map(Window::min_distance));
+                probe.sample(state.store.waiting().map(Window::min_distance));
             }
         }
         self.cross(h, label, probe);
     }
 
-    /// Takes the windows whose turn it is across the face of `h`; none of them is nearer than
-    /// `label`.
+    /// Propagates the taken windows across the face of `h`; none of them is nearer than `label`.
     #[inline]
     fn cross<P: Probe>(&mut self, h: HalfEdgeId, label: f64, probe: &mut P) {
-        let front = &mut self.front;
-        let entrance = front.surface.faces().entrance(h);
+        let state = &mut self.state;
+        let entrance = state.surface.faces().entrance(h);
         for target in entrance.exits.into_iter().flatten() {
-            front.store.prepare(target.index());
+            state.store.prepare(target.index());
         }
-        if front.keep == Keep::Wavefront {
-            front.give_up(h, &entrance, self.taken.windows.len(), label);
+        if state.retention == Retention::Wavefront {
+            state.evict_passed(h, &entrance, self.taken.windows.len(), label);
         }
-        let known = entrance.corners.map(|v| front.surface.distance(v));
+        let known = entrance.corners.map(|v| state.surface.distance(v));
         let exits = [Side::Left, Side::Right].map(|side| entrance.exit(side));
         let frame = &entrance.frame;
         let least = cross_all(
@@ -182,25 +182,25 @@ impl<Q: Discipline> ByList<Q> {
             frame,
             &exits,
             known,
-            &front.sieve,
-            (!front.thin.is_empty()).then_some(&front.thin),
+            &state.prefilter,
+            (!state.thin.is_empty()).then_some(&state.thin),
             &mut self.children,
             probe,
         );
         if P::COUNTS {
             let tries = tries(&self.taken, &entrance);
             probe.add(Counter::Propagated, tries);
-            front.queue.crossed(h, tries, probe);
+            state.queue.crossed(h, tries, probe);
         }
         let [_, _, apex] = entrance.corners;
         if least < known[2] {
-            front.offer(apex, least, probe);
+            state.offer(apex, least, probe);
         }
-        for (exit, run) in exits.iter().zip(&self.children) {
+        for (exit, batch) in exits.iter().zip(&self.children) {
             if let Some(target) = exit.half_edge
-                && !run.windows.is_empty()
+                && !batch.windows.is_empty()
             {
-                let kept = front.arrive(target, run, probe);
+                let kept = state.arrive(target, batch, probe);
                 probe.add(Counter::Kept, kept);
             }
         }
@@ -208,8 +208,8 @@ impl<Q: Discipline> ByList<Q> {
     }
 }
 
-impl<Q: Discipline> Front<Q> {
-    /// Asks for the memory that turns to come will need.
+impl<Q: Discipline> State<Q> {
+    /// Prefetches the memory that the next turns need.
     #[inline]
     fn read_ahead(&self) {
         let [far, near] = AHEAD.map(|skipped| self.queue.upcoming(skipped).map(Event::kind));
@@ -225,21 +225,21 @@ impl<Q: Discipline> Front<Q> {
         }
     }
 
-    /// So many windows have been taken through `h`, none of them nearer than `label`: gives up the
-    /// lists that the wave has passed.
+    /// Evicts the lists that the wavefront has passed, after `windows` windows, none of them nearer
+    /// than `label`, were taken from the list of `h`.
     #[inline]
-    fn give_up(&mut self, h: HalfEdgeId, entrance: &Entrance, windows: usize, label: f64) {
+    fn evict_passed(&mut self, h: HalfEdgeId, entrance: &Entrance, windows: usize, label: f64) {
         if !self.store.is_waited_for(h.index()) {
             let [tail, head, _] = entrance.corners;
             let ends = [tail, head].map(|v| self.surface.distance(v));
-            self.forgetting.note(h, reach(ends, entrance.frame.l));
+            self.eviction.note(h, reach(ends, entrance.frame.l));
         }
         let windows = u32::try_from(windows).unwrap_or(u32::MAX);
-        self.forgetting.step(&mut self.store, windows, || label);
+        self.eviction.step(&mut self.store, windows, || label);
     }
 
-    /// A path of length `d` reaches `v`. Only vertices at which a path may turn have a turn, unless
-    /// the discipline goes by vertices.
+    /// Offers `v` a path of length `d`. Only pseudo-sources are queued, unless the discipline orders
+    /// all vertices.
     #[inline]
     fn offer<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) {
         if self.surface.offer(v, d) && (Q::EVERY_VERTEX || self.mesh.is_pseudo_source(v)) {
@@ -247,8 +247,9 @@ impl<Q: Discipline> Front<Q> {
         }
     }
 
-    /// Sends out paths along the edges of `v` and windows across its faces; `run` is room for them.
-    fn spawn<P: Probe>(&mut self, v: VertexId, run: &mut Run, probe: &mut P) {
+    /// Offers paths along the edges of `v` and spawns windows across its faces; `batch` is scratch
+    /// space.
+    fn spawn<P: Probe>(&mut self, v: VertexId, batch: &mut Batch, probe: &mut P) {
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.surface.distance(v);
         // By index, since `self` changes meanwhile.
@@ -266,60 +267,61 @@ impl<Q: Discipline> Front<Q> {
                 probe.add(Counter::Spawned, 1);
                 let edge = self.surface.edge(target);
                 if self
-                    .sieve
+                    .prefilter
                     .drops(&window, edge.length, [edge.tail, edge.head])
                 {
                     probe.add(Counter::Filtered, 1);
                     continue;
                 }
-                run.clear();
-                run.windows.push(window);
+                batch.clear();
+                batch.windows.push(window);
                 if P::COUNTS {
-                    run.levels.push(0);
+                    batch.levels.push(0);
                 }
-                self.arrive(target, run, probe);
+                self.arrive(target, batch, probe);
             }
         }
     }
 
-    /// Merges windows that have reached `h` into its list; returns how many of them something is
-    /// left of, in counted runs.
+    /// Merges `batch` into the list of `h`. Returns how many of its windows survive, in counted
+    /// runs.
     #[inline]
-    fn arrive<P: Probe>(&mut self, h: HalfEdgeId, run: &Run, probe: &mut P) -> u64 {
+    fn arrive<P: Probe>(&mut self, h: HalfEdgeId, batch: &Batch, probe: &mut P) -> u64 {
         probe.enter(Phase::Pruning);
-        let kept = if self.store.is_closed(h.index()) {
-            self.arrive_late(h, run, probe)
+        let kept = if self.store.is_evicted(h.index()) {
+            self.arrive_late(h, batch, probe)
         } else {
-            self.merge(h, run, probe)
+            self.merge(h, batch, probe)
         };
         probe.enter(Phase::Management);
         kept
     }
 
-    /// The same for a list that has been given up: windows that are of no use any more are dropped.
+    /// [`arrive`](Self::arrive) for an evicted list: windows that come too late are dropped.
     #[cold]
-    fn arrive_late<P: Probe>(&mut self, h: HalfEdgeId, run: &Run, probe: &mut P) -> u64 {
+    fn arrive_late<P: Probe>(&mut self, h: HalfEdgeId, batch: &Batch, probe: &mut P) -> u64 {
         let edge = self.surface.edge(h);
-        let useful = (run.windows.iter()).position(|w| !self.store.has_passed(h.index(), w, &edge));
-        let passed = useful.unwrap_or(run.windows.len());
+        let useful = (batch.windows.iter())
+            .position(|w| !self.store.rejects_late_arrival(h.index(), w, &edge));
+        let passed = useful.unwrap_or(batch.windows.len());
         probe.add(Counter::Filtered, passed as u64);
         if useful.is_none() {
             return 0;
         }
         if passed == 0 {
-            return self.merge(h, run, probe);
+            return self.merge(h, batch, probe);
         }
-        let rest = Run {
-            windows: run.windows[passed..].to_vec(),
-            levels: run.levels.get(passed..).unwrap_or(&[]).to_vec(),
+        let rest = Batch {
+            windows: batch.windows[passed..].to_vec(),
+            levels: batch.levels.get(passed..).unwrap_or(&[]).to_vec(),
         };
         self.merge(h, &rest, probe)
     }
 
-    /// The same for a list that holds windows, and has it queued if something comes to wait there
-    /// before all else.
+    /// [`arrive`](Self::arrive) for a list that is not evicted. Queues the list if a new window is
+    /// nearer than those that wait there.
     #[inline]
-    fn merge<P: Probe>(&mut self, h: HalfEdgeId, run: &Run, probe: &mut P) -> u64 {
+    fn merge<P: Probe>(&mut self, h: HalfEdgeId, batch: &Batch, probe: &mut P) -> u64 {
         let i = h.index();
         let l = self.surface.faces().length(h);
         let (queue, queued) = (&mut self.queue, self.store.queued(i));
@@ -331,7 +333,7 @@ impl<Q: Discipline> Front<Q> {
         let merged = (self.merger).merge(
             &mut self.store,
             i,
-            run,
+            batch,
             l,
             &mut |label| queue.weigh(label),
             probe,
@@ -346,8 +348,8 @@ impl<Q: Discipline> Front<Q> {
             probe.raise(Counter::PeakWindows, self.store.stored() as u64);
             probe.raise(Counter::PeakWavefront, self.waiting as u64);
             if merged.kept > 0 {
-                // Those of windows of which nothing is left count too: they differ by little.
-                let deepest = run.levels.iter().max().copied().unwrap_or(0);
+                // Includes the levels of windows that were dropped, which differ by little.
+                let deepest = batch.levels.iter().max().copied().unwrap_or(0);
                 probe.raise(Counter::Levels, u64::from(deepest));
             }
         }
@@ -355,26 +357,26 @@ impl<Q: Discipline> Front<Q> {
     }
 }
 
-/// Takes `taken` across the triangle of `frame`, the distances of whose tail, head and apex are
-/// `known`: puts what they leave on its exits into `children`, except what `sieve` drops, or drops
-/// beside one of the `thin` faces, and returns the least of the apex's distance and those that they
-/// offer to it.
+/// Propagates `taken` across the triangle of `frame`. `known` are the distances of its tail, head
+/// and apex. The windows on each exit go to `children`, except those that `prefilter` drops, or
+/// drops beside one of the `thin` faces. Returns the least distance of the apex that is known or
+/// offered.
 #[inline]
 #[allow(clippy::too_many_arguments)] // Private, and one step of `cross`.
 fn cross_all<P: Probe>(
-    taken: &Run,
+    taken: &Batch,
     frame: &Frame,
     exits: &[Exit; 2],
     known: [f64; 3],
-    sieve: &Sieve,
+    prefilter: &Prefilter,
     thin: Option<&ThinFaces>,
-    children: &mut [Run; 2],
+    children: &mut [Batch; 2],
     probe: &mut P,
 ) -> f64 {
     let [tail, head, mut least] = known;
-    for run in &mut *children {
-        run.clear();
-        run.windows.reserve(taken.windows.len());
+    for batch in &mut *children {
+        batch.clear();
+        batch.windows.reserve(taken.windows.len());
     }
     let mut put = |side: usize, child: Option<Window>, apex: f64, k: usize| {
         let (Some(child), Some(target)) = (child, exits[side].half_edge) else {
@@ -383,9 +385,10 @@ fn cross_all<P: Probe>(
         probe.add(Counter::Children, 1);
         let ends = [[tail, apex], [apex, head]][side];
         let l = exits[side].length;
-        if sieve.drops_child(&child, l, ends)
+        if prefilter.drops_child(&child, l, ends)
             || thin.is_some_and(|thin| {
-                thin.is_beside(target.index()) && sieve.beside_thin_face().drops(&child, l, ends)
+                thin.is_beside(target.index())
+                    && prefilter.beside_thin_face().drops(&child, l, ends)
             })
         {
             probe.add(Counter::Filtered, 1);
@@ -417,9 +420,9 @@ fn cross_all<P: Probe>(
     least
 }
 
-/// How many children were tried: going round the triangle from the left, a window all of whose rays
-/// leave there is done.
-fn tries(taken: &Run, entrance: &Entrance) -> u64 {
+/// The number of children tried. The left exit is tried first; the right one only if some ray of
+/// the window can leave there.
+fn tries(taken: &Batch, entrance: &Entrance) -> u64 {
     let [left, right] = entrance.exits.map(|exit| u64::from(exit.is_some()));
     let both = taken.windows.iter().map(|window| {
         let passage = Passage::new(&entrance.frame, window);
@@ -428,47 +431,47 @@ fn tries(taken: &Run, entrance: &Entrance) -> u64 {
     both.sum()
 }
 
-impl<Q: Discipline> Propagate for ByList<Q> {
+impl<Q: Discipline> Propagate for Batched<Q> {
     fn counters() -> Vec<Counter> {
         [COUNTERS, Q::COUNTERS].concat()
     }
 
     fn vertex_count(&self) -> usize {
-        self.front.mesh.vertex_count()
+        self.state.mesh.vertex_count()
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
-        let front = &mut self.front;
-        front.surface.reset(front.mesh.vertex_count());
-        front.store.clear(P::COUNTS);
-        front.queue.clear();
-        front.forgetting.clear();
-        front.waiting = 0;
+        let state = &mut self.state;
+        state.surface.reset(state.mesh.vertex_count());
+        state.store.clear(P::COUNTS);
+        state.queue.clear();
+        state.eviction.clear();
+        state.waiting = 0;
         probe.add(Counter::WindowBytes, Store::WINDOW_BYTES as u64);
         for &s in sources {
-            front.surface.offer(s, 0.0);
+            state.surface.offer(s, 0.0);
         }
         for &s in sources {
-            front.queue.start(s);
-            front.spawn(s, &mut self.taken, probe);
+            state.queue.start(s);
+            state.spawn(s, &mut self.taken, probe);
         }
-        while let Some((label, event)) = self.front.queue.pop(probe) {
-            self.front.read_ahead();
+        while let Some((label, event)) = self.state.queue.pop(probe) {
+            self.state.read_ahead();
             match event.kind() {
                 EventKind::Vertex(v) => {
-                    let front = &mut self.front;
-                    // A vertex is queued anew whenever it improves; older entries are void.
-                    if front.surface.distance(v) == label
-                        && (!Q::EVERY_VERTEX || front.mesh.is_pseudo_source(v))
+                    let state = &mut self.state;
+                    // A vertex is queued whenever it improves; older events are stale.
+                    if state.surface.distance(v) == label
+                        && (!Q::EVERY_VERTEX || state.mesh.is_pseudo_source(v))
                     {
-                        front.spawn(v, &mut self.taken, probe);
+                        state.spawn(v, &mut self.taken, probe);
                     }
                 }
-                EventKind::Window(h, _) => self.turn(h, label, event, probe),
+                EventKind::Window(h, _) => self.take_turn(h, label, event, probe),
             }
         }
-        let front = &mut self.front;
-        probe.add(Counter::StoredWindows, front.store.stored_in_all() as u64);
-        Solution::new(front.surface.take_distances())
+        let state = &mut self.state;
+        probe.add(Counter::StoredWindows, state.store.stored_in_all() as u64);
+        Solution::new(state.surface.take_distances())
     }
 }

@@ -1,20 +1,20 @@
-//! Where the windows of all half-edges are kept, those of each in one piece.
+//! The windows of all half-edges, those of each contiguous in memory.
 
 use geobench_window::{Window, prefetch};
 
 use crate::blocks::{FreeBlocks, GROUP, room, roomier};
-use crate::forgetting::Past;
+use crate::eviction::Evictable;
 
-/// A window of a list, in no more than its 40 bytes.
+/// A window of a list, in 40 bytes.
 ///
-/// Whether it waits is told by the side on which its source lies: below the edge, where it belongs,
-/// until it has been propagated, and above from then on. The distances on the edge are the same.
+/// The sign of `py` tells whether it waits: the source lies below the edge until the window has
+/// been propagated, and is mirrored above it from then on. Distances on the edge are the same.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stored {
+pub(super) struct StoredWindow {
     pub(super) window: Window,
 }
 
-impl Stored {
+impl StoredWindow {
     /// Fills unused room.
     const NONE: Self = Self {
         window: Window {
@@ -26,7 +26,7 @@ impl Stored {
         },
     };
 
-    /// A window that is to be propagated.
+    /// A window that waits to be propagated.
     #[inline]
     pub(super) fn waiting(window: Window) -> Self {
         let py = -window.py.abs();
@@ -35,19 +35,19 @@ impl Stored {
         }
     }
 
-    /// It has been propagated.
+    /// Marks it as propagated.
     #[inline]
     fn settle(&mut self) {
         self.window.py = self.window.py.abs();
     }
 
-    /// Whether it is to be propagated.
+    /// Whether it waits to be propagated.
     #[inline]
     pub(super) fn waits(&self) -> bool {
         self.window.py.is_sign_negative()
     }
 
-    /// What is left of it between `b0` and `b1`.
+    /// Its part between `b0` and `b1`.
     #[inline]
     pub(super) fn cut(&self, b0: f64, b1: f64) -> Self {
         Self {
@@ -59,7 +59,7 @@ impl Stored {
         }
     }
 
-    /// The label for which `cut`, a part of it, waits, if that is another one than its own.
+    /// The label of `cut`, a part of it, if it waits and the label differs from its own.
     #[inline]
     pub(super) fn later(&self, cut: &Self) -> Option<f64> {
         let grows = cut.window.nearest_abscissa() != self.window.nearest_abscissa();
@@ -69,19 +69,19 @@ impl Stored {
 
 /// The list of one half-edge: a block in the array of all windows.
 #[derive(Clone, Copy, Debug)]
-struct List {
+struct ListBlock {
     start: u32,
     len: u32,
     /// Size class of its block; 0 without any.
     class: u8,
-    /// Whether its windows have been given up.
+    /// Whether its windows have been evicted.
     closed: bool,
-    /// The label under which it is in the queue, which is at most that of any window that waits;
-    /// infinite if it is not.
+    /// The label under which it is queued, at most that of any waiting window; infinite if it is
+    /// not queued.
     queued: f64,
 }
 
-impl Default for List {
+impl Default for ListBlock {
     fn default() -> Self {
         Self {
             start: 0,
@@ -96,63 +96,62 @@ impl Default for List {
 /// The windows of all half-edges. Those of one list are in ascending order and have disjoint
 /// intervals; gaps are normal.
 ///
-/// A list is a block of 4, 8, 12, 16, 24 ... windows of 40 bytes each. Blocks that were given back
-/// are the first to be taken again.
+/// A list is a block of 4, 8, 12, 16, 24 ... windows of 40 bytes each. Freed blocks are reused
+/// first.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Store {
-    lists: Vec<List>,
-    windows: Vec<Stored>,
-    /// The level in the sequence tree of each window; empty unless it is to be kept.
+    lists: Vec<ListBlock>,
+    windows: Vec<StoredWindow>,
+    /// The level in the sequence tree of each window; empty unless levels are kept.
     levels: Vec<u32>,
     keeps_levels: bool,
     free_blocks: FreeBlocks,
     stored: usize,
-    forgotten: usize,
+    evicted: usize,
 }
 
 impl Store {
     /// Bytes of one stored window.
-    pub(super) const WINDOW_BYTES: usize = size_of::<Stored>();
+    pub(super) const WINDOW_BYTES: usize = size_of::<StoredWindow>();
 
     pub(super) fn new(count: usize) -> Self {
         Self {
-            lists: vec![List::default(); count],
+            lists: vec![ListBlock::default(); count],
             ..Self::default()
         }
     }
 
-    /// Makes all lists empty, for a run that keeps levels or does not.
+    /// Empties all lists for a new run.
     pub(super) fn clear(&mut self, keeps_levels: bool) {
-        self.lists.fill(List::default());
+        self.lists.fill(ListBlock::default());
         self.windows.clear();
         self.levels.clear();
         self.keeps_levels = keeps_levels;
         self.free_blocks.clear();
-        (self.stored, self.forgotten) = (0, 0);
+        (self.stored, self.evicted) = (0, 0);
     }
 
-    /// Number of windows that are stored.
+    /// Number of stored windows.
     pub(super) fn stored(&self) -> usize {
         self.stored
     }
 
-    /// Number of windows that would be stored if none had been given up with its list.
+    /// Number of windows that would be stored without eviction.
     pub(super) fn stored_in_all(&self) -> usize {
-        self.stored + self.forgotten
+        self.stored + self.evicted
     }
 
     /// The windows of list `i`.
     #[inline]
-    pub(super) fn windows(&self, i: usize) -> &[Stored] {
-        let List { start, len, .. } = self.lists[i];
+    pub(super) fn windows(&self, i: usize) -> &[StoredWindow] {
+        let ListBlock { start, len, .. } = self.lists[i];
         &self.windows[start as usize..][..len as usize]
     }
 
-    /// The windows of list `i`, of which each may be cut at its place, and their levels if they are
-    /// kept.
+    /// The windows of list `i`, to be cut in place, and their levels if they are kept.
     #[inline]
-    pub(super) fn windows_and_levels(&mut self, i: usize) -> (&mut [Stored], &[u32]) {
-        let List { start, len, .. } = self.lists[i];
+    pub(super) fn windows_and_levels(&mut self, i: usize) -> (&mut [StoredWindow], &[u32]) {
+        let ListBlock { start, len, .. } = self.lists[i];
         let block = start as usize..(start + len) as usize;
         let levels = if self.keeps_levels {
             &self.levels[block.clone()]
@@ -164,11 +163,11 @@ impl Store {
 
     /// The levels of the windows of list `i`, if they are kept.
     pub(super) fn levels(&self, i: usize) -> &[u32] {
-        let List { start, len, .. } = self.lists[i];
+        let ListBlock { start, len, .. } = self.lists[i];
         &self.levels[start as usize..][..len as usize]
     }
 
-    /// All windows that wait.
+    /// All waiting windows.
     pub(super) fn waiting(&self) -> impl Iterator<Item = &Window> {
         let queued = |i: &usize| self.lists[*i].queued < f64::INFINITY;
         let lists = (0..self.lists.len()).filter(queued);
@@ -176,18 +175,18 @@ impl Store {
         waiting.map(|stored| &stored.window)
     }
 
-    /// Number of windows of list `i` that wait.
+    /// Number of waiting windows of list `i`.
     pub(super) fn waiting_in(&self, i: usize) -> usize {
         self.windows(i).iter().filter(|w| w.waits()).count()
     }
 
-    /// The label under which list `i` is in the queue; infinite if it is not.
+    /// The label under which list `i` is queued; infinite if it is not.
     #[inline]
     pub(super) fn queued(&self, i: usize) -> f64 {
         self.lists[i].queued
     }
 
-    /// List `i` is in the queue under this label.
+    /// ListBlock `i` is in the queue under this label.
     #[inline]
     pub(super) fn set_queued(&mut self, i: usize, label: f64) {
         self.lists[i].queued = label;
@@ -196,7 +195,7 @@ impl Store {
     /// How many windows of list `i` end at `x` or before.
     #[inline]
     pub(super) fn ending_by(&self, i: usize, x: f64) -> usize {
-        let List {
+        let ListBlock {
             start, len, class, ..
         } = self.lists[i];
         let len = len as usize;
@@ -205,7 +204,7 @@ impl Store {
         }
         let block = &self.windows[start as usize..][..room(class)];
         let mut count = 0;
-        // Groups that end before it are passed over, half of what is left at a time.
+        // Binary search over groups.
         let mut groups = len.div_ceil(GROUP);
         while groups > 1 {
             let half = groups / 2;
@@ -213,15 +212,15 @@ impl Store {
             count += usize::from(block[last].window.b1 <= x) * half * GROUP;
             groups -= half;
         }
-        // Of the others all are compared, so that no branch depends on where it is.
+        // Branch-free count within the group.
         let group = block[count..count + GROUP].iter().zip(count..);
         let ends = group.map(|(w, k)| usize::from(w.window.b1 <= x) & usize::from(k < len));
         count + ends.sum::<usize>()
     }
 
-    /// Copies the windows of list `i` that are due to the end of `taken`, which they leave waiting
-    /// no more, and their levels to that of `levels` if they are kept. Returns the least label of
-    /// those that still wait.
+    /// Appends the due windows of list `i` to `taken`, and their levels to `levels` if they are
+    /// kept; they stay stored and no longer wait. Returns the least label of those that still
+    /// wait.
     #[inline]
     pub(super) fn take(
         &mut self,
@@ -230,7 +229,7 @@ impl Store {
         levels: &mut Vec<u32>,
         is_due: impl Fn(f64) -> bool,
     ) -> f64 {
-        let List { start, len, .. } = self.lists[i];
+        let ListBlock { start, len, .. } = self.lists[i];
         let block = start as usize..(start + len) as usize;
         let mut rest = f64::INFINITY;
         taken.reserve(len as usize);
@@ -252,15 +251,15 @@ impl Store {
         rest
     }
 
-    /// Puts `pieces`, which have these levels if they are kept, in the place of the windows
-    /// `first..first + old` of list `i`.
+    /// Replaces the windows `first..first + old` of list `i` by `pieces`, with these levels if they
+    /// are kept.
     #[inline]
     pub(super) fn replace(
         &mut self,
         i: usize,
         first: usize,
         old: usize,
-        pieces: &[Stored],
+        pieces: &[StoredWindow],
         levels: &[u32],
     ) {
         let new = pieces.len();
@@ -269,7 +268,7 @@ impl Store {
         }
         let at = self.lists[i].start as usize + first;
         match (&mut self.windows[at..at + new], pieces) {
-            // The most frequent cases, and too little for a call.
+            // The most frequent cases, too short for a call.
             ([place], [piece]) => *place = *piece,
             ([place, next], [piece, other]) => (*place, *next) = (*piece, *other),
             (places, pieces) => places.copy_from_slice(pieces),
@@ -279,10 +278,10 @@ impl Store {
         }
     }
 
-    /// Makes room for `new` windows in the place of `old` ones.
+    /// Resizes the range of `old` windows to `new`.
     #[inline]
     fn resize(&mut self, i: usize, first: usize, old: usize, new: usize) {
-        let List {
+        let ListBlock {
             start, len, class, ..
         } = self.lists[i];
         let (start, len) = (start as usize, len as usize);
@@ -311,15 +310,15 @@ impl Store {
         self.windows.copy_within(from, to);
     }
 
-    /// Gives list `i` a block for `len` windows and returns where it starts. The old one goes to
-    /// whoever wants it: it is not written to before the next call.
+    /// Moves list `i` to a block for `len` windows and returns where it starts. The old block is
+    /// freed, but not written to before the next call.
     #[inline(never)]
     fn relocate(&mut self, i: usize, len: usize) -> usize {
-        let List { start, class, .. } = self.lists[i];
+        let ListBlock { start, class, .. } = self.lists[i];
         let larger = roomier(class, len);
         let to = self.free_blocks.take(larger).unwrap_or_else(|| {
             let to = self.windows.len();
-            self.windows.resize(to + room(larger), Stored::NONE);
+            self.windows.resize(to + room(larger), StoredWindow::NONE);
             if self.keeps_levels {
                 self.levels.resize(self.windows.len(), 0);
             }
@@ -331,42 +330,42 @@ impl Store {
         to as usize
     }
 
-    /// List `i` is likely to be looked at soon: asks for where it is.
+    /// ListBlock `i` is likely to be looked at soon: asks for where it is.
     #[inline]
     pub(super) fn announce(&self, i: usize) {
         prefetch(&self.lists, i);
     }
 
-    /// Asks for windows of a list that was [announced](Self::announce) before, those in its middle,
-    /// by which a search goes.
+    /// Prefetches the middle windows of a list that was [announced](Self::announce) before; a search
+    /// starts there.
     #[inline]
     pub(super) fn prepare(&self, i: usize) {
-        let List { start, len, .. } = self.lists[i];
+        let ListBlock { start, len, .. } = self.lists[i];
         prefetch(&self.windows, (start + len / 2) as usize);
     }
 }
 
-impl Past for Store {
+impl Evictable for Store {
     #[inline]
     fn is_waited_for(&self, i: usize) -> bool {
         self.lists[i].queued < f64::INFINITY
     }
 
     #[inline]
-    fn is_closed(&self, i: usize) -> bool {
+    fn is_evicted(&self, i: usize) -> bool {
         self.lists[i].closed
     }
 
-    fn forget(&mut self, i: usize) {
-        let List {
+    fn evict(&mut self, i: usize) {
+        let ListBlock {
             start, len, class, ..
         } = self.lists[i];
         self.stored -= len as usize;
-        self.forgotten += len as usize;
+        self.evicted += len as usize;
         self.free_blocks.give(class, start);
-        self.lists[i] = List {
+        self.lists[i] = ListBlock {
             closed: true,
-            ..List::default()
+            ..ListBlock::default()
         };
     }
 
@@ -376,5 +375,4 @@ impl Past for Store {
 }
 
 #[cfg(test)]
-#[path = "store_tests.rs"]
 mod tests;

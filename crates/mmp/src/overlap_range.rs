@@ -1,26 +1,27 @@
-//! Where a new window is shorter than those of its list, as far as that is in one piece.
+//! The range on which a new window is shorter than the windows of its list.
 
 use geobench_window::Window;
 
 use geobench_window::trimming::{Duel, is_sliver};
 
-/// What becomes of a new window, as far as it is simple.
+/// The part of a new window that is shorter than the windows it overlaps. Nearly always it is at
+/// most one interval, which one pass finds without building a division.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Fate {
-    /// It is nowhere shorter.
-    Nowhere,
-    /// In one piece, from here to there.
-    Here(f64, f64),
-    /// Perhaps in several.
-    Open,
+pub(crate) enum OverlapRange {
+    /// The new window is nowhere shorter.
+    Empty,
+    /// One interval, from here to there.
+    Single(f64, f64),
+    /// Possibly several intervals.
+    Undecided,
 }
 
-impl Fate {
-    /// Where `new` is shorter than `behind`, the stored windows from the first on that it may meet.
+impl OverlapRange {
+    /// Compares `new` with `behind`, the stored windows from the first one on that it may overlap.
     #[inline(always)]
     #[allow(clippy::inline_always)] // The window is not to pass through memory.
     pub(crate) fn of<'a>(behind: impl Iterator<Item = &'a Window>, new: &Window, l: f64) -> Self {
-        // What it has won so far: nothing while it has no width.
+        // The interval won so far; empty while it has no width.
         let (mut start, mut end) = (new.b0, new.b0);
         // Up to here everything has been decided.
         let mut decided = new.b0;
@@ -31,50 +32,50 @@ impl Fate {
             let lo = if w.b0 > new.b0 { w.b0 } else { new.b0 };
             let hi = if w.b1 < new.b1 { w.b1 } else { new.b1 };
             if decided < lo {
-                // No window holds that.
+                // No stored window covers that range.
                 if end == decided && start < end {
                     end = lo;
                 } else if !is_sliver(new, decided, lo, l) {
                     if start < end {
-                        return Self::Open;
+                        return Self::Undecided;
                     }
                     (start, end) = (decided, lo);
                 }
             }
-            // The first ones may end before it, up to the rounding of a search.
+            // The first ones may end before `new` begins, by the rounding of the search.
             decided = if hi > decided { hi } else { decided };
             match Duel::between(w, new, lo, hi, l) {
                 Duel::Won(from, to) => {
                     if start >= end {
                         start = from;
                     } else if end != from {
-                        return Self::Open;
+                        return Self::Undecided;
                     }
                     end = to;
                 }
                 Duel::Lost => {}
-                Duel::Open => return Self::Open,
+                Duel::Open => return Self::Undecided,
             }
             if w.b1 >= new.b1 {
-                // The next one begins behind it, and need not be looked at.
+                // The next one begins behind `new`.
                 break;
             }
         }
         if decided < new.b1 {
             if end == decided {
-                // From the beginning, or joined.
+                // From the beginning, or joined to the interval won.
                 end = new.b1;
             } else if !is_sliver(new, decided, new.b1, l) {
                 if start < end {
-                    return Self::Open;
+                    return Self::Undecided;
                 }
                 (start, end) = (decided, new.b1);
             }
         }
         if start >= end || is_sliver(new, start, end, l) {
-            Self::Nowhere
+            Self::Empty
         } else {
-            Self::Here(start, end)
+            Self::Single(start, end)
         }
     }
 }

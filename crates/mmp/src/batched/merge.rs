@@ -1,41 +1,40 @@
-//! Merging windows that arrive together into a list: sorted, disjoint, trimmed at tie points.
+//! Merges the windows that arrive together into a list: sorted, disjoint, trimmed at tie points.
 
-// A window is not to pass through memory while it is compared.
+// Inlining keeps windows in registers while they are compared.
 #![allow(clippy::inline_always)]
 
 use geobench_window::{Counter, Probe, Window};
 
-use super::store::{Store, Stored};
-use crate::wedge::Fate;
+use super::store::{Store, StoredWindow};
+use crate::overlap_range::OverlapRange;
 use geobench_window::trimming::{Division, Owner, Segment, foot, is_sliver, matters, pieces};
 
 /// Windows that arrive at one half-edge together.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Run {
-    /// In the order in which they arrive, which is mostly, and need not be, that of their
-    /// intervals.
+pub(super) struct Batch {
+    /// In the order of arrival, which is mostly, but not always, that of their intervals.
     pub(super) windows: Vec<Window>,
-    /// Their levels in the sequence tree, if they are kept.
+    /// Their levels in the sequence tree. Counted runs only.
     pub(super) levels: Vec<u32>,
 }
 
-impl Run {
+impl Batch {
     pub(super) fn clear(&mut self) {
         self.windows.clear();
         self.levels.clear();
     }
 
-    /// The same windows, those with a foot in pieces.
+    /// The same windows, those with a [foot] split at it.
     #[cold]
     fn with_feet_apart(&self, l: f64) -> Self {
-        let mut run = Self::default();
+        let mut batch = Self::default();
         for (k, w) in self.windows.iter().enumerate() {
             for piece in pieces(w, l) {
-                run.windows.push(piece);
-                run.levels.extend(self.levels.get(k));
+                batch.windows.push(piece);
+                batch.levels.extend(self.levels.get(k));
             }
         }
-        run
+        batch
     }
 
     fn level(&self, k: usize) -> u32 {
@@ -43,16 +42,16 @@ impl Run {
     }
 }
 
-/// What a merge has led to.
+/// The result of a merge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Merged {
-    /// The least distance of what is left of the windows that arrived; infinite if nothing is.
+    /// The least distance of the surviving new windows; infinite if there is none.
     pub(super) least: f64,
-    /// How many of them something is left of. Counted runs only.
+    /// How many of the new windows survive. Counted runs only.
     pub(super) kept: u64,
 }
 
-/// Merges runs into lists: the buffers that this needs.
+/// Merges batches into lists; owns the buffers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Merger {
     division: Division,
@@ -60,10 +59,10 @@ pub(super) struct Merger {
     pieces: Pieces,
 }
 
-/// What takes the place of the windows that a sweep has passed.
+/// The windows that replace those that a sweep has passed.
 #[derive(Clone, Debug, Default)]
 struct Pieces {
-    windows: Vec<Stored>,
+    windows: Vec<StoredWindow>,
     /// Counted runs only.
     levels: Vec<u32>,
 }
@@ -76,22 +75,22 @@ impl Pieces {
 }
 
 impl Merger {
-    /// Merges `run` into list `i`, whose edge has length `l`, and tells `weigh` the label of every
-    /// window that has to be propagated at another time than before: what is left of the new ones,
-    /// and of stored ones that have to wait for longer.
+    /// Merges `batch` into list `i`, whose edge has length `l`. Calls `weigh` with the label of
+    /// every window that now waits under a new label: the surviving new windows, and trimmed stored
+    /// ones whose least distance grew.
     ///
-    /// Each stored window that a new one meets is split at the tie points inside the common range,
-    /// of which there may be two, and each part goes to the window that is shorter there, the
-    /// stored one where they are equal. Ranges without a window go to the new one. What comes out
-    /// is the same as if the windows were inserted one after the other: those in ascending order
-    /// take one sweep over the list, and one that is not in order starts another. A sweep takes
-    /// O(log k + m) for m windows met among k, and the moving of those behind them.
+    /// Each stored window that a new one overlaps is split at the tie points in the common range,
+    /// of which there may be two. Each part goes to the window that is shorter there, to the stored
+    /// one where they are equal. Ranges without a stored window go to the new one. The result is
+    /// that of inserting the windows one after the other: windows in ascending order share one
+    /// sweep over the list, and one out of order starts another. A sweep takes O(log k + m) for m
+    /// windows met among k, and moves those behind them.
     #[inline]
     pub(super) fn merge<P: Probe>(
         &mut self,
         store: &mut Store,
         i: usize,
-        run: &Run,
+        batch: &Batch,
         l: f64,
         weigh: &mut impl FnMut(f64),
         probe: &mut P,
@@ -101,39 +100,39 @@ impl Merger {
             kept: 0,
         };
         let apart;
-        let has_feet = run.windows.iter().any(|w| foot(w, l).is_some());
+        let has_feet = batch.windows.iter().any(|w| foot(w, l).is_some());
         let all = if has_feet {
-            apart = run.with_feet_apart(l);
+            apart = batch.with_feet_apart(l);
             &apart
         } else {
-            run
+            batch
         };
         self.sweep(store, i, all, l, &mut merged, weigh, probe);
-        // Of a window in pieces something may be left more than once.
-        merged.kept = merged.kept.min(run.windows.len() as u64);
+        // Several pieces of one window may survive.
+        merged.kept = merged.kept.min(batch.windows.len() as u64);
         merged
     }
 
-    /// The same for a run of windows without a [foot], or with the feet apart from them.
+    /// [`merge`](Self::merge) for windows without a [foot], or split at it.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)] // Private, and one step of `merge`.
     fn sweep<P: Probe>(
         &mut self,
         store: &mut Store,
         i: usize,
-        run: &Run,
+        batch: &Batch,
         l: f64,
         merged: &mut Merged,
         weigh: &mut impl FnMut(f64),
         probe: &mut P,
     ) {
-        let windows = &run.windows;
+        let windows = &batch.windows;
         let mut k = 0;
         while k < windows.len() {
             let mut sweep = Sweep::start(store, i, windows[k].b0, &mut self.pieces);
-            let mut is_open = sweep.insert(&windows[k], run.level(k), l, merged, weigh, probe);
-            // What this sweep has inserted, it does not meet again: the next window must begin
-            // behind the one that ends last.
+            let mut is_open = sweep.insert(&windows[k], batch.level(k), l, merged, weigh, probe);
+            // A sweep does not compare a window with those it inserted: the next window must begin
+            // behind the last one.
             let mut last = &windows[k];
             k += 1;
             while !is_open && k < windows.len() {
@@ -142,7 +141,7 @@ impl Merger {
                     if matters(last, &new, new.b0, last.b1.min(new.b1), l) {
                         break;
                     }
-                    // They touch, and overlap by rounding.
+                    // They touch; the overlap is rounding.
                     new.b0 = last.b1;
                     if new.b0 >= new.b1 {
                         probe.add(Counter::Filtered, 1);
@@ -152,7 +151,7 @@ impl Merger {
                 }
                 last = &windows[k];
                 sweep.pass(new.b0);
-                is_open = sweep.insert(&new, run.level(k), l, merged, weigh, probe);
+                is_open = sweep.insert(&new, batch.level(k), l, merged, weigh, probe);
                 k += 1;
             }
             let Sweep { base, next, .. } = sweep;
@@ -165,12 +164,12 @@ impl Merger {
             }
             if is_open {
                 let new = &windows[k - 1];
-                self.divide(store, i, new, run.level(k - 1), l, merged, weigh, probe);
+                self.divide(store, i, new, batch.level(k - 1), l, merged, weigh, probe);
             }
         }
     }
 
-    /// Inserts `new`, whatever the windows that it meets may leave of it.
+    /// Inserts `new` by a full division; several intervals of it may survive.
     #[cold]
     #[allow(clippy::too_many_arguments)] // Private, and one step of `merge`.
     fn divide<P: Probe>(
@@ -197,12 +196,12 @@ impl Merger {
         }
         merged.kept += 1;
         self.pieces.clear();
-        // The stored windows before this one have been dealt with.
+        // The stored windows before this one are done.
         let mut next_old = 0;
         for &Segment { start, end, owner } in segments {
             let (piece, level) = match owner {
                 Owner::New => {
-                    let piece = Stored::waiting(Window {
+                    let piece = StoredWindow::waiting(Window {
                         b0: start,
                         b1: end,
                         ..*new
@@ -215,7 +214,7 @@ impl Merger {
                 Owner::Old(k) => {
                     let piece = stored[k].cut(start, end);
                     if k < next_old {
-                        // A further part of a window that stays in front as well.
+                        // A second part of a window whose left part stays, too.
                         if piece.waits() {
                             weigh(piece.window.min_distance());
                             probe.add(Counter::Reinserted, 1);
@@ -243,26 +242,31 @@ impl Merger {
     }
 }
 
-/// A stored window has been cut: it may have to wait for longer.
+/// Reports the new label of a stored window that was cut and whose least distance grew.
 #[inline(always)]
-fn report_growth<P: Probe>(old: &Stored, cut: &Stored, weigh: &mut impl FnMut(f64), probe: &mut P) {
+fn report_growth<P: Probe>(
+    old: &StoredWindow,
+    cut: &StoredWindow,
+    weigh: &mut impl FnMut(f64),
+    probe: &mut P,
+) {
     if let Some(label) = old.later(cut) {
         weigh(label);
         probe.add(Counter::Reinserted, 1);
     }
 }
 
-/// A pass over a list in ascending order, in which windows are inserted.
+/// One pass over a list in ascending order that inserts windows.
 ///
-/// What takes the place of windows is put down apart and copied when it is over, but a stored
-/// window that loses its left part is cut at its place.
+/// Replaced ranges are collected and copied back at the end. A stored window that loses its left
+/// part is cut in place.
 struct Sweep<'a> {
     pieces: &'a mut Pieces,
-    windows: &'a mut [Stored],
+    windows: &'a mut [StoredWindow],
     levels: &'a [u32],
-    /// The pieces take the place of the windows from this one on,
+    /// The first window that the pieces replace.
     base: usize,
-    /// up to this one, the first that has not been passed.
+    /// The first window that has not been passed; the pieces replace those before it.
     next: usize,
 }
 
@@ -296,8 +300,8 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Inserts `new`, which begins at or behind the end of the windows passed. Returns whether it
-    /// cannot tell what becomes of it; then nothing is changed.
+    /// Inserts `new`, which begins at or behind the end of the windows passed. Returns true, and
+    /// changes nothing, if `new` needs a full [division](Merger::divide).
     #[inline(always)]
     fn insert<P: Probe>(
         &mut self,
@@ -309,19 +313,20 @@ impl<'a> Sweep<'a> {
         probe: &mut P,
     ) -> bool {
         let behind = self.windows[self.next..].iter().map(|w| &w.window);
-        let (start, end) = match Fate::of(behind, new, l) {
-            Fate::Nowhere => {
+        let (start, end) = match OverlapRange::of(behind, new, l) {
+            OverlapRange::Empty => {
                 probe.add(Counter::Filtered, 1);
                 return false;
             }
-            Fate::Here(start, end) => (start, end),
-            Fate::Open => return true,
+            OverlapRange::Single(start, end) => (start, end),
+            OverlapRange::Undecided => return true,
         };
         self.pass(start);
         if self.pieces.windows.is_empty() {
             self.base = self.next;
         }
-        // Windows that keep a part, and the place of the one that keeps its left part.
+        // Number of stored windows that keep a part, and the place of the one that keeps its left
+        // part.
         let (mut kept, first) = (0, self.next);
         if let Some(old) = self.windows.get(self.next)
             && old.window.b0 < start
@@ -333,7 +338,7 @@ impl<'a> Sweep<'a> {
             self.pieces.windows.push(piece);
             self.pieces.levels.extend(self.levels.get(first));
         }
-        let piece = Stored::waiting(Window {
+        let piece = StoredWindow::waiting(Window {
             b0: start,
             b1: end,
             ..*new
@@ -363,7 +368,7 @@ impl<'a> Sweep<'a> {
             } else {
                 let piece = old.cut(end, old.window.b1);
                 if kept == 1 && self.next == first {
-                    // A further part of the window that stays in front as well.
+                    // A second part of the window whose left part stays, too.
                     if piece.waits() {
                         weigh(piece.window.min_distance());
                         probe.add(Counter::Reinserted, 1);
@@ -382,5 +387,4 @@ impl<'a> Sweep<'a> {
 }
 
 #[cfg(test)]
-#[path = "merge_tests.rs"]
 mod tests;

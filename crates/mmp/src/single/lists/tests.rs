@@ -71,9 +71,9 @@ proptest! {
                 }
                 Step::Forget(i) => {
                     if !lists.is_waited_for(i) {
-                        lists.forget(i);
+                        lists.evict(i);
                         model[i].clear();
-                        prop_assert!(lists.is_closed(i));
+                        prop_assert!(lists.is_evicted(i));
                         lists.reopen(i);
                     }
                 }

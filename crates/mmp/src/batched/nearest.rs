@@ -4,32 +4,30 @@ use geobench_mesh::Mesh;
 use geobench_window::queue::{Discipline, Event, Priority, mean_edge_length};
 use geobench_window::{Counter, Probe};
 
-/// A [`Priority`] queue of lists: the one with the nearest window has its turn, and what is not
-/// much further goes with it.
+/// A [`Priority`] queue of lists. The list with the nearest window is taken; its windows that are at
+/// most a slack further are due with it.
 ///
 /// # Cost
 ///
-/// That of [`Priority`], for each time that a list is queued.
+/// That of [`Priority`], for each time a list is queued.
 #[derive(Clone, Debug)]
-pub struct NearLists {
+pub struct NearestLists {
     queue: Priority,
-    /// How much further.
+    /// How much further a due window may be, as a length.
     slack: f64,
-    /// The label of the list that has its turn.
+    /// The label of the list that is being taken.
     label: f64,
 }
 
-impl NearLists {
-    /// How much further than the nearest window others of its half-edge may be by default, in mean
-    /// edge lengths: a choice of ours.
+impl NearestLists {
+    /// Default slack in mean edge lengths. No paper has one.
     ///
-    /// Nearly all that waits in a list goes at once then, so that more gains little; with less,
-    /// turns shrink to single windows.
+    /// At this slack nearly all waiting windows of a list are due together, so that more gains
+    /// little. With less, batches shrink to single windows.
     pub const SLACK: f64 = 1.0;
 
-    /// An empty queue for the lists of `mesh`, of which a turn takes windows that are further than
-    /// the nearest one by up to `slack` mean edge lengths; O(edges). A negative slack and NaN count
-    /// as 0.
+    /// An empty queue for the lists of `mesh`, with a slack in mean edge lengths; O(edges). A
+    /// negative slack and NaN count as 0.
     pub fn new(mesh: &Mesh, slack: f64) -> Self {
         Self {
             queue: Priority::new(mesh),
@@ -39,7 +37,7 @@ impl NearLists {
     }
 }
 
-impl Discipline for NearLists {
+impl Discipline for NearestLists {
     const COUNTERS: &'static [Counter] = Priority::COUNTERS;
 
     #[inline]
@@ -91,7 +89,7 @@ mod tests {
         let soup = TriangleSoup::new(positions, vec![[0, 1, 2]]);
         let mesh = Mesh::from_soup(soup).expect("a triangle is a mesh").0;
         // Its edges have a mean length of 4.
-        let mut lists = NearLists::new(&mesh, 0.5);
+        let mut lists = NearestLists::new(&mesh, 0.5);
         let event = |h| Event::window(HalfEdgeId::new(h), 0);
         for (label, h) in [(5.0, 0), (1.0, 1), (2.5, 2)] {
             lists.push_list(label, event(h), &mut ());
@@ -113,7 +111,7 @@ mod tests {
         );
         let mesh = Mesh::from_soup(soup).expect("a triangle is a mesh").0;
         for slack in [-1.0, f64::NAN, f64::NEG_INFINITY, 0.0, f64::INFINITY] {
-            let mut lists = NearLists::new(&mesh, slack);
+            let mut lists = NearestLists::new(&mesh, slack);
             lists.push_list(2.0, Event::window(HalfEdgeId::new(0), 0), &mut ());
             lists.pop(&mut ());
             assert!(lists.is_due(2.0), "{slack}");

@@ -2,11 +2,11 @@ use geobench_window::Count;
 use proptest::prelude::*;
 
 use super::*;
-use crate::insertion::Inserter;
-use crate::lists::{Direction, Lists};
+use crate::single::insertion::Inserter;
+use crate::single::lists::{Direction, Lists};
 
 /// Windows that arrive together, in order or not, on an edge of length 1.
-fn runs() -> impl Strategy<Value = Vec<Run>> {
+fn runs() -> impl Strategy<Value = Vec<Batch>> {
     let window = (
         0.0..0.9f64,
         0.01..1.0f64,
@@ -30,7 +30,7 @@ fn runs() -> impl Strategy<Value = Vec<Run>> {
             }
             windows.retain(|w| w.b0 < w.b1);
         }
-        Run {
+        Batch {
             levels: (0..windows.len() as u32).collect(),
             windows,
         }
@@ -40,7 +40,7 @@ fn runs() -> impl Strategy<Value = Vec<Run>> {
 
 const OF_INTEREST: [Counter; 3] = [Counter::Trimmed, Counter::Filtered, Counter::Reinserted];
 
-fn merge_all(runs: &[Run], probe: &mut Count) -> (Store, Vec<Merged>, Vec<f64>) {
+fn merge_all(runs: &[Batch], probe: &mut Count) -> (Store, Vec<Merged>, Vec<f64>) {
     let (mut store, mut merger) = (Store::new(1), Merger::default());
     store.clear(true);
     let mut weighed = Vec::new();
@@ -120,7 +120,7 @@ fn windows_of_a_run_that_overlap_by_rounding_take_one_sweep() {
         sigma: 1e-9,
         ..left
     };
-    let run = Run {
+    let run = Batch {
         windows: vec![left, right],
         levels: vec![0, 1],
     };
@@ -150,7 +150,7 @@ fn a_propagated_window_is_cut_and_does_not_wait() {
     let (mut store, mut merger) = (Store::new(1), Merger::default());
     let mut weighed = Vec::new();
     for window in [whole, nearer] {
-        let run = Run {
+        let run = Batch {
             windows: vec![window],
             levels: Vec::new(),
         };

@@ -1,23 +1,23 @@
-//! The policy of MMP: every window is kept where it is the shortest.
+//! The policy of MMP: every window is stored where it is the shortest.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Policy, Surface, Turn};
 use geobench_window::trimming::ThinFaces;
 use geobench_window::{Counter, Passage, Probe};
 
-use crate::forgetting::{Forgetting, Keep, Past, reach};
-use crate::insertion::Inserter;
-use crate::lists::{Direction, Lists};
+use super::insertion::Inserter;
+use super::lists::{Direction, Lists};
+use crate::eviction::{Evictable, Eviction, Retention, reach};
 
 /// Which windows are trimmed against each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carrier {
-    /// Those of one half-edge: windows that cross an edge in opposite directions do not meet
+    /// Those of one half-edge: windows that cross an edge in opposite directions are not compared
     /// (Surazhsky et al. 2005).
     HalfEdge,
     /// Those of both half-edges of an edge (Liu, "Exact geodesic metric in 2-manifold triangle
     /// meshes using edge-based data structures", 2013). A window that loses a point of the edge to
-    /// one that comes from the other side is of no use beyond it, and is not stored there.
+    /// one from the other side provides no shortest path beyond it, and is not stored there.
     Edge,
 }
 
@@ -39,30 +39,30 @@ pub enum Carrier {
 #[derive(Clone, Debug)]
 pub struct Trimming {
     carrier: Carrier,
-    keep: Keep,
-    /// The windows about to enter the face of each half-edge; with [`Carrier::Edge`] those of both
-    /// half-edges of an edge stand with the one of lower number, in its frame.
+    retention: Retention,
+    /// The windows about to enter the face of each half-edge. With [`Carrier::Edge`] those of both
+    /// half-edges of an edge are in the list of the half-edge with the lower number, in its frame.
     lists: Lists,
     inserter: Inserter,
-    forgetting: Forgetting,
+    eviction: Eviction,
     thin: ThinFaces,
-    /// Windows that are stored or would be if all were kept.
+    /// Windows that are stored or would be without eviction.
     stored: usize,
-    /// The level in the sequence tree of each window, by slot: trimming needs none, they are
-    /// counted because the papers count them. Kept in counted runs only.
+    /// The level in the sequence tree of each window, by slot. Only the papers' counts need it.
+    /// Counted runs only.
     levels: Vec<u32>,
 }
 
 impl Trimming {
-    /// Empty lists for the half-edges of `mesh`.
+    /// Empty lists for the half-edges of `mesh`; all windows are stored until the end.
     pub fn new(mesh: &Mesh, carrier: Carrier) -> Self {
         let order = Surface::order(mesh);
         Self {
             carrier,
-            keep: Keep::default(),
+            retention: Retention::default(),
             lists: Lists::new(mesh.half_edge_count()),
             inserter: Inserter::default(),
-            forgetting: Forgetting::default(),
+            eviction: Eviction::default(),
             thin: ThinFaces::of(mesh, mesh.half_edge_count(), |h| {
                 order.new_half_edge(h).index()
             }),
@@ -71,13 +71,13 @@ impl Trimming {
         }
     }
 
-    /// Stores these windows.
+    /// Chooses which windows are stored until the end.
     #[must_use]
-    pub fn keeping(self, keep: Keep) -> Self {
-        Self { keep, ..self }
+    pub fn retaining(self, retention: Retention) -> Self {
+        Self { retention, ..self }
     }
 
-    /// The half-edge whose list holds the windows of `h`, and how they cross there.
+    /// The half-edge whose list holds the windows of `h`, and the direction in which they cross it.
     fn place(&self, h: HalfEdgeId, surface: &Surface) -> (HalfEdgeId, Direction) {
         if self.carrier == Carrier::HalfEdge {
             return (h, Direction::Forward);
@@ -107,7 +107,7 @@ impl Policy for Trimming {
 
     fn reset(&mut self) {
         self.lists.clear();
-        self.forgetting.clear();
+        self.eviction.clear();
         self.stored = 0;
         self.levels.clear();
     }
@@ -117,7 +117,7 @@ impl Policy for Trimming {
     }
 
     #[inline(always)]
-    #[allow(clippy::inline_always)] // The window is not to pass through memory.
+    #[allow(clippy::inline_always)] // Keeps the window in registers.
     fn arrive<P: Probe>(
         &mut self,
         arrival: &Arrival<u32>,
@@ -126,8 +126,8 @@ impl Policy for Trimming {
         probe: &mut P,
     ) -> bool {
         let l = arrival.edge.length;
-        // The papers have no filter. Without it, windows that come in any order but nearest first
-        // wind around needles.
+        // The papers have no filter. Beside thin faces it is needed: windows that are not taken
+        // nearest first would wind around needles.
         if self.thin.is_beside(arrival.h.index()) && arrival.edge.beats(&arrival.window) {
             probe.add(Counter::Filtered, 1);
             return false;
@@ -139,7 +139,7 @@ impl Policy for Trimming {
         };
         let place = place.index();
         let lists = &mut self.lists;
-        if lists.has_passed(place, &window, &arrival.edge) {
+        if lists.rejects_late_arrival(place, &window, &arrival.edge) {
             probe.add(Counter::Filtered, 1);
             return false;
         }
@@ -148,7 +148,7 @@ impl Policy for Trimming {
         inserter.insert(lists, place, &window, direction, l);
         self.stored = self.stored + lists.len(place) - before;
         for entry in &inserter.to_queue {
-            // One of the other direction may have been split, and its second part must wait too.
+            // A window of the other direction may have been split; its second part waits, too.
             let h = if self.lists.direction(entry.slot) == direction {
                 arrival.h
             } else {
@@ -195,13 +195,13 @@ impl Policy for Trimming {
             Turn::Later(label) => return Turn::Later(label),
             Turn::Void => return Turn::Void,
         };
-        if self.keep == Keep::Wavefront {
+        if self.retention == Retention::Wavefront {
             if !self.lists.is_waited_for(place.index()) {
                 let edge = surface.edge(place);
                 let within = reach([edge.tail, edge.head], edge.length);
-                self.forgetting.note(place, within);
+                self.eviction.note(place, within);
             }
-            self.forgetting
+            self.eviction
                 .step(&mut self.lists, 1, || window.min_distance());
         }
         let window = match direction {
@@ -221,7 +221,7 @@ impl Policy for Trimming {
         self.lists.waits(id).then(window)
     }
 
-    /// Going round the triangle from the left, a window all of whose rays leave there is done.
+    /// The left exit is always tried; the right one only if some ray can leave there.
     #[inline]
     fn tries(passage: &Passage<'_>) -> [bool; 2] {
         [true, passage.goes_right()]
@@ -229,8 +229,7 @@ impl Policy for Trimming {
 
     #[inline]
     fn announce(&self, h: HalfEdgeId, id: u32) {
-        // Where both half-edges of an edge have one list this may ask for another one, which does
-        // no harm.
+        // With `Carrier::Edge` this may prefetch another list, which does no harm.
         self.lists.announce(h.index(), id);
     }
 

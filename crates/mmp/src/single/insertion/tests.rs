@@ -82,7 +82,7 @@ proptest! {
             queue.extend_from_slice(&inserter.to_queue);
         }
         let mut found = 0;
-        while let Some(Entry { label, slot, .. }) = queue.pop() {
+        while let Some(QueueEntry { label, slot, .. }) = queue.pop() {
             match list.take(0, slot) {
                 Turn::Now(w, ()) => {
                     prop_assert_eq!(label, w.min_distance());
@@ -90,7 +90,7 @@ proptest! {
                 }
                 Turn::Later(later) => {
                     prop_assert!(later >= label);
-                    queue.push(Entry { label: later, slot, part_of: None });
+                    queue.push(QueueEntry { label: later, slot, part_of: None });
                 }
                 Turn::Void => {}
             }

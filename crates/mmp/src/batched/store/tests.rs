@@ -15,7 +15,7 @@ fn window(number: f64, label: f64) -> Window {
 }
 
 /// Its number, and its label while it waits.
-fn described(stored: &Stored) -> (f64, f64) {
+fn described(stored: &StoredWindow) -> (f64, f64) {
     let label = stored.window.min_distance();
     let label = if stored.waits() { label } else { f64::INFINITY };
     (stored.window.b1, label)
@@ -47,7 +47,7 @@ proptest! {
     fn lists_in_one_array_do_not_disturb_each_other(steps in steps(), keeps_levels in any::<bool>()) {
         let (mut store, mut model) = (Store::new(4), vec![Vec::<(f64, f64)>::new(); 4]);
         store.clear(keeps_levels);
-        let (mut serial, mut forgotten) = (0, 0);
+        let (mut serial, mut evicted) = (0, 0);
         for step in steps {
             match step {
                 Step::Replace(i, from, part, labels) => {
@@ -60,9 +60,9 @@ proptest! {
                             (f64::from(serial), f64::from(label))
                         })
                         .collect();
-                    let pieces: Vec<Stored> = new
+                    let pieces: Vec<StoredWindow> = new
                         .iter()
-                        .map(|&(number, label)| Stored::waiting(window(number, label)))
+                        .map(|&(number, label)| StoredWindow::waiting(window(number, label)))
                         .collect();
                     let levels: Vec<u32> = (serial - new.len() as u32..serial).map(|n| n + 1).collect();
                     store.replace(i, first, old, &pieces, &levels);
@@ -87,10 +87,10 @@ proptest! {
                     prop_assert_eq!(rest, left.fold(f64::INFINITY, f64::min));
                 }
                 Step::Forget(i) => {
-                    store.forget(i);
-                    forgotten += model[i].len();
+                    store.evict(i);
+                    evicted += model[i].len();
                     model[i].clear();
-                    prop_assert!(store.is_closed(i) && !store.is_waited_for(i));
+                    prop_assert!(store.is_evicted(i) && !store.is_waited_for(i));
                     store.reopen(i);
                 }
             }
@@ -106,7 +106,7 @@ proptest! {
             }
             let stored = model.iter().map(Vec::len).sum::<usize>();
             prop_assert_eq!(store.stored(), stored);
-            prop_assert_eq!(store.stored_in_all(), stored + forgotten);
+            prop_assert_eq!(store.stored_in_all(), stored + evicted);
         }
     }
 
@@ -118,12 +118,12 @@ proptest! {
         ends.sort_by(f64::total_cmp);
         let mut store = Store::new(1);
         // What others have left behind must not count.
-        let relic = Stored::waiting(window(0.5, 0.0));
+        let relic = StoredWindow::waiting(window(0.5, 0.0));
         store.replace(0, 0, 0, &[relic; 70], &[]);
-        store.forget(0);
-        let pieces: Vec<Stored> = ends
+        store.evict(0);
+        let pieces: Vec<StoredWindow> = ends
             .iter()
-            .map(|&b1| Stored::waiting(window(b1, 0.0)))
+            .map(|&b1| StoredWindow::waiting(window(b1, 0.0)))
             .collect();
         store.replace(0, 0, 0, &pieces, &[]);
         let x = f64::from(at);
@@ -133,7 +133,7 @@ proptest! {
 
 #[test]
 fn a_window_that_waits_for_longer_once_it_is_cut_says_so() {
-    let mut whole = Stored::waiting(Window {
+    let mut whole = StoredWindow::waiting(Window {
         px: 0.2,
         py: -1.0,
         ..window(1.0, 3.0)

@@ -1,49 +1,49 @@
-//! Inserting a window into a list: sorted, disjoint, trimmed at tie points.
+//! Inserts a window into a list: sorted, disjoint, trimmed at tie points.
 
 use std::ops::Range;
 
 use geobench_window::Window;
 
-use crate::lists::{Direction, Lists, Place, Slot};
-use crate::wedge::Fate;
+use super::lists::{Direction, Lists, Place, Slot};
+use crate::overlap_range::OverlapRange;
 use geobench_window::trimming::{Division, Owner, Segment, foot, is_sliver, pieces};
 
 /// A window to be queued.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Entry {
+pub(crate) struct QueueEntry {
     /// Its least distance.
     pub(crate) label: f64,
     pub(crate) slot: Slot,
-    /// The stored window that it is a part of; `None` if of the new one.
+    /// The stored window of which it is a part; `None` for a part of the new one.
     pub(crate) part_of: Option<Slot>,
 }
 
-/// Inserts windows into lists: the buffers this needs, and what the last insertion did.
+/// Inserts windows into lists; owns the buffers and the counts of the last insertion.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Inserter {
     division: Division,
     met: Vec<Window>,
     slots: Vec<Slot>,
-    /// The windows to queue: what is left of the new one, and pieces of stored ones that have to
-    /// wait on their own.
-    pub(crate) to_queue: Vec<Entry>,
+    /// The windows to queue: the surviving pieces of the new one, and split-off pieces of stored
+    /// ones that wait.
+    pub(crate) to_queue: Vec<QueueEntry>,
     /// How many of these are pieces of the new window.
     pub(crate) new_pieces: usize,
-    /// Stored windows whose least distance grew before their turn came, and pieces of them.
+    /// Waiting windows whose least distance grew, and their split-off pieces.
     pub(crate) outdated: usize,
-    /// Stored windows that lost a part.
+    /// Number of stored windows that lost a part.
     pub(crate) trimmed: usize,
-    /// Stored windows that lost everything.
+    /// Number of stored windows that were removed.
     pub(crate) removed: usize,
 }
 
 impl Inserter {
     /// Inserts `new`, which crosses in `direction`, into list `i`, whose edge has length `l`.
     ///
-    /// Each stored window that `new` meets is split at the tie points inside the common range, of
-    /// which there may be two, and each part goes to the window that is shorter there.
-    /// Ranges without a window go to `new`. Takes O(log k + m) for m windows met among k, and the
-    /// moving of the windows behind them.
+    /// Each stored window that `new` overlaps is split at the tie points in the common range, of
+    /// which there may be two. Each part goes to the window that is shorter there. Ranges without a
+    /// stored window go to `new`. Takes O(log k + m) for m windows met among k, and moves the slots
+    /// behind them.
     #[inline]
     pub(crate) fn insert(
         &mut self,
@@ -63,7 +63,7 @@ impl Inserter {
         }
     }
 
-    /// The same for a window with a [foot].
+    /// [`insert`](Self::insert) for a window with a [foot], which is split at it.
     #[cold]
     #[inline(never)]
     fn insert_pieces(
@@ -79,7 +79,7 @@ impl Inserter {
         }
     }
 
-    /// The same for a window without a [foot], or for one of the pieces of one with it.
+    /// [`insert`](Self::insert) for a window without a [foot] or split at it.
     #[inline]
     fn insert_piece(
         &mut self,
@@ -92,19 +92,19 @@ impl Inserter {
         let first = lists.ending_before(i, new.b0);
         let places = lists.places(i)[first..].iter();
         let behind = places.map(|place| &lists.windows()[place.slot as usize]);
-        match Fate::of(behind, new, l) {
-            Fate::Nowhere => {}
-            Fate::Here(start, end) => {
-                self.drive_in(lists, i, first, (start, end), new, direction, l);
+        match OverlapRange::of(behind, new, l) {
+            OverlapRange::Empty => {}
+            OverlapRange::Single(start, end) => {
+                self.insert_range(lists, i, first, (start, end), new, direction, l);
             }
-            Fate::Open => self.divide(lists, i, first, new, direction, l),
+            OverlapRange::Undecided => self.divide(lists, i, first, new, direction, l),
         }
     }
 
-    /// Puts `new` where `wedge` says.
+    /// Inserts the part `start..end` of `new`, the only one that survives.
     #[inline]
     #[allow(clippy::too_many_arguments)] // Private, and one step of `insert`.
-    fn drive_in(
+    fn insert_range(
         &mut self,
         lists: &mut Lists,
         i: usize,
@@ -145,7 +145,7 @@ impl Inserter {
             let old = lists.windows()[slot as usize];
             if !is_sliver(&old, old.b0, start, l) {
                 left = Some(old);
-                self.keep(lists, i, from, old.b0, start);
+                self.shrink(lists, i, from, old.b0, start);
                 from += 1;
             }
         }
@@ -161,7 +161,7 @@ impl Inserter {
             } else {
                 let old = lists.windows()[slot as usize];
                 if !is_sliver(&old, end, old.b1, l) {
-                    self.keep(lists, i, to - 1, end, old.b1);
+                    self.shrink(lists, i, to - 1, end, old.b1);
                     to -= 1;
                 }
             }
@@ -174,7 +174,7 @@ impl Inserter {
         lists.replace(i, from, to - from, &slots[..pieces]);
     }
 
-    /// Inserts `new` whatever the windows from `first` on may leave of it.
+    /// Inserts `new` by a full division; several intervals of it may survive.
     #[cold]
     fn divide(
         &mut self,
@@ -204,7 +204,7 @@ impl Inserter {
         self.met = met;
     }
 
-    /// Puts the segments in the place of the windows `met`.
+    /// Replaces the windows `met` by the segments of the division.
     fn apply(
         &mut self,
         lists: &mut Lists,
@@ -217,7 +217,7 @@ impl Inserter {
         let mut slots = std::mem::take(&mut self.slots);
         slots.clear();
         let division = std::mem::take(&mut self.division);
-        // The stored windows before this one have been dealt with.
+        // The stored windows before this one are done.
         let mut next_old = 0;
         for &Segment { start, end, owner } in division.segments() {
             match owner {
@@ -240,23 +240,23 @@ impl Inserter {
                     if k < next_old {
                         slots.push(self.split_off(lists, i, slot, window));
                     } else {
-                        self.give_up(lists, i, first + next_old..first + k);
+                        self.remove_all(lists, i, first + next_old..first + k);
                         next_old = k + 1;
                         if start != met[k].b0 || end != met[k].b1 {
-                            self.keep(lists, i, first + k, start, end);
+                            self.shrink(lists, i, first + k, start, end);
                         }
                         slots.push(slot);
                     }
                 }
             }
         }
-        self.give_up(lists, i, first + next_old..first + met.len());
+        self.remove_all(lists, i, first + next_old..first + met.len());
         lists.replace(i, first, met.len(), &slots);
         (self.division, self.slots) = (division, slots);
     }
 
-    /// Removes these windows of list `i`, whose slots are still to be taken out.
-    fn give_up(&mut self, lists: &mut Lists, i: usize, range: Range<usize>) {
+    /// Removes these windows of list `i`; the caller takes their slots out of the list.
+    fn remove_all(&mut self, lists: &mut Lists, i: usize, range: Range<usize>) {
         self.removed += range.len();
         for k in range {
             let slot = lists.places(i)[k].slot;
@@ -264,7 +264,7 @@ impl Inserter {
         }
     }
 
-    /// Stores a window that has to be propagated.
+    /// Stores a window that waits to be propagated.
     #[inline]
     fn queue_piece(
         &mut self,
@@ -275,7 +275,7 @@ impl Inserter {
         part_of: Option<Slot>,
     ) -> Slot {
         let slot = lists.store(i, window, direction, true);
-        self.to_queue.push(Entry {
+        self.to_queue.push(QueueEntry {
             label: window.min_distance(),
             slot,
             part_of,
@@ -283,17 +283,17 @@ impl Inserter {
         slot
     }
 
-    /// Leaves `start..end` of a stored window to it.
+    /// Cuts a stored window down to `start..end`.
     ///
-    /// A window that was propagated already is only cut, since its children will be trimmed by
-    /// those of the winner; one that still waits has to wait for longer if its least distance grew.
+    /// A propagated window is only cut: its children will be trimmed by those of the winner. A
+    /// waiting window is queued later if its least distance grew.
     #[inline]
-    fn keep(&mut self, lists: &mut Lists, i: usize, k: usize, start: f64, end: f64) {
+    fn shrink(&mut self, lists: &mut Lists, i: usize, k: usize, start: f64, end: f64) {
         self.trimmed += 1;
         self.outdated += usize::from(lists.cut(i, k, start, end));
     }
 
-    /// Stores a further piece of the window in `slot`, which waits if that does.
+    /// Stores a second piece of the window in `slot`; it waits if that window does.
     fn split_off(&mut self, lists: &mut Lists, i: usize, slot: Slot, piece: Window) -> Slot {
         let direction = lists.direction(slot);
         if lists.waits(slot) {
@@ -306,5 +306,4 @@ impl Inserter {
 }
 
 #[cfg(test)]
-#[path = "insertion_tests.rs"]
 mod tests;

@@ -91,9 +91,10 @@ pub mod solvers {
     pub use geobench_ich::{ch, ich, ich1};
     pub use geobench_mmp::{Retention, mmp, mmp_batched, mmp_edge, mmp_fast};
     pub use geobench_vtp::{
-        EdgeBased, FastOptions, Ftp, Instructions, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast,
-        VtpNoRule1, VtpNoRules23, VtpTrimming,
+        EdgeBased, FastOptions, Ftp, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpNoRule1,
+        VtpNoRules23, VtpTrimming,
     };
+    pub use geobench_window::simd::Instructions;
 }
 
 /// Distances on a mesh without a solver to keep.

@@ -4,8 +4,8 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use geobench_vtp::Instructions;
 use geobench_vtp::bench_support::{Kernel, KernelBench};
+use geobench_window::simd::Instructions;
 
 fn kernels(criterion: &mut Criterion) {
     for (name, kernel) in [
@@ -16,11 +16,7 @@ fn kernels(criterion: &mut Criterion) {
         let mut group = criterion.benchmark_group(name);
         for len in [4, 16, 64] {
             group.throughput(Throughput::Elements(len as u64));
-            for instructions in [
-                Instructions::Scalar,
-                Instructions::Avx2,
-                Instructions::Avx512,
-            ] {
+            for instructions in Instructions::ALL {
                 if instructions.is_available() {
                     let mut bench = KernelBench::new(len, instructions);
                     let id = BenchmarkId::new(instructions.to_string(), len);

@@ -7,17 +7,14 @@ use std::sync::{Mutex, PoisonError};
 use criterion::{Criterion, criterion_group, criterion_main};
 use geobench_benches::{named, whole_solves};
 use geobench_mesh::{Mesh, VertexId};
-use geobench_vtp::{FastOptions, Instructions, Pvtp, Vtp, VtpFast};
+use geobench_vtp::{FastOptions, Pvtp, Vtp, VtpFast};
+use geobench_window::simd::Instructions;
 use geobench_window::{Counters, PhaseSampler, Solution, SolveError, Solver};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 fn options() -> Vec<(String, FastOptions)> {
     let all = FastOptions::default();
-    let programs = [
-        Instructions::Scalar,
-        Instructions::Avx2,
-        Instructions::Avx512,
-    ];
+    let programs = Instructions::ALL;
     let programs = programs.into_iter().filter(|i| i.is_available());
     let programs = programs.map(|instructions| {
         let options = FastOptions {

@@ -4,13 +4,13 @@
 #![allow(private_bounds, private_interfaces)]
 
 use crate::crossing::Least;
-use crate::engine::Instructions;
 use crate::engine::dispatch;
 use crate::engine::hand::Hand;
 use crate::engine::kernels::Gate;
 use crate::engine::kernels::exits::{BestPath, EveryBetterPath, Free, Reach, Rule};
 use crate::engine::surface::{Surface, half_edge, next, parts, prev};
 use crate::front::Front;
+use geobench_window::simd::Instructions;
 
 /// A list about to cross a face.
 #[derive(Clone, Copy, Debug)]

@@ -29,7 +29,7 @@
 //! # For speed
 //!
 //! All of this stands on one `engine`: lists are structures of arrays, and what is done with a list
-//! is a pass over registers of up to eight windows ([`Instructions`]). [`VtpFast`] is VTP with
+//! is a pass over registers of up to eight windows ([`geobench_window::simd`]). [`VtpFast`] is VTP with
 //! every further improvement that keeps it exact; see [its page](algorithms::vtp_fast). [`Pvtp`] is
 //! the same on several threads; see [its page](algorithms::pvtp).
 //!
@@ -61,7 +61,6 @@ pub mod algorithms;
 pub use algorithms::{
     EdgeBased, Ftp, Opftp, Opvtp, Vtp, VtpExhaustive, VtpNoRule1, VtpNoRules23, VtpTrimming,
 };
-pub use engine::Instructions;
 #[doc(hidden)]
 pub use engine::bench_support;
 pub use exits::{AcrossTheFace, AnyExit, EveryPath, Exits, OneAngleTwoSides};

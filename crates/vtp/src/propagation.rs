@@ -7,7 +7,6 @@ use geobench_window::trimming::KeptWindows;
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution, Window};
 
 use crate::crossing::{Carry, Inspect, Least};
-use crate::engine::Instructions;
 use crate::engine::dispatch;
 use crate::engine::hand::Hand;
 use crate::engine::kernels::{BestPath, Gate, Target};
@@ -20,6 +19,7 @@ use crate::front::{Arrival, Front};
 use crate::merge::Merge;
 use crate::pruning::Pairs;
 use crate::schedule::{Schedule, Turn};
+use geobench_window::simd::Instructions;
 
 /// An algorithm that propagates whole lists of windows, on one mesh: in the order of schedule `S`,
 /// with lists merged by `M`, their windows compared by `P` and sent on by `E`.
@@ -99,7 +99,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     #[must_use]
     pub fn with_instructions(self, instructions: Instructions) -> Self {
         Self {
-            instructions: instructions.or_less(),
+            instructions: instructions.or_narrower(),
             ..self
         }
     }

@@ -2,9 +2,10 @@
 
 use geobench_mesh::Mesh;
 use geobench_vtp::{
-    EdgeBased, FastOptions, Ftp, Instructions, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast,
-    VtpNoRule1, VtpNoRules23, VtpTrimming,
+    EdgeBased, FastOptions, Ftp, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpNoRule1,
+    VtpNoRules23, VtpTrimming,
 };
+use geobench_window::simd::Instructions;
 
 #[path = "../../window/tests/meshes/mod.rs"]
 mod meshes;

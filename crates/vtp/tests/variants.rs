@@ -7,9 +7,10 @@ use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_mmp::mmp;
 use geobench_oracle::zoo;
 use geobench_vtp::{
-    EdgeBased, FastOptions, Ftp, Instructions, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast,
-    VtpNoRule1, VtpNoRules23, VtpTrimming,
+    EdgeBased, FastOptions, Ftp, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpNoRule1,
+    VtpNoRules23, VtpTrimming,
 };
+use geobench_window::simd::Instructions;
 use geobench_window::{Counter, Counters, Phase, Probe, Propagate, Solver};
 
 fn family(mesh: &Mesh) -> [(&'static str, Box<dyn Solver>); 9] {

@@ -33,6 +33,7 @@ pub mod precision;
 mod prefetch;
 mod probe;
 pub mod queue;
+pub mod simd;
 mod solver;
 mod spawn;
 mod tie;

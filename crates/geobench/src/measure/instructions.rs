@@ -14,7 +14,7 @@ use std::process::{Command, ExitStatus, Stdio};
 
 use anyhow::{Context, bail};
 use geobench_mesh::{Mesh, VertexId};
-use geobench_vtp::Instructions;
+use geobench_window::simd::Instructions;
 use geobench_window::{Solution, SolveError, Solver};
 
 use crate::registry::{self, Selection};
@@ -61,7 +61,7 @@ pub fn count(model: &str, algorithm: &str, source: u32) -> anyhow::Result<Instru
         match count_with(model, algorithm, source, widest)? {
             Attempt::Counted(found) => return Ok(found),
             Attempt::Illegal(used) => {
-                widest = registry::next_narrower(used);
+                widest = used.narrower();
                 if widest.is_none() {
                     bail!(
                         "Valgrind does not know an instruction of the solve, not even with \
@@ -103,7 +103,7 @@ fn count_with(
         .context(NO_VALGRIND)?;
     let said = String::from_utf8_lossy(&output.stdout);
     let used = said.lines().find_map(|line| line.strip_prefix(SIMD));
-    let used = used.and_then(registry::instructions_named);
+    let used = used.and_then(|name| name.parse().ok());
     if let (true, Some(used)) = (is_illegal(output.status), used) {
         return Ok(Attempt::Illegal(used));
     }
@@ -152,7 +152,7 @@ fn total(text: &str) -> Option<u64> {
 pub fn announce(algorithm: &str, widest: Option<&str>) -> anyhow::Result<Selection> {
     let mut selection = registry::select_one(algorithm)?;
     if let Some(name) = widest {
-        let Some(widest) = registry::instructions_named(name) else {
+        let Ok(widest) = name.parse() else {
             bail!("--simd {name}: not one of avx512, avx2 and scalar");
         };
         selection = selection.at_most(widest);

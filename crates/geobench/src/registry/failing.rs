@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_mmp::mmp_fast;
-use geobench_vtp::Instructions;
+use geobench_window::simd::Instructions;
 use geobench_window::{Counter, Counters, PhaseSampler, Solution, SolveError, Solver};
 use rustix::process::{Signal, getpid, kill_process};
 

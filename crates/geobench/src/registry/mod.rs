@@ -21,7 +21,6 @@ mod select;
 mod vtp;
 
 pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, Value, Values};
-pub(crate) use parameter::{instructions_named, next_narrower};
 pub(crate) use program::{Call, PLACEHOLDERS};
 pub use program::{ProcessLifetime, Program, Programs};
 pub use select::{Selection, select, select_one};

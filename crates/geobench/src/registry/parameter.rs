@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::RangeInclusive;
 
 use geobench_mesh::Mesh;
-use geobench_vtp::Instructions;
+use geobench_window::simd::Instructions;
 
 /// The parameter of every parallel algorithm, and of no other.
 pub(crate) const THREADS: Parameter = Parameter::integer(
@@ -357,31 +357,6 @@ pub(super) const SIMD: Parameter = Parameter::word(
     "instructions to use, the widest that there are by default; narrower ones where these are missing",
 );
 
-/// The instructions of this name.
-pub(crate) fn instructions_named(name: &str) -> Option<Instructions> {
-    [
-        Instructions::Scalar,
-        Instructions::Avx2,
-        Instructions::Avx512,
-    ]
-    .into_iter()
-    .find(|instructions| instructions.to_string() == name)
-}
-
-/// The widest instructions narrower than `instructions`.
-pub(crate) fn next_narrower(instructions: Instructions) -> Option<Instructions> {
-    match instructions {
-        Instructions::Avx512 => Some(Instructions::Avx2),
-        Instructions::Avx2 => Some(Instructions::Scalar),
-        Instructions::Scalar => None,
-    }
-}
-
-/// The narrower of two sets.
-fn narrower(a: Instructions, b: Instructions) -> Instructions {
-    if (a as u8) < (b as u8) { a } else { b }
-}
-
 impl Values {
     /// The same with no wider instructions than `widest`. Labels do not show it.
     pub(super) fn at_most(mut self, widest: Instructions) -> Self {
@@ -393,12 +368,11 @@ impl Values {
     /// limit asks for narrower ones.
     pub(super) fn instructions(&self) -> Instructions {
         let there = Instructions::detect();
-        let asked = self
-            .word(&SIMD)
-            .and_then(instructions_named)
-            .unwrap_or(there);
-        let asked = narrower(asked, self.widest.unwrap_or(asked));
-        narrower(asked, there)
+        let asked = self.word(&SIMD).and_then(|name| name.parse().ok());
+        [asked, self.widest]
+            .into_iter()
+            .flatten()
+            .fold(there, Instructions::min)
     }
 }
 
@@ -520,14 +494,5 @@ mod tests {
             assert_eq!(limited.instructions(), Instructions::Scalar, "{list}");
             assert_eq!(limited.label(), of(list).label());
         }
-    }
-
-    #[test]
-    fn instructions_are_found_by_their_names() {
-        for name in ["scalar", "avx2", "avx512"] {
-            assert_eq!(instructions_named(name).unwrap().to_string(), name);
-        }
-        assert_eq!(instructions_named("auto"), None);
-        assert_eq!(next_narrower(Instructions::Scalar), None);
     }
 }

@@ -4,8 +4,8 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use geobench_mesh::{Mesh, did_you_mean};
-use geobench_vtp::Instructions;
 use geobench_window::Solver;
+use geobench_window::simd::Instructions;
 
 use super::parameter::THREADS;
 use super::program::{OUTSIDE, PREFIX};

@@ -36,4 +36,4 @@
 //! **Keeps** the windows of the wavefront, 40 bytes each, and 160 bytes for each face. **Choose
 //! it** whenever distances at the vertices are wanted.
 
-pub use crate::fast::{Instructions, Options as FastOptions, VtpFast};
+pub use crate::fast::{Options as FastOptions, VtpFast};

@@ -4,10 +4,10 @@
 #![allow(unsafe_code)]
 
 use super::dispatch::{self, Program};
-use super::instructions::Instructions;
 use super::kernels::{self, BestPath, Cuts, Gate, Measured, Target, Triangle};
 use super::lanes::Lanes;
 use super::store::{COLUMNS, NO_LIST, WindowStore};
+use geobench_window::simd::Instructions;
 
 /// A list about to cross an equilateral triangle, and room for what comes of it.
 #[derive(Debug)]
@@ -58,7 +58,7 @@ impl KernelBench {
         }
         let height = 0.75_f64.sqrt();
         let mut bench = Self {
-            instructions: instructions.or_less(),
+            instructions: instructions.or_narrower(),
             store,
             lists,
             windows,
@@ -162,12 +162,7 @@ mod tests {
     #[test]
     fn all_instructions_bring_the_same_windows_through_every_kernel() {
         for len in [1, 7, 8, 9, 100] {
-            let results = [
-                Instructions::Scalar,
-                Instructions::Avx2,
-                Instructions::Avx512,
-            ]
-            .map(|instructions| {
+            let results = Instructions::ALL.map(|instructions| {
                 let mut bench = KernelBench::new(len, instructions);
                 let counts =
                     [Kernel::Compare, Kernel::Measure, Kernel::Carry].map(|k| bench.run(k));

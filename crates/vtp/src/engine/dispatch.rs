@@ -3,10 +3,10 @@
 // Here the processor is asked what it has, and here alone the promise to all kernels is given.
 #![allow(unsafe_code)]
 
-use super::instructions::Instructions;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx2, Avx512};
 use super::lanes::{Lanes, Scalar};
+use geobench_window::simd::Instructions;
 
 /// Something that is compiled for every set of instructions.
 pub(crate) trait Program {

@@ -10,7 +10,6 @@ pub(crate) mod buckets;
 pub(crate) mod dispatch;
 pub(crate) mod face_state;
 pub(crate) mod hand;
-mod instructions;
 pub(crate) mod kernels;
 pub(crate) mod lanes;
 pub(crate) mod levels;
@@ -20,5 +19,3 @@ pub(crate) mod sample;
 pub(crate) mod shadow;
 pub(crate) mod store;
 pub(crate) mod surface;
-
-pub use instructions::Instructions;

@@ -8,5 +8,5 @@ mod alone;
 mod options;
 mod solver;
 
-pub use options::{Instructions, Options};
+pub use options::Options;
 pub use solver::VtpFast;

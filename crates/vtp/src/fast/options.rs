@@ -1,6 +1,6 @@
 //! What can be switched.
 
-pub use crate::engine::Instructions;
+use geobench_window::simd::Instructions;
 
 /// The improvements of [`VtpFast`](crate::VtpFast). None of them changes a distance by more than
 /// rounding does.

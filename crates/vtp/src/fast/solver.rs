@@ -13,8 +13,9 @@ use crate::wave::{Field, Wave};
 ///
 /// ```
 /// use geobench_mesh::Mesh;
-/// use geobench_vtp::{FastOptions, Instructions, VtpFast};
+/// use geobench_vtp::{FastOptions, VtpFast};
 /// use geobench_window::Solver;
+/// use geobench_window::simd::Instructions;
 ///
 /// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
 /// let best = VtpFast::new(&mesh).distances_from(5)?;
@@ -43,7 +44,7 @@ impl VtpFast {
 
     /// Sets up for `mesh`; O(faces).
     pub fn with_options(mesh: &Mesh, options: Options) -> Self {
-        let instructions = options.instructions.or_less();
+        let instructions = options.instructions.or_narrower();
         let mut numbering = if options.renumber {
             Numbering::breadth_first(mesh)
         } else {

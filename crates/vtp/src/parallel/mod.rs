@@ -26,11 +26,11 @@ use self::pace::BreakOnPanic;
 use self::region::Regions;
 use self::shared::Shared;
 use self::worker::Worker;
-use crate::engine::Instructions;
 use crate::engine::dispatch::{self, Program};
 use crate::engine::lanes::Lanes;
 use crate::engine::surface::Surface;
 use crate::fast::Options;
+use geobench_window::simd::Instructions;
 
 /// The most threads of a run.
 const MOST_THREADS: usize = 1024;
@@ -73,7 +73,7 @@ impl Pvtp {
     /// The same with other options.
     pub fn with_options(mesh: &Mesh, threads: usize, options: Options) -> Self {
         let threads = threads.clamp(1, MOST_THREADS);
-        let instructions = options.instructions.or_less();
+        let instructions = options.instructions.or_narrower();
         let mut numbering = if options.renumber {
             Numbering::breadth_first(mesh)
         } else {

@@ -1,13 +1,13 @@
-//! The program for the processor that is there.
+//! Crossings compiled for the instructions of the processor.
 
-// A function with features of the processor can only be called so; each call follows the check that
-// they are there.
+// A function with processor features is only called after the check that they are there.
 #![allow(unsafe_code)]
 
 use super::Crossings;
 use crate::frame::Faces;
+use crate::simd::Instructions;
 
-/// For which instructions the crossings are compiled. Results are the same.
+/// The instructions for which the crossings are compiled. Results are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Program {
     /// Those that every processor of this kind has.
@@ -23,20 +23,20 @@ pub(super) enum Program {
 pub(super) struct Avx2(());
 
 impl Program {
-    /// The fastest one that this processor can run.
-    pub(super) fn best() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            return Self::Avx2(Avx2(()));
+    /// For `instructions`, or narrower ones if the processor lacks them. AVX-512 is of no use here.
+    pub(super) fn new(instructions: Instructions) -> Self {
+        match instructions.min(Instructions::Avx2).or_narrower() {
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx2 => Self::Avx2(Avx2(())),
+            _ => Self::Portable,
         }
-        Self::Portable
     }
 
     #[inline]
     pub(super) fn run(self, crossings: &mut Crossings, faces: &Faces) {
         match self {
             Self::Portable => run_portable(crossings, faces),
-            // SAFETY: `best` makes such a program on a processor that has AVX2 only.
+            // SAFETY: `new` makes such a program on a processor that has AVX2 only.
             #[cfg(target_arch = "x86_64")]
             Self::Avx2(_) => unsafe { run_avx2(crossings, faces) },
         }

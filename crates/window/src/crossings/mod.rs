@@ -18,6 +18,7 @@ use geobench_mesh::{HalfEdgeId, VertexId};
 use self::offspring::{Edge, measure};
 use crate::frame::{Faces, HalfEdge, Outlet};
 use crate::passage::entry;
+use crate::simd::Instructions;
 use crate::window::{Window, greater, less, norm};
 
 pub use self::offspring::Offspring;
@@ -68,10 +69,19 @@ struct Leaving {
 }
 
 impl Default for Crossings {
+    /// With the widest instructions of this processor.
     fn default() -> Self {
+        Self::new(Instructions::detect())
+    }
+}
+
+impl Crossings {
+    /// Without windows; they cross with `instructions`, or narrower ones if the processor lacks
+    /// them.
+    pub fn new(instructions: Instructions) -> Self {
         Self {
             len: 0,
-            program: dispatch::Program::best(),
+            program: dispatch::Program::new(instructions),
             entrances: [HalfEdgeId::new(0); LANES],
             outlets: [Outlet::NONE; LANES],
             apices: [VertexId::new(0); LANES],
@@ -79,9 +89,7 @@ impl Default for Crossings {
             leaving: Leaving::default(),
         }
     }
-}
 
-impl Crossings {
     /// Number of windows.
     #[inline]
     pub fn len(&self) -> usize {

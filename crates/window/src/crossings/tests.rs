@@ -2,7 +2,6 @@ use geobench_mesh::generate::generate;
 use geobench_mesh::{HalfEdgeId, Mesh};
 use proptest::prelude::*;
 
-use super::dispatch::Program;
 use super::*;
 use crate::filter::{is_beaten_across, is_beaten_from_ends};
 use crate::frame::{Exit, Side};
@@ -37,7 +36,7 @@ proptest! {
         let mesh = terrain();
         let faces = Faces::new(&mesh);
         let mut together = Crossings::default();
-        let mut portable = Crossings { program: Program::Portable, ..Crossings::default() };
+        let mut portable = Crossings::new(Instructions::Scalar);
         let mut entered = Vec::new();
         for (w, h) in &all {
             let h = HalfEdgeId::new(h % mesh.half_edge_count() as u32);

@@ -123,8 +123,8 @@ pub(crate) unsafe fn measure<L: Lanes, const FILTER: bool>(
 mod tests {
     use super::*;
     use crate::engine::dispatch::{self, Program};
-    use crate::engine::instructions::Instructions;
     use crate::engine::store::{NO_LIST, WindowStore};
+    use geobench_window::simd::Instructions;
 
     /// Measures a whole list.
     struct Whole<'a>(&'a [Line], usize, &'a Gate);
@@ -157,11 +157,7 @@ mod tests {
 
     #[test]
     fn the_first_of_the_shortest_paths_is_found_in_whatever_register_it_lies() {
-        let all = [
-            Instructions::Scalar,
-            Instructions::Avx2,
-            Instructions::Avx512,
-        ];
+        let all = Instructions::ALL;
         for instructions in all.into_iter().filter(|i| i.is_available()) {
             for (count, shortest) in [
                 (1, &[0][..]),

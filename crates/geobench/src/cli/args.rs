@@ -11,7 +11,7 @@ use crate::history::compare::Rules;
 use crate::measure::instructions;
 use crate::plan::source::SourceSpec;
 use crate::plan::suite::{self, MOST_RUNS};
-use crate::registry::{self, MOST_THREADS, Selection};
+use crate::registry::{self, MOST_THREADS, Selection, Simd};
 use crate::report::{Form, Tables, Wanted};
 use crate::schema::Shard;
 use crate::table::{self, ComparisonFormat, Format};
@@ -108,7 +108,8 @@ pub(super) struct RunOptions {
     pub(super) scale: ScaleOptions,
 
     /// Algorithms by name, by family, or exact, or all; separated by commas; with parameters as
-    /// name{key=value,...} [default: mmp,ich,fwp-mmp,fwp-ch,vtp]
+    /// name{key=value,...} [default: mmp,ich,fwp-mmp,fwp-ch,vtp with --simd scalar, and mmp-fast,
+    /// vtp,vtp-fast with the widest instructions]
     #[arg(long, value_name = "LIST", value_parser = algorithms)]
     pub(super) algo: Option<Algorithms>,
 
@@ -126,7 +127,7 @@ pub(super) struct RunOptions {
 
     /// What answers must agree with: an algorithm, none, file (MODEL.sSOURCE.csv beside the model
     /// or in a folder named expected there or beside its folder), or the path of such a file
-    /// [default: mmp if it runs, else the first algorithm]
+    /// [default: mmp-fast if it runs, else the first algorithm]
     #[arg(long, value_name = "REF")]
     pub(super) check: Option<String>,
 
@@ -142,6 +143,12 @@ pub(super) struct RunOptions {
     /// {threads} [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = threads())]
     pub(super) threads: Option<u32>,
+
+    /// Instructions of every algorithm: auto (the widest of the processor), scalar, avx2 or avx512;
+    /// narrower ones where the processor lacks them. Distances and counts do not depend on it
+    /// [default: auto; scalar for the papers' algorithms without --algo and --config]
+    #[arg(long, value_name = "SIMD")]
+    pub(super) simd: Option<Simd>,
 
     #[command(flatten)]
     pub(super) isolation: IsolationOptions,
@@ -248,6 +255,11 @@ pub(super) struct VerifyOptions {
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
     pub(super) threads: u32,
 
+    /// Instructions of every algorithm: auto (the widest of the processor), scalar, avx2 or avx512;
+    /// narrower ones where the processor lacks them. Distances and counts do not depend on it
+    #[arg(long, value_name = "SIMD", default_value_t)]
+    pub(super) simd: Simd,
+
     #[command(flatten)]
     pub(super) isolation: IsolationOptions,
 
@@ -281,6 +293,11 @@ pub(super) struct DistanceOptions {
     /// time
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
     pub(super) threads: u32,
+
+    /// Instructions of every algorithm: auto (the widest of the processor), scalar, avx2 or avx512;
+    /// narrower ones where the processor lacks them. Distances and counts do not depend on it
+    #[arg(long, value_name = "SIMD", default_value_t)]
+    pub(super) simd: Simd,
 
     #[command(flatten)]
     pub(super) reading: ReadingOptions,

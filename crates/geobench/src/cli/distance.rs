@@ -111,6 +111,7 @@ impl Request<'_> {
         let threads = self.options.threads as usize;
         let workers = threads.min(tasks.len()).max(1);
         let algorithm = self.options.algo.clone().with_threads(threads / workers);
+        let algorithm = algorithm.with_simd(self.options.simd);
         let build = || algorithm.build(self.mesh);
         if workers == 1 {
             let mut solver = build();

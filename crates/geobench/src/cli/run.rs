@@ -197,6 +197,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         tolerance: options.tolerance,
         seed: options.seed,
         threads: options.threads,
+        simd: options.simd,
         timeout: options.isolation.timeout,
         memory_limit: options.isolation.memory_limit,
         max_decompressed: options.isolation.decompression.max_decompressed,
@@ -424,7 +425,8 @@ impl Listener for Reporter {
         self.progress
             .counting_instructions(&model.name, &cell.algorithm);
         let source = cell.source?;
-        match instructions::count(&model.path, &cell.algorithm, source) {
+        let simd = cell.simd.as_ref().and_then(|simd| simd.parse().ok());
+        match instructions::count(&model.path, &cell.algorithm, source, simd) {
             Ok(count) => Some(count),
             Err(error) => {
                 let text = format!(

@@ -38,7 +38,8 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     let programs = options.isolation.programs()?;
     for algorithm in &mut algorithms {
         algorithm.find_program(&programs)?;
-        *algorithm = algorithm.clone().with_threads(options.threads as usize);
+        let set = algorithm.clone().with_threads(options.threads as usize);
+        *algorithm = set.with_simd(options.simd);
     }
     options.isolation.check()?;
     let crowding = options.isolation.crowding(&algorithms);

@@ -18,6 +18,8 @@ pub(crate) const SOLVE: &str = "solve";
 pub(crate) struct Request {
     /// The algorithm with its parameters.
     pub(crate) algorithm: String,
+    /// The widest instructions that it may use.
+    pub(crate) simd: String,
     /// Number of the source vertex.
     pub(crate) source: u32,
     /// The purpose of the run.

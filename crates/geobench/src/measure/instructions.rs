@@ -49,14 +49,19 @@ pub fn check_valgrind() -> anyhow::Result<()> {
 }
 
 /// Counts the instructions of the first solve after set-up, in a process of its own. Takes about
-/// fifty times as long as the solve. Falls back to narrower vector instructions if Valgrind does
+/// fifty times as long as the solve. Uses instructions no wider than `simd`, and falls back to narrower vector instructions if Valgrind does
 /// not support one.
 ///
 /// # Errors
 ///
 /// When Valgrind is missing or the process does not end well.
-pub fn count(model: &str, algorithm: &str, source: u32) -> anyhow::Result<InstructionCount> {
-    let mut widest = None;
+pub fn count(
+    model: &str,
+    algorithm: &str,
+    source: u32,
+    simd: Option<Instructions>,
+) -> anyhow::Result<InstructionCount> {
+    let mut widest = simd;
     loop {
         match count_with(model, algorithm, source, widest)? {
             Attempt::Counted(found) => return Ok(found),

@@ -12,7 +12,7 @@ use crate::exec::expected::Expected;
 use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
 use crate::plan::source::SourceSpec;
-use crate::registry::{self, Programs, Selection, Value};
+use crate::registry::{self, Programs, Selection, Simd, Value};
 use crate::schema::{
     GroupRecord, IsolationRecord, PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel, Shard,
 };
@@ -42,6 +42,8 @@ pub struct Plan {
     pub tolerance: f64,
     /// Seed of the order of the runs.
     pub seed: u64,
+    /// Instructions of all algorithms; each of them knows.
+    pub simd: Simd,
     /// The part of the plan that this process runs; `None` for the whole.
     pub shard_range: Option<ShardRange>,
     /// Limits of each run.
@@ -222,6 +224,7 @@ fn group(plan: &Plan) -> PlannedGroup {
         },
         tolerance: plan.tolerance,
         seed: plan.seed,
+        simd: Some(plan.simd.to_string()),
         timeout: plan.limits.timeout.0.map(|time| time.as_secs_f64()),
         memory_limit: plan.limits.memory.0,
         max_decompressed: plan.limits.decompressed.0,

@@ -3,7 +3,7 @@
 use geobench_ich::{ch, ich, ich1};
 
 use super::Algorithm;
-use super::parameter::threshold_width;
+use super::single;
 
 pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
@@ -15,7 +15,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "one level of the tree and one record for each angle",
         choose: "to see where the others come from, on models of up to some 10,000 faces",
         comfortable_faces: Some(10_000),
-        build: |mesh, values| Box::new(ch(mesh).with_threshold(threshold_width(mesh, values))),
+        build: |mesh, values| single(ch(mesh), mesh, values),
         ..Algorithm::EXACT
     },
     Algorithm {
@@ -27,7 +27,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         complexity: "time O(n^2 log n), space O(n)",
         keeps: "the windows in the queue and one record for each angle",
         choose: "to see what the filter does without a priority queue",
-        build: |mesh, values| Box::new(ich1(mesh).with_threshold(threshold_width(mesh, values))),
+        build: |mesh, values| single(ich1(mesh), mesh, values),
         ..Algorithm::EXACT
     },
     Algorithm {
@@ -39,7 +39,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         complexity: "time O(n^2 log n), space O(n)",
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with published figures of ICH; when memory is short and simplicity counts",
-        build: |mesh, values| Box::new(ich(mesh).with_threshold(threshold_width(mesh, values))),
+        build: |mesh, values| single(ich(mesh), mesh, values),
         ..Algorithm::EXACT
     },
 ];

@@ -7,9 +7,9 @@ use geobench_fwp::{
 };
 use geobench_window::Counter;
 
-use super::mmp::{FILTER, LISTS, TURN, VERTEX_ORDER, batched, is_batched, single};
-use super::parameter::{THRESHOLD, threshold_width};
-use super::{Algorithm, Parameter, Value, Values};
+use super::mmp::{FILTER, LISTS, TURN, VERTEX_ORDER, batched, is_batched, stored};
+use super::parameter::THRESHOLD;
+use super::{Algorithm, Parameter, Value, Values, single};
 
 const BUCKET: Parameter = Parameter::real(
     "bucket",
@@ -85,7 +85,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
             if is_batched(values) {
                 batched(fwp_mmp_batched(mesh, buckets(values)), mesh, values)
             } else {
-                single(fwp_mmp(mesh, buckets(values)), mesh, values)
+                stored(fwp_mmp(mesh, buckets(values)), mesh, values)
             }
         },
         ..Algorithm::EXACT
@@ -99,9 +99,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows in the buckets and one record for each angle",
         choose: "instead of ich: the same windows in less time",
         parameters: BUCKET_PARAMETERS,
-        build: |mesh, values| {
-            Box::new(fwp_ch(mesh, buckets(values)).with_threshold(threshold_width(mesh, values)))
-        },
+        build: |mesh, values| single(fwp_ch(mesh, buckets(values)), mesh, values),
         ..Algorithm::EXACT
     },
     Algorithm {
@@ -119,7 +117,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
             if is_batched(values) {
                 batched(lc_mmp_batched(mesh, label_correcting(values)), mesh, values)
             } else {
-                single(lc_mmp(mesh, label_correcting(values)), mesh, values)
+                stored(lc_mmp(mesh, label_correcting(values)), mesh, values)
             }
         },
         ..Algorithm::EXACT
@@ -134,11 +132,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with fwp-ch",
         parameters: &[BETA, THRESHOLD],
-        build: |mesh, values| {
-            Box::new(
-                lc_ch(mesh, label_correcting(values)).with_threshold(threshold_width(mesh, values)),
-            )
-        },
+        build: |mesh, values| single(lc_ch(mesh, label_correcting(values)), mesh, values),
         ..Algorithm::EXACT
     },
     VERTEX_ORDER,
@@ -150,7 +144,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         departs: "as ich",
         keeps: "the windows of the wavefront and one record for each angle",
         choose: "to tell what vtp owes to its order from what it owes to its rules",
-        build: |mesh, values| Box::new(vtp_ch(mesh).with_threshold(threshold_width(mesh, values))),
+        build: |mesh, values| single(vtp_ch(mesh), mesh, values),
         ..Algorithm::EXACT
     },
 ];

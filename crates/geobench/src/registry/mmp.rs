@@ -10,7 +10,7 @@ use geobench_window::queue::{Discipline, Fifo};
 use geobench_window::{Counter, Solver, VertexFilter};
 
 use super::parameter::{THRESHOLD, threshold_width};
-use super::{Algorithm, Parameter, Values};
+use super::{Algorithm, Parameter, Values, single};
 
 /// What is propagated at once.
 pub(super) const TURN: Parameter = Parameter::word(
@@ -62,26 +62,24 @@ fn retention(values: &Values) -> Retention {
 }
 
 /// A single form with [`LISTS`] and [`THRESHOLD`].
-pub(super) fn single<Q: Discipline + 'static>(
+pub(super) fn stored<Q>(
     solver: Continuous<Trimming, Q>,
     mesh: &Mesh,
     values: &Values,
 ) -> Box<dyn Solver>
 where
-    Continuous<Trimming, Q>: Solver,
+    Q: Discipline,
+    Continuous<Trimming, Q>: Solver + 'static,
 {
     let solver = solver.map_policy(|policy| policy.retaining(retention(values)));
-    Box::new(solver.with_threshold(threshold_width(mesh, values)))
+    single(solver, mesh, values)
 }
 
-/// A batched form with [`FILTER`], [`LISTS`] and [`THRESHOLD`].
-pub(super) fn batched<Q: Discipline + 'static>(
-    solver: Batched<Q>,
-    mesh: &Mesh,
-    values: &Values,
-) -> Box<dyn Solver>
+/// A batched form with [`FILTER`], [`LISTS`] and [`THRESHOLD`]. It has scalar code only.
+pub(super) fn batched<Q>(solver: Batched<Q>, mesh: &Mesh, values: &Values) -> Box<dyn Solver>
 where
-    Batched<Q>: Solver,
+    Q: Discipline,
+    Batched<Q>: Solver + 'static,
 {
     let filter = match values.word(&FILTER) {
         Some("vertices") => VertexFilter::On,
@@ -108,9 +106,9 @@ pub(super) const FAMILY: &[Algorithm] = &[
                 batched(mmp_batched(mesh, values.real(&SLACK)), mesh, values)
             } else if values.word(&QUEUE) == Some("fifo") {
                 let policy = Trimming::new(mesh, Carrier::HalfEdge);
-                single(Continuous::new(mesh, policy, Fifo::default()), mesh, values)
+                stored(Continuous::new(mesh, policy, Fifo::default()), mesh, values)
             } else {
-                single(mmp(mesh), mesh, values)
+                stored(mmp(mesh), mesh, values)
             }
         },
         ..Algorithm::EXACT
@@ -126,7 +124,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "instead of mmp where few windows matter more than time",
         memory_counter: Counter::StoredWindows,
         parameters: &[LISTS, THRESHOLD],
-        build: |mesh, values| single(mmp_edge(mesh), mesh, values),
+        build: |mesh, values| stored(mmp_edge(mesh), mesh, values),
         ..Algorithm::EXACT
     },
 ];
@@ -161,7 +159,7 @@ pub(super) const VERTEX_ORDER: Algorithm = Algorithm {
         if is_batched(values) {
             batched(vtp_mmp_batched(mesh), mesh, values)
         } else {
-            single(vtp_mmp(mesh), mesh, values)
+            stored(vtp_mmp(mesh), mesh, values)
         }
     },
     ..Algorithm::EXACT

@@ -8,6 +8,8 @@
 use std::sync::LazyLock;
 
 use geobench_mesh::Mesh;
+use geobench_window::continuous::{Continuous, Policy};
+use geobench_window::queue::Discipline;
 use geobench_window::{Counter, Solver};
 
 mod ch;
@@ -20,7 +22,7 @@ mod program;
 mod select;
 mod vtp;
 
-pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, Value, Values};
+pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, Simd, Value, Values};
 pub(crate) use program::{Call, PLACEHOLDERS};
 pub use program::{ProcessLifetime, Program, Programs};
 pub use select::{Selection, select, select_one};
@@ -47,6 +49,19 @@ const fn failing() -> &'static [Algorithm] {
     return failing::FAMILY;
     #[cfg(not(feature = "failing-algorithms"))]
     &[]
+}
+
+/// An algorithm that takes one window at a time, with its threshold and instructions.
+fn single<W: Policy, Q: Discipline>(
+    solver: Continuous<W, Q>,
+    mesh: &Mesh,
+    values: &Values,
+) -> Box<dyn Solver>
+where
+    Continuous<W, Q>: Solver + 'static,
+{
+    let solver = solver.with_threshold(parameter::threshold_width(mesh, values));
+    Box::new(solver.with_instructions(values.instructions()))
 }
 
 /// A registered algorithm.

@@ -2,9 +2,12 @@
 
 use std::fmt;
 use std::ops::RangeInclusive;
+use std::str::FromStr;
 
 use geobench_mesh::Mesh;
 use geobench_window::simd::Instructions;
+
+use crate::UsageError;
 
 /// The parameter of every parallel algorithm, and of no other.
 pub(crate) const THREADS: Parameter = Parameter::integer(
@@ -356,6 +359,42 @@ pub(super) const SIMD: Parameter = Parameter::word(
     &["auto", "avx512", "avx2", "scalar"],
     "instructions to use, the widest that there are by default; narrower ones where these are missing",
 );
+
+/// The instructions of a run, the value of `--simd`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Simd {
+    /// The widest of the processor.
+    #[default]
+    Auto,
+    /// These, or narrower ones where the processor lacks them.
+    AtMost(Instructions),
+}
+
+impl fmt::Display for Simd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::AtMost(widest) => widest.fmt(f),
+        }
+    }
+}
+
+impl FromStr for Simd {
+    type Err = UsageError;
+
+    /// Parses `auto`, `scalar`, `avx2` or `avx512`, in any letter case.
+    fn from_str(text: &str) -> Result<Self, UsageError> {
+        let name = text.to_lowercase();
+        if name == "auto" {
+            return Ok(Self::Auto);
+        }
+        name.parse().map(Self::AtMost).map_err(|_| {
+            UsageError(format!(
+                "`{text}` is not one of auto, scalar, avx2 and avx512"
+            ))
+        })
+    }
+}
 
 impl Values {
     /// The same with no wider instructions than `widest`. Labels do not show it.

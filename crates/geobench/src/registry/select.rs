@@ -10,7 +10,7 @@ use geobench_window::simd::Instructions;
 use super::parameter::THREADS;
 use super::program::{OUTSIDE, PREFIX};
 use super::program::{Program, Programs};
-use super::{Algorithm, Parameter, Value, Values, algorithms, failing};
+use super::{Algorithm, Parameter, Simd, Value, Values, algorithms, failing};
 use crate::UsageError;
 
 /// An algorithm with the values of its parameters.
@@ -101,8 +101,16 @@ impl Selection {
         self
     }
 
-    /// The same with no wider instructions than `widest`, if it has a choice. The label stays the
-    /// same.
+    /// The same with the instructions of a run. The label stays the same.
+    #[must_use]
+    pub fn with_simd(self, simd: Simd) -> Self {
+        match simd {
+            Simd::Auto => self,
+            Simd::AtMost(widest) => self.at_most(widest),
+        }
+    }
+
+    /// The same with no wider instructions than `widest`. The label stays the same.
     #[must_use]
     pub fn at_most(mut self, widest: Instructions) -> Self {
         self.values = self.values.at_most(widest);
@@ -112,6 +120,13 @@ impl Selection {
     /// The widest instructions that its solver may use.
     pub fn instructions(&self) -> Instructions {
         self.values.instructions()
+    }
+
+    /// The name of these instructions; `None` for an outside program.
+    pub fn simd(&self) -> Option<String> {
+        self.outside_name()
+            .is_none()
+            .then(|| self.instructions().to_string())
     }
 
     /// Whether it is a parallel algorithm of the registry.

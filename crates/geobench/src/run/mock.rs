@@ -6,7 +6,7 @@ use crate::exec::limits::Limits;
 use crate::exec::mock::MockBackend;
 use crate::exec::model::ModelRef;
 use crate::plan::{Plan, Reference};
-use crate::registry;
+use crate::registry::{self, Simd};
 use crate::schema::{GroupRecord, Host, ResultFile, SCHEMA, Tool};
 
 /// A plan for models that do not exist.
@@ -27,6 +27,7 @@ pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
         repeat: 5,
         warmup: 1,
         tolerance: 1e-9,
+        simd: Simd::Auto,
         seed: 1,
         shard_range: None,
         limits: Limits::USUAL,

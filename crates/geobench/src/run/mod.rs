@@ -217,6 +217,7 @@ impl Benchmark<'_> {
                 status: Status::Refused,
                 message: Some(message.to_owned()),
                 threads: algorithm.threads(),
+                simd: algorithm.simd(),
                 ..Cell::new(&plan.models[self.place].name, algorithm.label())
             })
             .collect()

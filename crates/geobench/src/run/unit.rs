@@ -425,6 +425,7 @@ impl<'p> CellRuns<'p> {
             source: Some(run.source),
             check: self.check(),
             threads: self.algorithm.threads(),
+            simd: self.algorithm.simd(),
             ..Cell::new(&run.model, &run.algorithm)
         };
         if let Some(failure) = self.failure {

@@ -107,8 +107,7 @@ pub struct Host {
     /// Load average over one minute when the run started.
     pub load_start: Option<f64>,
     /// The widest vector instructions that it has and the program uses, `avx512`, `avx2` or
-    /// `scalar`. An algorithm with a parameter `simd` takes these unless its label names others,
-    /// and never wider ones.
+    /// `scalar`. Those of a cell are narrower if `--simd` or a parameter `simd` asks for it.
     #[serde(default)]
     pub simd: Option<String>,
 }
@@ -219,6 +218,10 @@ pub struct Cell {
     pub source: Option<u32>,
     /// Threads that the algorithm used.
     pub threads: usize,
+    /// The widest vector instructions that its timed runs could use, `avx512`, `avx2` or `scalar`;
+    /// null for an outside program, and in files of older programs.
+    #[serde(default)]
+    pub simd: Option<String>,
     /// Outcome.
     pub status: Status,
     /// Reason of a failure, or a note; one line.

@@ -41,6 +41,10 @@ pub struct PlannedGroup {
     pub tolerance: f64,
     /// Seed of the order of the runs.
     pub seed: u64,
+    /// Instructions of all algorithms, as on the command line; null in files of older programs,
+    /// where they were the widest of the processor.
+    #[serde(default)]
+    pub simd: Option<String>,
     /// Time limit of each run in seconds; null for none.
     pub timeout: Option<f64>,
     /// Memory limit of the process of each cell in bytes; null for none.

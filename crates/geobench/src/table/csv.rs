@@ -120,6 +120,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
             ("instructions", text(cell.instructions)),
             ("instructions_simd", text(cell.instructions_simd.as_ref())),
             ("shard", text(cell.shard)),
+            ("simd", text(cell.simd.as_ref())),
         ]
         .map(|(name, value)| (name.to_owned(), value)),
     );

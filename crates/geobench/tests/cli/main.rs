@@ -17,6 +17,7 @@ mod reproduce;
 mod resume;
 mod run;
 mod shell;
+mod simd;
 mod support;
 mod threads;
 mod verify;

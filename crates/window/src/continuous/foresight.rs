@@ -6,6 +6,7 @@ use super::policy::Policy;
 use super::surface::Surface;
 use crate::crossings::{Crossings, LANES};
 use crate::queue::{Discipline, EventKind};
+use crate::simd::Instructions;
 
 /// The windows that were next to come when it looked last, in that order, and their crossings.
 ///
@@ -21,6 +22,14 @@ pub(super) struct Foresight {
 }
 
 impl Foresight {
+    /// Windows cross with `instructions`, or narrower ones if the processor lacks them.
+    pub(super) fn new(instructions: Instructions) -> Self {
+        Self {
+            crossings: Crossings::new(instructions),
+            ..Self::default()
+        }
+    }
+
     pub(super) fn clear(&mut self) {
         self.crossings.clear();
         self.next = 0;

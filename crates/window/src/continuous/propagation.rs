@@ -16,6 +16,7 @@ use crate::frame::{Entrance, Exit, Side};
 use crate::passage::Passage;
 use crate::probe::{Phase, Probe};
 use crate::queue::{Discipline, Event, EventKind};
+use crate::simd::Instructions;
 use crate::solver::{Propagate, Solution};
 use crate::spawn::spawn_window;
 use crate::window::Window;
@@ -67,6 +68,16 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     pub fn with_threshold(self, width: f64) -> Self {
         Self {
             threshold: width,
+            ..self
+        }
+    }
+
+    /// Uses `instructions`, or narrower ones if the processor lacks them; by default the widest that
+    /// it has. Distances and counts are the same.
+    #[must_use]
+    pub fn with_instructions(self, instructions: Instructions) -> Self {
+        Self {
+            foresight: Foresight::new(instructions),
             ..self
         }
     }

@@ -73,6 +73,7 @@ fn serve(model: &str, mut session: InProcess) -> io::Result<()> {
         let request: Request = serde_json::from_str(&line?)?;
         system::raise_oom_score(true);
         let algorithm = registry::select_one(&request.algorithm).map_err(io::Error::other)?;
+        let algorithm = algorithm.at_most(request.simd.parse().map_err(io::Error::other)?);
         let step = Step {
             model,
             algorithm: &algorithm,

@@ -411,6 +411,7 @@ impl Child {
         match &self.outside {
             None => serde_json::json!(Request {
                 algorithm: step.algorithm.spelled(),
+                simd: step.algorithm.instructions().to_string(),
                 source: step.source.raw(),
                 pass: step.pass,
             })

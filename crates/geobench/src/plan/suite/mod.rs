@@ -7,6 +7,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use geobench_window::simd::Instructions;
 use toml::Spanned;
 
 use crate::UsageError;
@@ -14,7 +15,7 @@ use crate::exec::limits::{Limits, Timeout};
 use crate::exec::model::{self, ModelError, ModelRef};
 use crate::plan::source::SourceSpec;
 use crate::plan::{Plan, Reference};
-use crate::registry::{self, Selection};
+use crate::registry::{self, Selection, Simd};
 use crate::schema::GroupRecord;
 
 mod document;
@@ -75,8 +76,25 @@ pub fn plans(
             }
             None => model::collect(MODELS)?,
         };
-        done.plans
-            .push(plan(asked, models, GroupRecord::unnamed())?);
+        if asked.algorithms.is_some() || asked.simd.is_some() {
+            done.plans
+                .push(plan(asked, models, GroupRecord::unnamed())?);
+            return Ok(done);
+        }
+        for (name, shows, simd, algorithms) in GROUPS {
+            let settings = Settings {
+                simd: Some(simd),
+                algorithms: Some(registry::select(algorithms)?),
+                ..Settings::default()
+            };
+            let record = GroupRecord {
+                name: Some(name.to_owned()),
+                shows: Some(shows.to_owned()),
+                ..GroupRecord::unnamed()
+            };
+            let settings = asked.or(&settings);
+            done.plans.push(plan(&settings, models.clone(), record)?);
+        }
         return Ok(done);
     };
     for group in &suite.groups {
@@ -178,14 +196,13 @@ fn plan(
     group: GroupRecord,
 ) -> Result<Plan, UsageError> {
     let threads = settings.threads.unwrap_or(1) as usize;
+    let simd = settings.simd.unwrap_or_default();
+    let set = |algorithm: Selection| algorithm.with_threads(threads).with_simd(simd);
     let algorithms = settings.algorithms.clone().unwrap_or_else(usual);
-    let algorithms: Vec<Selection> = algorithms
-        .into_iter()
-        .map(|algorithm| algorithm.with_threads(threads))
-        .collect();
+    let algorithms: Vec<Selection> = algorithms.into_iter().map(set).collect();
     let reference = settings.reference.clone().map(Spanned::into_inner);
     let reference = match reference {
-        Some(Reference::Algorithm(one)) => Some(Reference::Algorithm(one.with_threads(threads))),
+        Some(Reference::Algorithm(one)) => Some(Reference::Algorithm(set(one))),
         other => other,
     };
     let plan = Plan {
@@ -205,6 +222,7 @@ fn plan(
         reference: reference.unwrap_or_else(|| Reference::usual(&algorithms)),
         tolerance: settings.tolerance.unwrap_or(1e-9),
         seed: settings.seed.unwrap_or(DEFAULT_SEED),
+        simd,
         shard_range: None,
         limits: Limits {
             timeout: settings.timeout.unwrap_or(Timeout::USUAL),
@@ -217,15 +235,14 @@ fn plan(
     Ok(plan)
 }
 
-/// The algorithms that run by default.
+/// The algorithms of a group that names none, and of `--simd` without `--algo`.
 fn usual() -> Vec<Selection> {
-    let known = |name: &&&str| registry::algorithms().iter().any(|a| a.name == **name);
-    let names: Vec<&str> = ALGORITHMS.iter().filter(known).copied().collect();
-    registry::select(&names.join(",")).unwrap_or_default()
+    let [(_, _, _, papers), _] = GROUPS;
+    registry::select(papers).unwrap_or_default()
 }
 
 /// The built-in suite: closed and open surfaces, with and without handles, of even and of slender
-/// triangles, of about 3,000 to 20,000 faces. The [`ALGORITHMS`] take less than a minute.
+/// triangles, of about 3,000 to 20,000 faces. Its groups take less than a minute.
 pub const MODELS: &[&str] = &[
     "gen:sphere,subdiv=4",
     "gen:torus,faces=20000,bump=0.1,seed=7",
@@ -245,9 +262,22 @@ pub const SMALL_MODELS: &[&str] = &[
     "gen:anisotropic,faces=1200,g=4",
 ];
 
-/// The algorithms that the papers compare, which run by default. Some of the others are slower by
-/// orders of magnitude.
-pub const ALGORITHMS: &[&str] = &["mmp", "ich", "fwp-mmp", "fwp-ch", "vtp"];
+/// The groups of the built-in suite: name, text, instructions and algorithms. Some of the other
+/// algorithms are slower by orders of magnitude.
+const GROUPS: [(&str, &str, Simd, &str); 2] = [
+    (
+        "papers",
+        "The algorithms that the papers compare, all with scalar instructions.",
+        Simd::AtMost(Instructions::Scalar),
+        "mmp,ich,fwp-mmp,fwp-ch,vtp",
+    ),
+    (
+        "fast",
+        "The fast forms, with the widest instructions of the processor, beside vtp with them.",
+        Simd::Auto,
+        "mmp-fast,vtp,vtp-fast",
+    ),
+];
 
 /// The models in a directory and below it.
 #[derive(Clone, Debug)]

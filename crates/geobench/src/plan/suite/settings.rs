@@ -13,7 +13,7 @@ use super::document::{Document, SuiteError, parsed, text_or_table};
 use crate::exec::limits::{DecompressionLimit, MemoryLimit, Timeout};
 use crate::plan::Reference;
 use crate::plan::source::SourceSpec;
-use crate::registry::{self, MOST_THREADS, Selection};
+use crate::registry::{self, MOST_THREADS, Selection, Simd};
 use crate::table;
 
 /// Greatest seed in a suite file.
@@ -50,6 +50,9 @@ pub struct Settings {
     /// Threads of the parallel algorithms.
     #[serde(deserialize_with = "whole::<_, _, 1, MOST_THREADS>")]
     pub threads: Option<u32>,
+    /// Instructions of all algorithms.
+    #[serde(deserialize_with = "text")]
+    pub simd: Option<Simd>,
     /// Time that each run may take.
     #[serde(deserialize_with = "text")]
     pub timeout: Option<Timeout>,
@@ -145,7 +148,7 @@ impl Settings {
                 Self { $($key: self.$key.clone().or_else(|| other.$key.clone()),)* }
             };
         }
-        settings!(models algorithms sources repeat warmup tolerance seed threads timeout memory_limit
+        settings!(models algorithms sources repeat warmup tolerance seed threads simd timeout memory_limit
             max_decompressed reference rows ratios_to wavefront)
     }
 

@@ -220,3 +220,29 @@ fn parameters_are_refused_with_what_would_be_right() {
     }
     assert!(select("mmp{turn=list,queue=fifo}").is_err());
 }
+
+/// Vector code carries out the same steps.
+#[test]
+fn answers_and_counts_do_not_depend_on_the_instructions() {
+    for spec in [
+        "gen:torus,faces=600,bump=0.2,seed=1",
+        "gen:anisotropic,faces=400,g=4",
+        "gen:cube,n=4",
+    ] {
+        let soup = geobench_mesh::generate::generate(&spec.parse().unwrap()).unwrap();
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        for algorithm in algorithms() {
+            let run = |widest| {
+                let selection = select_one(algorithm.name).unwrap().at_most(widest);
+                let (solution, counters) =
+                    selection.build(&mesh).count(&[VertexId::new(7)]).unwrap();
+                let bits: Vec<u64> = solution.distances.iter().map(|d| d.to_bits()).collect();
+                (bits, counters)
+            };
+            let scalar = run(Instructions::Scalar);
+            for wider in [Instructions::Avx2, Instructions::Avx512] {
+                assert!(run(wider) == scalar, "{}, {wider}, {spec}", algorithm.name);
+            }
+        }
+    }
+}

@@ -79,8 +79,7 @@ pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> Continuous<Trimming, Buck
 /// [`fwp_mmp`] with the due windows of a half-edge taken together; O(faces).
 ///
 /// The rounds are those of [`fwp_mmp`], except that a window that arrives at a list before the list
-/// is taken in the same round does not wait for the next round. That makes a fourth more rounds on
-/// the horse, and seven tenths more with the filter.
+/// is taken in the same round does not wait for the next round. That makes more rounds.
 pub fn fwp_mmp_batched(mesh: &Mesh, options: BucketOptions) -> Batched<Buckets> {
     Batched::new(mesh, Buckets::new(mesh, options).of_lists())
 }

@@ -1,0 +1,155 @@
+//! The greatest difference of two distances along a line.
+
+use crate::interval::{Interval, Vector, norm};
+
+/// A function of the points of a line, the abscissa axis: `sigma` plus the distance to `image`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Distance {
+    /// A point of the plane; the sign of its ordinate does not matter.
+    pub(crate) image: Vector<2>,
+    pub(crate) sigma: Interval,
+}
+
+impl Distance {
+    /// Its value at abscissa `t`.
+    pub(crate) fn at(&self, t: Interval) -> Interval {
+        self.sigma + norm([t - self.image[0], self.image[1]])
+    }
+
+    /// About its value at abscissa `t`.
+    fn near(&self, t: f64) -> f64 {
+        let [x, y] = self.image.map(Interval::middle);
+        self.sigma.middle() + (t - x).hypot(y)
+    }
+
+    /// Its slope at abscissa `t`, between -1 and 1.
+    fn slope(&self, t: Interval) -> Interval {
+        let x = t - self.image[0];
+        let quotient = x / norm([x, self.image[1]]);
+        Interval {
+            lo: quotient.lo.max(-1.0),
+            hi: quotient.hi.min(1.0),
+        }
+    }
+}
+
+/// A difference that is less than this fraction of the numbers involved, below zero, needs no
+/// second look: rounding is a thousand times less.
+const CLEAR: f64 = 1e-12;
+
+/// An upper bound of `f(t) - g(t)` over `from <= t <= to`. Where that is far below zero the bound
+/// may be far above it, but is below zero, too.
+///
+/// The difference has at most one critical point: where the line through both images, reflected to
+/// one side, meets the axis. It is a maximum, the distance of the images, where the slope of the
+/// difference goes from positive to negative.
+pub(crate) fn greatest_difference(f: &Distance, g: &Distance, from: f64, to: f64) -> f64 {
+    // Both functions change by at most the way along the line.
+    let middle = f64::midpoint(from, to);
+    let [a, b] = [f.near(middle), g.near(middle)];
+    let roughly = a - b + (to - from);
+    if roughly < -CLEAR * (a + b + middle.abs()) {
+        return roughly + CLEAR * (a + b + middle.abs());
+    }
+    bound(f, g, from, to, &mut { BISECTIONS })
+}
+
+/// Intervals that are bisected where signs of slopes are in doubt.
+const BISECTIONS: u32 = 100;
+
+/// A bound this close to the value at an end, as a fraction of the distances, is not improved.
+const CLOSE: f64 = 1e-15;
+
+fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -> f64 {
+    let ends = [from, to].map(Interval::exact);
+    let differences = ends.map(|t| (f.at(t) - g.at(t)).hi);
+    let at_ends = differences[0].max(differences[1]);
+    let ([f0, f1], [g0, g1]) = (ends.map(|t| f.slope(t)), ends.map(|t| g.slope(t)));
+    let (rises, falls) = (f0 - g0, f1 - g1);
+    // There is one critical point at most: monotone, or with a minimum between.
+    if falls.lo >= 0.0 || rises.hi <= 0.0 || from >= to {
+        return at_ends;
+    }
+    let peak = peak(f, g).max(at_ends);
+    if rises.lo > 0.0 && falls.hi < 0.0 {
+        return peak;
+    }
+    // Slopes of distances grow along the line.
+    let width = Interval::exact(to) - Interval::exact(from);
+    let up = Interval::exact((f1 - g0).hi.max(0.0));
+    let down = Interval::exact((g1 - f0).hi.max(0.0));
+    let from_first = Interval::exact(differences[0]) + width * up;
+    let from_last = Interval::exact(differences[1]) + width * down;
+    let loose = from_first.hi.min(from_last.hi).min(peak).max(at_ends);
+    let middle = f64::midpoint(from, to);
+    let close = CLOSE * (f.at(ends[0]).hi + g.at(ends[0]).hi);
+    if loose - at_ends <= close || *bisections == 0 || middle <= from || middle >= to {
+        return loose;
+    }
+    *bisections -= 1;
+    let halves = [(from, middle), (middle, to)];
+    halves
+        .map(|(from, to)| bound(f, g, from, to, bisections))
+        .into_iter()
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The distance of the images on one side of the line, and of the sigmas: no difference is more.
+fn peak(f: &Distance, g: &Distance) -> f64 {
+    let x = f.image[0] - g.image[0];
+    let y = f.image[1].abs() - g.image[1].abs();
+    (f.sigma - g.sigma + norm([x, y])).hi
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn distance(x: f64, y: f64, sigma: f64) -> Distance {
+        Distance {
+            image: [x, y].map(Interval::exact),
+            sigma: Interval::exact(sigma),
+        }
+    }
+
+    prop_compose! {
+        fn distances()(
+            x in -2.0..3.0f64, y in prop_oneof![Just(0.0), -2.0..2.0f64], sigma in 0.0..1.0f64,
+        ) -> Distance {
+            distance(x, y, sigma)
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_bound_is_above_all_samples_and_close_to_the_greatest(
+            f in distances(), g in distances(), ends in (0.0..1.0f64, 0.0..1.0f64),
+        ) {
+            let (from, to) = (ends.0.min(ends.1), ends.0.max(ends.1));
+            let found = greatest_difference(&f, &g, from, to);
+            let samples = (0..=1000).map(|i| from + (to - from) * f64::from(i) / 1000.0);
+            let most = samples
+                .map(|t| (f.at(Interval::exact(t)) - g.at(Interval::exact(t))).lo)
+                .fold(f64::NEG_INFINITY, f64::max);
+            prop_assert!(found >= most);
+            prop_assert!(found <= most + 2e-3 * (to - from) + 1e-12 || found < 0.0);
+        }
+    }
+
+    #[test]
+    fn equal_distances_differ_by_rounding_only() {
+        let f = distance(0.3, -1.0, 0.25);
+        assert!(greatest_difference(&f, &f, 0.0, 1.0) < 1e-14);
+        assert!(greatest_difference(&f, &distance(0.3, 1.0, 0.25), 0.0, 1.0) < 1e-14);
+    }
+
+    #[test]
+    fn a_peak_between_the_ends_is_found() {
+        // Two sources above each other: the difference is greatest at the foot.
+        let (far, near) = (distance(0.5, 2.0, 0.0), distance(0.5, 1.0, 1.0));
+        let found = greatest_difference(&far, &near, 0.0, 1.0);
+        assert!(found.abs() < 1e-14, "{found}");
+        assert!(greatest_difference(&near, &far, 0.0, 1.0) > 0.0);
+    }
+}

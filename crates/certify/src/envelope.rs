@@ -1,0 +1,244 @@
+//! The lower envelope of all windows of an edge: a distance for each of its points.
+
+/// A window as a solver reports it, in the frame of its half-edge: abscissas run from its tail.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindowData {
+    /// Where the window begins and ends.
+    pub interval: [f64; 2],
+    /// The image of its source in the plane of the half-edge. The sign of the ordinate does not
+    /// matter.
+    pub image: [f64; 2],
+    /// The distance of the source of the window from the source of the field.
+    pub sigma: f64,
+}
+
+/// A distance along an edge: `sigma` plus the distance to the image, valid on an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Piece {
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    pub(crate) image: [f64; 2],
+    pub(crate) sigma: f64,
+}
+
+impl Piece {
+    fn at(&self, t: f64) -> f64 {
+        self.sigma + (t - self.image[0]).hypot(self.image[1])
+    }
+
+    fn is_same_function(&self, other: &Self) -> bool {
+        self.image == other.image && self.sigma == other.sigma
+    }
+
+    fn on(&self, from: f64, to: f64) -> Self {
+        Self { from, to, ..*self }
+    }
+}
+
+/// Gaps between windows up to this fraction of the edge come from rounding, or from splinters that
+/// solvers drop, and are closed by the windows beside them.
+const GAP: f64 = 1e-8;
+
+/// The windows of one half-edge, in the order of their intervals and of their canonical half-edge
+/// (`reverse` if that is the twin), with small gaps closed and without overlaps.
+pub(crate) fn track(
+    windows: impl Iterator<Item = WindowData>,
+    length: f64,
+    reverse: bool,
+) -> Vec<Piece> {
+    let mut pieces: Vec<Piece> = windows
+        .map(|window| {
+            let [b0, b1] = window.interval;
+            let [x, y] = window.image;
+            let (from, to, x) = if reverse {
+                (length - b1, length - b0, length - x)
+            } else {
+                (b0, b1, x)
+            };
+            Piece {
+                from: from.clamp(0.0, length),
+                to: to.clamp(0.0, length),
+                image: [x, y.abs()],
+                sigma: window.sigma,
+            }
+        })
+        .collect();
+    pieces.sort_by(|a, b| a.from.total_cmp(&b.from));
+    let gap = GAP * length;
+    if let Some(first) = pieces.first_mut()
+        && first.from < gap
+    {
+        first.from = 0.0;
+    }
+    if let Some(last) = pieces.last_mut()
+        && length - last.to < gap
+    {
+        last.to = length;
+    }
+    for i in 1..pieces.len() {
+        let (end, start) = (pieces[i - 1].to, pieces[i].from);
+        if start - end < gap && start > end {
+            let middle = f64::midpoint(end, start);
+            pieces[i - 1].to = middle;
+            pieces[i].from = middle;
+        }
+    }
+    pieces
+}
+
+/// The lower envelope of `pieces`, some of which cover all of an edge of this length: pieces in
+/// their order, each beginning where the one before ends, from 0 to `length`.
+///
+/// Rounding may misplace a change of pieces by a few units in the last place. A certificate does
+/// not rely on it: it measures the jump there.
+pub(crate) fn lower_envelope(pieces: &[Piece], length: f64) -> Vec<Piece> {
+    let mut cuts: Vec<f64> = pieces.iter().flat_map(|p| [p.from, p.to]).collect();
+    cuts.extend([0.0, length]);
+    cuts.sort_by(f64::total_cmp);
+    cuts.dedup();
+    let mut envelope: Vec<Piece> = Vec::new();
+    let mut append = |piece: &Piece, from: f64, to: f64| match envelope.last_mut() {
+        Some(last) if last.is_same_function(piece) => last.to = to,
+        _ => envelope.push(piece.on(from, to)),
+    };
+    let mut here: Vec<&Piece> = Vec::new();
+    for cut in cuts.windows(2) {
+        let (from, to) = (cut[0], cut[1]);
+        let middle = f64::midpoint(from, to);
+        here.clear();
+        here.extend(pieces.iter().filter(|p| p.from <= middle && p.to >= middle));
+        let least = here
+            .iter()
+            .map(|p| p.at(middle))
+            .fold(f64::INFINITY, f64::min);
+        // A function that is above another by more than both can change is nowhere least.
+        here.retain(|p| p.at(middle) <= least + (to - from) * (1.0 + 1e-12));
+        if let [only] = here[..] {
+            append(only, from, to);
+            continue;
+        }
+        let mut meetings = vec![from, to];
+        for (i, a) in here.iter().enumerate() {
+            for b in &here[i + 1..] {
+                meetings.extend(crossings(a, b).into_iter().filter(|&t| t > from && t < to));
+            }
+        }
+        meetings.sort_by(f64::total_cmp);
+        meetings.dedup();
+        for part in meetings.windows(2) {
+            let middle = f64::midpoint(part[0], part[1]);
+            let at = |piece: &&&Piece| piece.at(middle);
+            if let Some(best) = here.iter().min_by(|a, b| at(a).total_cmp(&at(b))) {
+                append(best, part[0], part[1]);
+            }
+        }
+    }
+    envelope
+}
+
+/// Where two functions are equal, at most two abscissas; also where their distances add up to the
+/// difference of their sigmas, which does no harm to an envelope.
+fn crossings(a: &Piece, b: &Piece) -> Vec<f64> {
+    // With X the abscissa from the middle m of both images: ra² - rb² = k X + c, and
+    // ra - rb = d gives 2 rb d = k X + c - d².
+    let d = b.sigma - a.sigma;
+    let m = f64::midpoint(a.image[0], b.image[0]);
+    let half = (b.image[0] - a.image[0]) / 2.0;
+    let k = 4.0 * half;
+    let c = (a.image[1] - b.image[1]) * (a.image[1] + b.image[1]);
+    let e = c - d * d;
+    // 4 d² ((X - half)² + yb²) = (k X + e)²
+    let q2 = 4.0 * d * d - k * k;
+    let q1 = -8.0 * d * d * half - 2.0 * k * e;
+    let q0 = 4.0 * d * d * (half * half + b.image[1] * b.image[1]) - e * e;
+    let mut roots = quadratic_roots(q2, q1, q0);
+    for x in &mut roots {
+        *x += m;
+        // Newton's steps on the difference itself.
+        for _ in 0..3 {
+            let slope = |p: &Piece| (*x - p.image[0]) / (*x - p.image[0]).hypot(p.image[1]);
+            let step = (a.at(*x) - b.at(*x)) / (slope(a) - slope(b));
+            if !step.is_finite() {
+                break;
+            }
+            *x -= step;
+        }
+    }
+    roots.retain(|x| x.is_finite());
+    roots
+}
+
+fn quadratic_roots(a: f64, b: f64, c: f64) -> Vec<f64> {
+    let discriminant = b * b - 4.0 * a * c;
+    if discriminant < 0.0 {
+        // A double root that rounding has lost.
+        return vec![-b / (2.0 * a)];
+    }
+    let q = -0.5 * (b + discriminant.sqrt().copysign(b));
+    [q / a, c / q]
+        .into_iter()
+        .filter(|x| x.is_finite())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    prop_compose! {
+        fn pieces()(
+            ends in (0.0..1.0f64, 0.0..1.0f64), x in -1.0..2.0f64, y in 0.0..2.0f64,
+            sigma in 0.0..1.0f64,
+        ) -> Piece {
+            Piece {
+                from: ends.0.min(ends.1),
+                to: ends.0.max(ends.1),
+                image: [x, y],
+                sigma,
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_envelope_is_the_least_of_all_pieces(
+            mut all in prop::collection::vec(pieces(), 0..6), ts in prop::collection::vec(0.0..1.0f64, 50),
+        ) {
+            let whole = Piece { from: 0.0, to: 1.0, image: [0.0, 0.0], sigma: 1.0 };
+            all.push(whole);
+            let envelope = lower_envelope(&all, 1.0);
+            prop_assert_eq!(envelope[0].from, 0.0);
+            prop_assert_eq!(envelope.last().unwrap().to, 1.0);
+            for pair in envelope.windows(2) {
+                prop_assert_eq!(pair[0].to, pair[1].from);
+            }
+            for t in ts {
+                let least = all.iter().filter(|p| p.from <= t && t <= p.to).map(|p| p.at(t));
+                let least = least.fold(f64::INFINITY, f64::min);
+                let found = envelope.iter().find(|p| p.from <= t && t <= p.to).unwrap().at(t);
+                prop_assert!((found - least).abs() < 1e-9, "{} {} at {}", found, least, t);
+            }
+        }
+    }
+
+    #[test]
+    fn small_gaps_are_closed_and_large_ones_are_not() {
+        let window = |b0, b1| WindowData {
+            interval: [b0, b1],
+            image: [0.5, -1.0],
+            sigma: 0.0,
+        };
+        let windows = [
+            window(1e-12, 0.3),
+            window(0.3 + 1e-12, 0.5),
+            window(0.6, 1.0),
+        ];
+        let pieces = track(windows.into_iter(), 1.0, false);
+        assert_eq!(pieces[0].from, 0.0);
+        assert_eq!(pieces[0].to, pieces[1].from);
+        assert_eq!((pieces[1].to, pieces[2].from), (0.5, 0.6));
+        let turned = track(windows.into_iter(), 1.0, true);
+        assert_eq!((turned[0].to, turned[1].from), (0.4, 0.5));
+    }
+}

@@ -1,0 +1,326 @@
+//! Proofs that a field of geodesic distances is right.
+//!
+//! A claim gives every vertex a distance from the nearest source. It is proven from two sides, in
+//! interval arithmetic: what is stated is true of the positions in the mesh, whatever rounding the
+//! solver had.
+//!
+//! *Not too short.* A path of that length exists: [`Claim::not_too_short`] checks that its points
+//! lie on the surface, one face after another, and adds up its segments.
+//!
+//! *Not too long.* Let d be any function of the points of all edges that is 0 at the sources. If
+//! in every face `d(y) <= d(x) + |xy|` for all points x and y of its boundary, then d is nowhere
+//! above the distance, since every path is a chain of segments inside faces.
+//! [`Claim::not_too_long`] takes the lower envelope of all windows of a solver, and of the ways
+//! along the edge from its ends, for d, and checks all pairs of pieces of a face in closed form.
+//! Nothing is assumed about the windows: wrong ones make the proof fail.
+//!
+//! If the inequality holds up to `e(f)` in face f, then d is too long by at most the sum of `e(f)`
+//! over the faces that a shortest path may cross, each of which it crosses once. A face whose
+//! least d is above the distance of a vertex is none of them.
+//!
+//! ```
+//! use geobench_certify::{Claim, PathPoint};
+//! use geobench_mesh::{Mesh, VertexId};
+//!
+//! // One triangle: distances from vertex 0 are lengths of edges, and there are no windows.
+//! let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+//! let mesh = Mesh::new(positions, vec![[0, 1, 2]])?;
+//! let source = [VertexId::new(0)];
+//! let claim = Claim::new(&mesh, &source, &[0.0, 3.0, 4.0])?;
+//! let long = claim.not_too_long(|_| Vec::new());
+//! let short = claim.not_too_short(|v| Some(vec![PathPoint::Vertex(source[0]), PathPoint::Vertex(v)]));
+//! assert!(long.relative < 1e-13 && short.relative < 1e-13);
+//!
+//! // Too long by a part in a thousand million.
+//! let wrong = Claim::new(&mesh, &source, &[0.0, 3.0, 4.000_000_004])?;
+//! assert!(wrong.not_too_long(|_| Vec::new()).relative > 0.9e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod boundary;
+mod difference;
+mod envelope;
+mod face;
+mod interval;
+mod length;
+
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
+
+use boundary::windows_from_inside;
+use envelope::{Piece, lower_envelope, track};
+use face::{EdgeField, canonical};
+
+pub use envelope::WindowData;
+pub use length::PathPoint;
+
+/// Distances of all vertices, claimed to be those from the nearest of some sources.
+#[derive(Clone, Copy, Debug)]
+pub struct Claim<'a> {
+    mesh: &'a Mesh,
+    sources: &'a [VertexId],
+    distances: &'a [f64],
+}
+
+/// Why a claim cannot be looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ClaimError {
+    /// The number of distances is not that of the vertices.
+    #[error("{distances} distances for {vertices} vertices; give one for each")]
+    Count {
+        /// Number of distances.
+        distances: usize,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// A distance is negative or not a number.
+    #[error("the distance of vertex {0} is negative or not a number")]
+    NoDistance(VertexId),
+    /// A source is not a vertex, or none is given.
+    #[error("no source is given, or one does not exist")]
+    NoSource,
+    /// A source is not at distance 0.
+    #[error("source vertex {0} is not at distance 0")]
+    SourceNotZero(VertexId),
+}
+
+/// How much the distances of a claim may be wrong in one direction.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bound {
+    /// In units of the mesh, for all vertices; infinite if a vertex has no proof at all.
+    pub absolute: f64,
+    /// As a fraction of the distance, for all vertices other than sources.
+    pub relative: f64,
+    /// Where the proof fails by more than rounding, worst first.
+    pub failures: Vec<Failure>,
+    /// Number of pieces of the envelopes of all edges; of points of all paths.
+    pub pieces: usize,
+}
+
+/// A place where the proof fails.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Failure {
+    /// The place.
+    pub place: Place,
+    /// By how much, in units of the mesh: infinite if a distance is finite on one side of an edge
+    /// only, or a path is missing or leaves the surface.
+    pub violation: f64,
+}
+
+/// A face or a vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// A face across which distances grow faster than the way.
+    Face(FaceId),
+    /// A vertex at which edges disagree, or to which no path of that length leads.
+    Vertex(VertexId),
+}
+
+/// A violation above this fraction of the distances in the place is a failure, not rounding.
+const ROUNDING: f64 = 1e-13;
+
+impl<'a> Claim<'a> {
+    /// The claim that `distances`, one for each vertex and infinite where unreachable, are those
+    /// from the nearest of `sources`.
+    ///
+    /// # Errors
+    ///
+    /// When the numbers do not match the mesh, a distance is negative or not a number, or a source
+    /// is missing or not at distance 0.
+    pub fn new(
+        mesh: &'a Mesh,
+        sources: &'a [VertexId],
+        distances: &'a [f64],
+    ) -> Result<Self, ClaimError> {
+        let vertices = mesh.vertex_count();
+        if distances.len() != vertices {
+            return Err(ClaimError::Count {
+                distances: distances.len(),
+                vertices,
+            });
+        }
+        if let Some(v) = mesh.vertices().find(|v| !(distances[v.index()] >= 0.0)) {
+            return Err(ClaimError::NoDistance(v));
+        }
+        if sources.is_empty() || sources.iter().any(|s| s.index() >= vertices) {
+            return Err(ClaimError::NoSource);
+        }
+        if let Some(&s) = sources.iter().find(|s| distances[s.index()] != 0.0) {
+            return Err(ClaimError::SourceNotZero(s));
+        }
+        Ok(Self {
+            mesh,
+            sources,
+            distances,
+        })
+    }
+
+    /// How much too long the distances may be, by the windows that enter the face of each
+    /// half-edge.
+    ///
+    /// O(w²) for the w windows of a face.
+    pub fn not_too_long<W>(&self, windows: impl Fn(HalfEdgeId) -> W) -> Bound
+    where
+        W: IntoIterator<Item = WindowData>,
+    {
+        let field = self.edge_field(windows);
+        let mut failures = Vec::new();
+        // What a path that comes to a distance may have lost there.
+        let mut losses: Vec<(f64, f64)> = Vec::new();
+        for face in self.mesh.faces() {
+            let corners = self.mesh.face_vertices(face);
+            let reached = corners.map(|v| self.distances[v.index()].is_finite());
+            let (least, violation) = match reached {
+                [false, false, false] => continue,
+                [true, true, true] => (field.least(face), field.violation(face)),
+                _ => (0.0, f64::INFINITY),
+            };
+            losses.push((least * (1.0 - 1e-9), violation));
+            let scale = least + self.mesh.length(face.half_edge(0));
+            if violation > ROUNDING * scale {
+                failures.push(Failure {
+                    place: Place::Face(face),
+                    violation,
+                });
+            }
+        }
+        for v in self.mesh.vertices() {
+            let d = self.distances[v.index()];
+            if !d.is_finite() {
+                continue;
+            }
+            let violation = self.disagreement(&field, v);
+            losses.push((d * (1.0 - 1e-9), violation));
+            if violation > ROUNDING * d.max(self.longest_edge(v)) {
+                failures.push(Failure {
+                    place: Place::Vertex(v),
+                    violation,
+                });
+            }
+        }
+        failures.sort_by(|a, b| b.violation.total_cmp(&a.violation));
+        let (absolute, relative) = self.add_up(losses);
+        Bound {
+            absolute,
+            relative,
+            failures,
+            pieces: field.pieces.len(),
+        }
+    }
+
+    /// How much too short the distances may be, by a path from a source to every vertex with a
+    /// finite distance.
+    ///
+    /// O(points of all paths).
+    pub fn not_too_short(&self, mut path: impl FnMut(VertexId) -> Option<Vec<PathPoint>>) -> Bound {
+        let mut bound = Bound::default();
+        for v in self.mesh.vertices() {
+            let d = self.distances[v.index()];
+            if !d.is_finite() || self.sources.contains(&v) {
+                continue;
+            }
+            let points = path(v).unwrap_or_default();
+            bound.pieces += points.len();
+            let length = length::greatest_length(self.mesh, &points, self.sources, v);
+            let excess = length.map_or(f64::INFINITY, |l| (l - d).next_up().max(0.0));
+            bound.absolute = bound.absolute.max(excess);
+            bound.relative = bound
+                .relative
+                .max(if excess > 0.0 { excess / d } else { 0.0 });
+            if excess > ROUNDING * 10.0 * d {
+                bound.failures.push(Failure {
+                    place: Place::Vertex(v),
+                    violation: excess,
+                });
+            }
+        }
+        let worst_first = |a: &Failure, b: &Failure| b.violation.total_cmp(&a.violation);
+        bound.failures.sort_by(worst_first);
+        bound
+    }
+
+    fn edge_field<W>(&self, windows: impl Fn(HalfEdgeId) -> W) -> EdgeField<'a>
+    where
+        W: IntoIterator<Item = WindowData>,
+    {
+        let mesh = self.mesh;
+        let mut starts = Vec::with_capacity(mesh.half_edge_count() + 1);
+        let mut pieces: Vec<Piece> = Vec::new();
+        for h in mesh.half_edges() {
+            starts.push(pieces.len());
+            let ends = [mesh.tail(h), mesh.head(h)].map(|v| self.distances[v.index()]);
+            if canonical(mesh, h) != h || !ends.iter().all(|d| d.is_finite()) {
+                continue;
+            }
+            let length = mesh.length(h);
+            let mut all = track(windows(h).into_iter(), length, false);
+            if let Some(twin) = mesh.twin(h) {
+                all.extend(track(windows(twin).into_iter(), length, true));
+            } else {
+                let opposite = self.distances[mesh.apex_vertex(h).index()];
+                let inside = windows_from_inside(mesh, h, opposite, &windows);
+                // They overlap: each is a track of its own.
+                for window in inside {
+                    all.extend(track([window].into_iter(), length, false));
+                }
+            }
+            all.extend([(0.0, ends[0]), (length, ends[1])].map(|(x, sigma)| Piece {
+                from: 0.0,
+                to: length,
+                image: [x, 0.0],
+                sigma,
+            }));
+            pieces.extend(lower_envelope(&all, length));
+        }
+        starts.push(pieces.len());
+        EdgeField {
+            mesh,
+            starts,
+            pieces,
+        }
+    }
+
+    /// How far the distances of `v` on its edges, and its own, are apart.
+    fn disagreement(&self, field: &EdgeField<'_>, v: VertexId) -> f64 {
+        let mut range = [self.distances[v.index()]; 2];
+        for &h in self.mesh.outgoing(v) {
+            for (h, at_tail) in [(h, true), (h.prev(), false)] {
+                let turned = canonical(self.mesh, h) != h;
+                if let Some(d) = field.at_end(h, at_tail != turned) {
+                    range = [range[0].min(d.lo), range[1].max(d.hi)];
+                }
+            }
+        }
+        (range[1] - range[0]).next_up().max(0.0)
+    }
+
+    fn longest_edge(&self, v: VertexId) -> f64 {
+        let lengths = self.mesh.neighbours(v).map(|(_, length)| length);
+        lengths.fold(0.0, f64::max)
+    }
+
+    /// The sums of `losses`, each with the distance from which on it counts: of all, and the
+    /// greatest in proportion to the distance of a vertex.
+    fn add_up(&self, mut losses: Vec<(f64, f64)>) -> (f64, f64) {
+        // A sum of n numbers that are not negative is right to n ulps.
+        let generous = 1.0 + losses.len() as f64 * f64::EPSILON;
+        let sum = |losses: &[(f64, f64)]| losses.iter().map(|l| l.1).sum::<f64>() * generous;
+        let total = sum(&losses);
+        losses.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut order: Vec<f64> = self.distances.to_vec();
+        order.retain(|d| d.is_finite() && *d > 0.0);
+        order.sort_by(f64::total_cmp);
+        let (mut relative, mut next, mut lost) = (0.0_f64, 0, 0.0);
+        for d in order {
+            // Distances on the way are known up to the total.
+            while let Some(&(from, loss)) = losses.get(next)
+                && from <= d + total
+            {
+                lost += loss;
+                next += 1;
+            }
+            relative = relative.max(lost * generous / d);
+        }
+        (total, relative)
+    }
+}

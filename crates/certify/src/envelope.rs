@@ -35,55 +35,26 @@ impl Piece {
     }
 }
 
-/// Gaps between windows up to this fraction of the edge come from rounding, or from splinters that
-/// solvers drop, and are closed by the windows beside them.
-const GAP: f64 = 1e-8;
+/// Pieces cover gaps up to this fraction of the edge beside them: rounding and the splinters that
+/// solvers drop, at 1e-10, leave gaps between windows.
+const GAP: f64 = 1e-9;
 
-/// The windows of one half-edge, in the order of their intervals and of their canonical half-edge
-/// (`reverse` if that is the twin), with small gaps closed and without overlaps.
-pub(crate) fn track(
-    windows: impl Iterator<Item = WindowData>,
-    length: f64,
-    reverse: bool,
-) -> Vec<Piece> {
-    let mut pieces: Vec<Piece> = windows
-        .map(|window| {
-            let [b0, b1] = window.interval;
-            let [x, y] = window.image;
-            let (from, to, x) = if reverse {
-                (length - b1, length - b0, length - x)
-            } else {
-                (b0, b1, x)
-            };
-            Piece {
-                from: from.clamp(0.0, length),
-                to: to.clamp(0.0, length),
-                image: [x, y.abs()],
-                sigma: window.sigma,
-            }
-        })
-        .collect();
-    pieces.sort_by(|a, b| a.from.total_cmp(&b.from));
-    let gap = GAP * length;
-    if let Some(first) = pieces.first_mut()
-        && first.from < gap
-    {
-        first.from = 0.0;
+/// A window of a half-edge of this length as a piece, turned if the canonical half-edge of the
+/// edge is the twin.
+pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> Piece {
+    let [b0, b1] = window.interval;
+    let [x, y] = window.image;
+    let (from, to, x) = if turned {
+        (length - b1, length - b0, length - x)
+    } else {
+        (b0, b1, x)
+    };
+    Piece {
+        from,
+        to,
+        image: [x, y.abs()],
+        sigma: window.sigma,
     }
-    if let Some(last) = pieces.last_mut()
-        && length - last.to < gap
-    {
-        last.to = length;
-    }
-    for i in 1..pieces.len() {
-        let (end, start) = (pieces[i - 1].to, pieces[i].from);
-        if start - end < gap && start > end {
-            let middle = f64::midpoint(end, start);
-            pieces[i - 1].to = middle;
-            pieces[i].from = middle;
-        }
-    }
-    pieces
 }
 
 /// The lower envelope of `pieces`, some of which cover all of an edge of this length: pieces in
@@ -92,8 +63,14 @@ pub(crate) fn track(
 /// Rounding may misplace a change of pieces by a few units in the last place. A certificate does
 /// not rely on it: it measures the jump there.
 pub(crate) fn lower_envelope(pieces: &[Piece], length: f64) -> Vec<Piece> {
-    let mut cuts: Vec<f64> = pieces.iter().flat_map(|p| [p.from, p.to]).collect();
-    cuts.extend([0.0, length]);
+    let gap = GAP * length;
+    let mut cuts = vec![0.0];
+    cuts.extend(pieces.iter().flat_map(|p| [p.from, p.to]));
+    // Where a distance has a kink it may leave another with which it agrees on one side.
+    let kinks = pieces.iter().filter(|p| p.image[1] < 1e-6 * length);
+    cuts.extend(kinks.map(|p| p.image[0]));
+    cuts.retain(|&t| t >= 0.0 && t < length);
+    cuts.push(length);
     cuts.sort_by(f64::total_cmp);
     cuts.dedup();
     let mut envelope: Vec<Piece> = Vec::new();
@@ -106,7 +83,9 @@ pub(crate) fn lower_envelope(pieces: &[Piece], length: f64) -> Vec<Piece> {
         let (from, to) = (cut[0], cut[1]);
         let middle = f64::midpoint(from, to);
         here.clear();
-        here.extend(pieces.iter().filter(|p| p.from <= middle && p.to >= middle));
+        let pad = if to - from < gap { gap } else { 0.0 };
+        let covers = |p: &&Piece| p.from <= middle + pad && p.to >= middle - pad;
+        here.extend(pieces.iter().filter(covers));
         let least = here
             .iter()
             .map(|p| p.at(middle))
@@ -229,16 +208,34 @@ mod tests {
             image: [0.5, -1.0],
             sigma: 0.0,
         };
-        let windows = [
+        let mut pieces = vec![Piece {
+            from: 0.0,
+            to: 1.0,
+            image: [0.0, 0.0],
+            sigma: 3.0,
+        }];
+        for window in [
             window(1e-12, 0.3),
             window(0.3 + 1e-12, 0.5),
             window(0.6, 1.0),
-        ];
-        let pieces = track(windows.into_iter(), 1.0, false);
-        assert_eq!(pieces[0].from, 0.0);
-        assert_eq!(pieces[0].to, pieces[1].from);
-        assert_eq!((pieces[1].to, pieces[2].from), (0.5, 0.6));
-        let turned = track(windows.into_iter(), 1.0, true);
-        assert_eq!((turned[0].to, turned[1].from), (0.4, 0.5));
+        ] {
+            pieces.push(piece(&window, 1.0, false));
+        }
+        let envelope = lower_envelope(&pieces, 1.0);
+        let ends: Vec<[f64; 2]> = envelope.iter().map(|p| [p.from, p.to]).collect();
+        assert_eq!(ends, [[0.0, 0.5], [0.5, 0.6], [0.6, 1.0]]);
+        assert_eq!(envelope[1].sigma, 3.0);
+    }
+
+    #[test]
+    fn a_window_of_the_twin_is_turned() {
+        let window = WindowData {
+            interval: [0.25, 0.5],
+            image: [2.0, -1.0],
+            sigma: 0.5,
+        };
+        let turned = piece(&window, 1.0, true);
+        assert_eq!([turned.from, turned.to], [0.5, 0.75]);
+        assert_eq!(turned.image, [-1.0, 1.0]);
     }
 }

@@ -63,7 +63,11 @@ impl EdgeField<'_> {
                 },
             }
         });
-        pieces.collect()
+        let mut oriented: Vec<Oriented> = pieces.collect();
+        if reverse {
+            oriented.reverse();
+        }
+        oriented
     }
 
     /// An upper bound of `d(y) - d(x) - |xy|` over all points x and y of the boundary of `face`,
@@ -218,7 +222,7 @@ impl Turn {
         let root = if start.lo > 0.0 {
             Interval::ZERO
         } else if end.hi < 0.0 {
-            self.length
+            Interval::exact(self.length.hi)
         } else if (end - start).lo > 0.0 {
             self.length * (start / (start - end))
         } else {

@@ -47,7 +47,7 @@ mod length;
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 use boundary::windows_from_inside;
-use envelope::{Piece, lower_envelope, track};
+use envelope::{Piece, lower_envelope, piece};
 use face::{EdgeField, canonical};
 
 pub use envelope::WindowData;
@@ -139,7 +139,10 @@ impl<'a> Claim<'a> {
                 vertices,
             });
         }
-        if let Some(v) = mesh.vertices().find(|v| !(distances[v.index()] >= 0.0)) {
+        if let Some(v) = mesh
+            .vertices()
+            .find(|v| distances[v.index()].is_nan() || distances[v.index()] < 0.0)
+        {
             return Err(ClaimError::NoDistance(v));
         }
         if sources.is_empty() || sources.iter().any(|s| s.index() >= vertices) {
@@ -253,16 +256,17 @@ impl<'a> Claim<'a> {
                 continue;
             }
             let length = mesh.length(h);
-            let mut all = track(windows(h).into_iter(), length, false);
+            let of = |h: HalfEdgeId, turned| {
+                let windows = windows(h).into_iter();
+                windows.map(move |window| piece(&window, length, turned))
+            };
+            let mut all: Vec<Piece> = of(h, false).collect();
             if let Some(twin) = mesh.twin(h) {
-                all.extend(track(windows(twin).into_iter(), length, true));
+                all.extend(of(twin, true));
             } else {
                 let opposite = self.distances[mesh.apex_vertex(h).index()];
                 let inside = windows_from_inside(mesh, h, opposite, &windows);
-                // They overlap: each is a track of its own.
-                for window in inside {
-                    all.extend(track([window].into_iter(), length, false));
-                }
+                all.extend(inside.iter().map(|window| piece(window, length, false)));
             }
             all.extend([(0.0, ends[0]), (length, ends[1])].map(|(x, sigma)| Piece {
                 from: 0.0,
@@ -291,7 +295,10 @@ impl<'a> Claim<'a> {
                 }
             }
         }
-        (range[1] - range[0]).next_up().max(0.0)
+        if range[0] == range[1] {
+            return 0.0; // An isolated vertex.
+        }
+        (range[1] - range[0]).next_up()
     }
 
     fn longest_edge(&self, v: VertexId) -> f64 {

@@ -47,7 +47,7 @@ use geobench_window::queue::Priority;
 
 pub use batched::{Batched, NearestLists};
 pub use eviction::Retention;
-pub use single::{Carrier, Trimming};
+pub use single::{Carrier, Trimming, windows_of};
 
 /// MMP one window at a time, nearest first.
 pub type Mmp = Continuous<Trimming, Priority>;

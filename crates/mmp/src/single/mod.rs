@@ -8,4 +8,4 @@ pub(crate) mod insertion;
 pub(crate) mod lists;
 mod trimming;
 
-pub use trimming::{Carrier, Trimming};
+pub use trimming::{Carrier, Trimming, windows_of};

@@ -1,9 +1,10 @@
 //! The policy of MMP: every window is stored where it is the shortest.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::continuous::{Arrival, Policy, Surface, Turn};
+use geobench_window::continuous::{Arrival, Continuous, Policy, Surface, Turn};
+use geobench_window::queue::Discipline;
 use geobench_window::trimming::ThinFaces;
-use geobench_window::{Counter, Passage, Probe};
+use geobench_window::{Counter, Passage, Probe, Window};
 
 use super::insertion::Inserter;
 use super::lists::{Direction, Lists};
@@ -77,6 +78,12 @@ impl Trimming {
         Self { retention, ..self }
     }
 
+    /// The windows stored for the half-edge with number `h`, in the order of their intervals.
+    fn stored(&self, h: HalfEdgeId) -> impl Iterator<Item = Window> {
+        let slots = self.lists.places(h.index()).iter();
+        slots.map(|place| self.lists.windows()[place.slot as usize])
+    }
+
     /// The half-edge whose list holds the windows of `h`, and the direction in which they cross it.
     fn place(&self, h: HalfEdgeId, surface: &Surface) -> (HalfEdgeId, Direction) {
         if self.carrier == Carrier::HalfEdge {
@@ -87,6 +94,33 @@ impl Trimming {
             _ => (h, Direction::Forward),
         }
     }
+}
+
+/// The windows that entered the face of `h` in the last run of `solver`, each on the interval on
+/// which it is the shortest of them, in their order. They do not overlap.
+///
+/// Those of a policy with [`Carrier::HalfEdge`] that stores [all](Retention::All) windows; with
+/// others some are missing.
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_mmp::{mmp, windows_of};
+/// use geobench_window::Solver;
+///
+/// // A square cut along a diagonal: the window of vertex 1 covers the diagonal.
+/// let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3]])?;
+/// let mut solver = mmp(&mesh);
+/// solver.distances_from(1)?;
+/// let windows = mesh.half_edges().flat_map(|h| windows_of(&solver, h));
+/// assert_eq!(windows.count(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn windows_of<Q: Discipline>(
+    solver: &Continuous<Trimming, Q>,
+    h: HalfEdgeId,
+) -> impl Iterator<Item = Window> {
+    solver.policy().stored(solver.number(h))
 }
 
 impl Policy for Trimming {

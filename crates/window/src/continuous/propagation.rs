@@ -91,6 +91,16 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
+    /// The policy, with what it keeps of the last run.
+    pub fn policy(&self) -> &W {
+        &self.policy
+    }
+
+    /// The number that half-edge `h` of the mesh has for the policy.
+    pub fn number(&self, h: HalfEdgeId) -> HalfEdgeId {
+        self.surface.faces().number(h)
+    }
+
     /// The least distances of the windows that wait.
     fn waiting(&self) -> impl Iterator<Item = f64> {
         self.queue

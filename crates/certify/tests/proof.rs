@@ -1,0 +1,196 @@
+//! Fields of `mmp` are proven; damaged ones are not.
+
+use geobench_certify::{Bound, Claim, WindowData};
+use geobench_mesh::{HalfEdgeId, Mesh, TriangleSoup, VertexId};
+use geobench_mmp::{Mmp, mmp, windows_of};
+use geobench_oracle::{Geometry, zoo};
+use geobench_window::Solver;
+
+/// The windows of a solver that has run.
+fn windows(mesh: &Mesh, solver: &Mmp) -> Vec<Vec<WindowData>> {
+    let of = |h: HalfEdgeId| {
+        windows_of(solver, h).map(|w| WindowData {
+            interval: [w.b0, w.b1],
+            image: [w.px, w.py],
+            sigma: w.sigma,
+        })
+    };
+    mesh.half_edges().map(|h| of(h).collect()).collect()
+}
+
+fn not_too_long(mesh: &Mesh, source: u32, distances: &[f64], windows: &[Vec<WindowData>]) -> Bound {
+    let sources = [VertexId::new(source)];
+    let claim = Claim::new(mesh, &sources, distances).unwrap();
+    claim.not_too_long(|h| windows[h.index()].iter().copied())
+}
+
+fn solved(mesh: &Mesh, source: u32) -> (Vec<f64>, Vec<Vec<WindowData>>) {
+    let mut solver = mmp(mesh);
+    let distances = solver.distances_from(source).unwrap();
+    let windows = windows(mesh, &solver);
+    (distances, windows)
+}
+
+#[test]
+fn fields_of_the_zoo_are_not_too_long() {
+    let (mut proven, mut failed) = (0, Vec::new());
+    for model in zoo::small() {
+        let Geometry::Positions(positions) = model.geometry.clone() else {
+            continue;
+        };
+        let soup = TriangleSoup::new(positions, model.triangles.clone());
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        for &source in &model.sources[..2] {
+            let (distances, windows) = solved(&mesh, source);
+            let bound = not_too_long(&mesh, source, &distances, &windows);
+            let farthest = distances.iter().copied().filter(|d| d.is_finite());
+            let farthest = farthest.fold(0.0, f64::max);
+            let worst = bound.failures.first();
+            // Solvers drop splinters of 1e-10 of an edge, which is long here where faces are thin.
+            let tolerance = if model.name.contains("stretched") {
+                1e-8
+            } else {
+                1e-9
+            };
+            if bound.absolute > tolerance * farthest {
+                failed.push(format!(
+                    "{} from {source}: {:e} {worst:?}",
+                    model.name, bound.absolute
+                ));
+            }
+            proven += 1;
+        }
+    }
+    assert!(
+        failed.is_empty(),
+        "{} of {proven}: {failed:#?}",
+        failed.len()
+    );
+    assert!(proven > 50, "{proven}");
+}
+
+#[test]
+fn fields_of_generated_models_are_not_too_long() {
+    for spec in [
+        "torus,faces=2000,bump=0.2,seed=3",
+        "terrain,n=30,seed=2",
+        "holes",
+        "knot,faces=2000",
+    ] {
+        let mesh = Mesh::generate(spec).unwrap();
+        let (distances, windows) = solved(&mesh, 17);
+        let bound = not_too_long(&mesh, 17, &distances, &windows);
+        let worst = bound.failures.first();
+        assert!(
+            bound.relative < 1e-10,
+            "{spec}: {:e} {worst:?}",
+            bound.relative
+        );
+        assert_eq!(worst, None, "{spec}");
+    }
+}
+
+#[test]
+fn a_distance_that_is_too_long_by_a_billionth_is_noticed() {
+    let mesh = Mesh::generate("torus,faces=500,bump=0.2,seed=3").unwrap();
+    let (distances, windows) = solved(&mesh, 0);
+    for v in (1..distances.len()).step_by(17) {
+        let mut wrong = distances.clone();
+        wrong[v] *= 1.0 + 1e-9;
+        let bound = not_too_long(&mesh, 0, &wrong, &windows);
+        assert!(bound.absolute > 0.99e-9 * distances[v], "{v}: {bound:?}");
+        assert!(!bound.failures.is_empty());
+    }
+}
+
+#[test]
+fn a_field_that_is_too_long_by_a_billionth_is_noticed() {
+    let mesh = Mesh::generate("terrain,n=16,seed=2").unwrap();
+    let (mut distances, mut windows) = solved(&mesh, 5);
+    // All but the source and what it sees.
+    for d in &mut distances {
+        *d *= 1.0 + 1e-9;
+    }
+    for window in windows.iter_mut().flatten() {
+        window.sigma *= 1.0 + 1e-9;
+    }
+    let bound = not_too_long(&mesh, 5, &distances, &windows);
+    assert!(bound.relative > 0.9e-9, "{bound:?}");
+    assert!(!bound.failures.is_empty());
+}
+
+/// Whether a window is the shortest somewhere on its edge by far more than it is damaged.
+fn matters(
+    mesh: &Mesh,
+    distances: &[f64],
+    windows: &[Vec<WindowData>],
+    h: usize,
+    i: usize,
+) -> bool {
+    let id = HalfEdgeId::new(h as u32);
+    let w = windows[h][i];
+    let t = f64::midpoint(w.interval[0], w.interval[1]);
+    let length = mesh.length(id);
+    let at = |w: &WindowData, t: f64| w.sigma + (t - w.image[0]).hypot(w.image[1]);
+    let [tail, head] = [mesh.tail(id), mesh.head(id)].map(|v| distances[v.index()]);
+    let mut others = vec![tail + t, head + length - t];
+    if let Some(twin) = mesh.twin(id) {
+        let t = length - t;
+        let there = windows[twin.index()].iter();
+        others.extend(
+            there
+                .filter(|w| w.interval[0] <= t && t <= w.interval[1])
+                .map(|w| at(w, t)),
+        );
+    }
+    w.interval[1] - w.interval[0] > 1e-3 * length
+        && others.into_iter().all(|d| d > at(&w, t) + 1e-3 * length)
+}
+
+#[test]
+fn a_window_that_is_missing_or_moved_by_a_billionth_is_noticed() {
+    let mesh = Mesh::generate("torus,faces=500,bump=0.2,seed=3").unwrap();
+    let (distances, windows) = solved(&mesh, 0);
+    let mut damaged = 0;
+    for h in (0..mesh.half_edge_count()).step_by(41) {
+        for i in 0..windows[h].len() {
+            if !matters(&mesh, &distances, &windows, h, i) {
+                continue;
+            }
+            damaged += 1;
+            let d = windows[h][i].sigma + windows[h][i].image[0].hypot(windows[h][i].image[1]);
+            for change in [1e-9, -1e-9] {
+                let mut wrong = windows.clone();
+                wrong[h][i].sigma += change * d;
+                let bound = not_too_long(&mesh, 0, &distances, &wrong);
+                assert!(bound.absolute > 0.5e-9 * d, "{h} {i} {change}: {bound:?}");
+            }
+            let mut wrong = windows.clone();
+            wrong[h].remove(i);
+            let bound = not_too_long(&mesh, 0, &distances, &wrong);
+            assert!(bound.absolute > 1e-9 * d, "{h} {i}: {bound:?}");
+        }
+    }
+    assert!(damaged > 10, "{damaged}");
+}
+
+#[test]
+fn what_no_source_reaches_is_infinite() {
+    // Two triangles that share nothing.
+    let positions = [
+        [0.0, 0.0],
+        [1.0, 0.0],
+        [0.0, 1.0],
+        [5.0, 0.0],
+        [6.0, 0.0],
+        [5.0, 1.0],
+    ];
+    let positions = positions.map(|[x, y]| [x, y, 0.0]).to_vec();
+    let mesh = Mesh::new(positions, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
+    let none = vec![Vec::new(); 6];
+    let infinite = f64::INFINITY;
+    let right = [0.0, 1.0, 1.0, infinite, infinite, infinite];
+    assert!(not_too_long(&mesh, 0, &right, &none).absolute < 1e-13);
+    let wrong = [0.0, 1.0, infinite, infinite, infinite, infinite];
+    assert_eq!(not_too_long(&mesh, 0, &wrong, &none).absolute, infinite);
+}

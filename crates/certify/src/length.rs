@@ -1,6 +1,6 @@
 //! Upper bounds of the lengths of paths.
 
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{Mesh, VertexId};
 
 use crate::interval::{Interval, Vector, minus, norm};
 
@@ -9,42 +9,42 @@ use crate::interval::{Interval, Vector, minus, norm};
 pub enum PathPoint {
     /// A vertex.
     Vertex(VertexId),
-    /// The point of an edge that divides it in this ratio from the tail of the half-edge: 0 is the
-    /// tail, 1 the head.
-    Edge(HalfEdgeId, f64),
+    /// The point of the edge between two vertices at this part of the way from the first to the
+    /// second: 0 is the first, 1 the second.
+    Edge([VertexId; 2], f64),
 }
 
 impl PathPoint {
     fn position(self, mesh: &Mesh) -> Option<Vector<3>> {
-        let of = |v: VertexId| mesh.positions()[v.index()].map(Interval::exact);
+        let of = |v: VertexId| Some(mesh.positions().get(v.index())?.map(Interval::exact));
         match self {
-            Self::Vertex(v) => Some(of(v)),
-            Self::Edge(h, ratio) => {
-                let ratio = (0.0..=1.0)
-                    .contains(&ratio)
-                    .then_some(Interval::exact(ratio))?;
-                let (tail, head) = (of(mesh.tail(h)), of(mesh.head(h)));
-                let along = minus(head, tail);
-                Some(std::array::from_fn(|i| tail[i] + along[i] * ratio))
+            Self::Vertex(v) => of(v),
+            Self::Edge([a, b], part) => {
+                let part = (0.0..=1.0)
+                    .contains(&part)
+                    .then_some(Interval::exact(part))?;
+                let (a, b) = (of(a)?, of(b)?);
+                let along = minus(b, a);
+                Some(std::array::from_fn(|i| a[i] + along[i] * part))
             }
+        }
+    }
+
+    /// The vertices between which it lies.
+    fn ends(self) -> [VertexId; 2] {
+        match self {
+            Self::Vertex(v) => [v, v],
+            Self::Edge(ends, _) => ends,
         }
     }
 
     /// Whether a face has both points.
     fn shares_face(self, mesh: &Mesh, other: Self) -> bool {
-        let has = |corners: &[VertexId; 3], point: Self| match point {
-            Self::Vertex(v) => corners.contains(&v),
-            Self::Edge(h, _) => corners.contains(&mesh.tail(h)) && corners.contains(&mesh.head(h)),
-        };
-        let faces = |point: Self| -> Vec<HalfEdgeId> {
-            match point {
-                Self::Vertex(v) => mesh.outgoing(v).to_vec(),
-                Self::Edge(h, _) => [Some(h), mesh.twin(h)].into_iter().flatten().collect(),
-            }
-        };
-        faces(self)
-            .into_iter()
-            .any(|h| has(&mesh.face_vertices(h.face()), other))
+        let ([first, second], others) = (self.ends(), other.ends());
+        mesh.outgoing(first).iter().any(|h| {
+            let corners = mesh.face_vertices(h.face());
+            corners.contains(&second) && others.iter().all(|v| corners.contains(v))
+        })
     }
 }
 
@@ -64,12 +64,47 @@ pub(crate) fn greatest_length(
     let mut length = Interval::ZERO;
     let mut before = points[0].position(mesh)?;
     for pair in points.windows(2) {
+        let here = pair[1].position(mesh)?;
         if !pair[0].shares_face(mesh, pair[1]) {
             return None;
         }
-        let here = pair[1].position(mesh)?;
         length = length + norm(minus(here, before));
         before = here;
     }
     Some(length.hi)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> Mesh {
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3]]).unwrap()
+    }
+
+    #[test]
+    fn a_path_across_an_edge_has_its_length() {
+        let [a, b, c, d] = [0, 1, 2, 3].map(VertexId::new);
+        let middle = PathPoint::Edge([a, c], 0.5);
+        let points = [PathPoint::Vertex(b), middle, PathPoint::Vertex(d)];
+        let length = greatest_length(&square(), &points, &[b], d).unwrap();
+        assert!(length >= 2.0_f64.sqrt() && length < 2.0_f64.sqrt() + 1e-14);
+    }
+
+    #[test]
+    fn what_leaves_the_surface_is_no_path() {
+        let [a, b, c, d] = [0, 1, 2, 3].map(VertexId::new);
+        let [from, to] = [b, d].map(PathPoint::Vertex);
+        let none = |points: &[PathPoint]| {
+            assert_eq!(greatest_length(&square(), points, &[b], d), None);
+        };
+        none(&[from, to]); // Through the air: no face has both.
+        none(&[from, PathPoint::Edge([a, c], 1.5), to]);
+        none(&[from, PathPoint::Edge([b, d], 0.5), to]);
+        none(&[from, PathPoint::Edge([a, VertexId::new(9)], 0.5), to]);
+        none(&[PathPoint::Vertex(a), to]); // Not from the source.
+        none(&[from, PathPoint::Vertex(c)]); // Not to the target.
+        none(&[]);
+    }
 }

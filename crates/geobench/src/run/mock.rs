@@ -1,5 +1,7 @@
 //! Plans, runs and result files for tests, over [`mock`](crate::exec::mock).
 
+use geobench_window::simd::Instructions;
+
 use super::{Records, run};
 use crate::exec::Listener;
 use crate::exec::limits::Limits;
@@ -11,7 +13,10 @@ use crate::schema::{GroupRecord, Host, ResultFile, SCHEMA, Tool};
 
 /// A plan for models that do not exist.
 pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
+    // Scalar, so that snapshots do not depend on the machine.
+    let simd = Simd::AtMost(Instructions::Scalar);
     let algorithms = registry::select(algorithms).unwrap();
+    let algorithms: Vec<_> = algorithms.into_iter().map(|a| a.with_simd(simd)).collect();
     Plan {
         group: GroupRecord::unnamed(),
         models: models.iter().map(|name| ModelRef::named(name)).collect(),
@@ -27,7 +32,7 @@ pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
         repeat: 5,
         warmup: 1,
         tolerance: 1e-9,
-        simd: Simd::Auto,
+        simd,
         seed: 1,
         shard_range: None,
         limits: Limits::USUAL,

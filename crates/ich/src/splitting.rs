@@ -4,7 +4,7 @@
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Child, Policy, Surface, Turn};
 use geobench_window::trimming::KeptWindows;
-use geobench_window::{Counter, Passage, Phase, Probe, Side, VertexFilter, Window};
+use geobench_window::{Counter, Passage, Phase, Probe, Side, VertexFilter, Window, is_beaten_from_ends};
 
 use crate::angle::{Angles, Split};
 use crate::tree::{Guard, Leaves, Lineage, Node};
@@ -60,6 +60,17 @@ impl Splitting {
         ((surface.distance(lineage.root) < sigma) | self.angles.cuts_off(&lineage.guard))
             && self.kept.is_empty()
     }
+
+    /// Whether a window that is beaten is so beyond the doubt that thin faces leave about it.
+    ///
+    /// Of windows that are equal to the rounding of a long edge the first one was kept, whose σ may
+    /// be greater by as much: too much for the margin of the short edges that it comes to next.
+    #[cold]
+    fn is_beaten_beside_thin_faces(&self, child: &Child<Lineage>, surface: &Surface) -> bool {
+        let edge = surface.edge(child.h);
+        let [tail, head] = [edge.tail, edge.head].map(|d| d + self.kept.doubt());
+        is_beaten_from_ends(&child.window, edge.length, tail, head)
+    }
 }
 
 impl Policy for Splitting {
@@ -93,7 +104,7 @@ impl Policy for Splitting {
     fn arrive<P: Probe>(
         &mut self,
         arrival: &Arrival<Lineage>,
-        _: &Surface,
+        surface: &Surface,
         queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
         probe: &mut P,
     ) -> bool {
@@ -110,7 +121,7 @@ impl Policy for Splitting {
             label: window.min_distance(),
             is_beaten: self.filter == VertexFilter::On && edge.beats(&window),
         };
-        let waits = self.admit(&child, probe);
+        let waits = self.admit(&child, surface, probe);
         if let Some(id) = waits {
             queue(h, child.label, id, probe);
         }
@@ -126,8 +137,16 @@ impl Policy for Splitting {
 
     #[inline(always)]
     #[allow(clippy::inline_always)] // The window is not to pass through memory.
-    fn admit<P: Probe>(&mut self, child: &Child<Lineage>, probe: &mut P) -> Option<u32> {
-        if self.filter == VertexFilter::On && child.is_beaten {
+    fn admit<P: Probe>(
+        &mut self,
+        child: &Child<Lineage>,
+        surface: &Surface,
+        probe: &mut P,
+    ) -> Option<u32> {
+        if self.filter == VertexFilter::On
+            && child.is_beaten
+            && (self.kept.is_empty() || self.is_beaten_beside_thin_faces(child, surface))
+        {
             probe.add(Counter::Filtered, 1);
             return None;
         }

@@ -137,8 +137,13 @@ pub trait Policy: Send {
     /// As [`arrive`](Self::arrive), if the policy [foresees](Self::FORESEES): returns the number by
     /// which the window waits, if anything of it is left.
     #[inline]
-    fn admit<P: Probe>(&mut self, child: &Child<Self::Lineage>, probe: &mut P) -> Option<u32> {
-        let _ = (child, probe);
+    fn admit<P: Probe>(
+        &mut self,
+        child: &Child<Self::Lineage>,
+        surface: &Surface,
+        probe: &mut P,
+    ) -> Option<u32> {
+        let _ = (child, surface, probe);
         None
     }
 

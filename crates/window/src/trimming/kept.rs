@@ -5,6 +5,7 @@ use geobench_mesh::{HalfEdgeId, Mesh};
 use super::division::{Division, Owner};
 use super::foot::{foot, pieces};
 use super::thin::ThinFaces;
+use crate::precision::MARGIN;
 use crate::window::Window;
 
 /// The windows that have come to the half-edges of thin faces, for algorithms that keep none.
@@ -19,6 +20,7 @@ pub struct KeptWindows {
     /// Which list each half-edge has, by its number; none if `NO_LIST`. Empty if no face is thin.
     lists: Vec<u32>,
     kept: Vec<List>,
+    doubt: f64,
     division: Division,
     met: Vec<Window>,
     replaced: Vec<Window>,
@@ -41,6 +43,7 @@ impl KeptWindows {
         let thin = ThinFaces::of(mesh, numbers, &number);
         for h in mesh.half_edges().filter(|&h| thin.is_beside(number(h))) {
             kept.lists.resize(numbers, NO_LIST);
+            kept.doubt = kept.doubt.max(MARGIN * mesh.length(h));
             kept.lists[number(h)] = kept.kept.len() as u32;
             kept.kept.push(List {
                 length: mesh.length(h),
@@ -54,6 +57,13 @@ impl KeptWindows {
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.lists.is_empty()
+    }
+
+    /// How much longer than the shortest path a window may be that was first among equals: beside a
+    /// thin face that is up to the [margin](MARGIN) of its longest side.
+    #[inline]
+    pub fn doubt(&self) -> f64 {
+        self.doubt
     }
 
     /// Whether the windows that come to half-edge number `h` are kept.

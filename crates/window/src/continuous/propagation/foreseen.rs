@@ -95,7 +95,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             label,
             is_beaten: offspring.is_beaten(distances),
         };
-        let waits = self.policy.admit(&child, probe);
+        let waits = self.policy.admit(&child, &self.surface, probe);
         if let Some(id) = waits {
             self.queue.push(label, Event::window(h, id), probe);
         }

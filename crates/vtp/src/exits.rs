@@ -155,7 +155,7 @@ impl Exits for EveryPath {
         self.paths.clear();
         let block = crossing.hand.block();
         let path = |i| {
-            let path = BestPath::of(block, i, apex, l);
+            let path = BestPath::of(block, i, apex, l + crossing.distance);
             let w = crossing.hand.window(i);
             let [x, y] = [apex[0] - path.entry, apex[1]];
             let bent = w.distance(path.entry) + (x * x + y * y).sqrt();

@@ -246,7 +246,8 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         }
         if self.hand.len > 0 {
             self.offer(apex, found.distance, probe);
-            let best = BestPath::of(self.hand.block(), found.best, gate.apex, gate.l);
+            let size = gate.l + found.distance;
+            let best = BestPath::of(self.hand.block(), found.best, gate.apex, size);
             self.send_children(h, &face, gate, best, found.distance, found.bound, probe);
         }
         if B::COUNTS {

@@ -130,7 +130,8 @@ impl Program for Run<'_> {
                     return 0;
                 };
                 let [block, left, right] = bench.store.blocks([list, left, right]);
-                let best = BestPath::of(block, found.best, bench.gate.apex, bench.gate.l);
+                let size = bench.gate.l + found.distance;
+                let best = BestPath::of(block, found.best, bench.gate.apex, size);
                 let [mut left, mut right] = [left, right].map(|block| Target {
                     block,
                     len: 0,

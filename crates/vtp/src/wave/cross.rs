@@ -107,7 +107,8 @@ impl Wave {
             probe.sample(self.store.windows().map(|w| w.min_distance()));
         }
         if found.kept > 0 {
-            let best = BestPath::of(self.store.block(list), found.best, gate.apex, gate.l);
+            let size = gate.l + found.distance;
+            let best = BestPath::of(self.store.block(list), found.best, gate.apex, size);
             // The consequences wait: whether a path is the shortest is hard to predict.
             let news = field.offer(apex, found.distance);
             let path = Improvement {

@@ -5,13 +5,16 @@ use crate::engine::lanes::{LaneMask, Lanes};
 use crate::engine::store::Line;
 use crate::precision::{CLEARANCE, MARGIN, RESOLUTION, WINS};
 
-/// By how far, as a fraction of the half-edge, rays of a source close to the edge must lie beyond
-/// the best path before rule 1 cuts them: such a source sends rays of all directions through less
-/// width than rounding moves the path by.
+/// By how far, as a fraction of the half-edge and of the best path, rays of a source close to the
+/// edge must lie beyond that path before rule 1 cuts them.
+///
+/// Such a source sends rays of all directions through less width than rounding moves the path by.
+/// Of two paths with equal lengths one may turn at the source, and the other one as far from it as
+/// the rounding of their lengths.
 const SLACK: f64 = MARGIN;
 
-/// How close, as a fraction of the half-edge: nearer sources see the slack under more than the
-/// least angle that lengths tell from 0.
+/// How close, as a fraction of both: nearer sources see the slack under more than the least angle
+/// that lengths tell from 0.
 const CLOSE: f64 = RESOLUTION;
 
 /// Windows about to cross, and where their rays go.
@@ -114,25 +117,26 @@ pub struct BestPath {
 }
 
 impl BestPath {
-    /// The path that crosses a half-edge of length `l` at `entry`.
+    /// The path that crosses a half-edge at `entry`; `size` is the length of the half-edge and of
+    /// the path together.
     #[inline(always)]
-    pub(crate) fn new(entry: f64, source: [f64; 2], l: f64) -> Self {
+    pub(crate) fn new(entry: f64, source: [f64; 2], size: f64) -> Self {
         Self {
             entry,
             source,
-            slack: SLACK * l,
-            least_slack: if source[1] < -CLOSE * l {
+            slack: SLACK * size,
+            least_slack: if source[1] < -CLOSE * size {
                 0.0
             } else {
-                SLACK * l
+                SLACK * size
             },
-            close: -CLOSE * l,
+            close: -CLOSE * size,
         }
     }
 
-    /// The path of window `i` of `block` to `apex`, across a half-edge of length `l`.
+    /// The path of window `i` of `block` to `apex`; `size` as for [`new`](Self::new).
     #[inline(always)]
-    pub(crate) fn of(block: &[Line], i: usize, apex: [f64; 2], l: f64) -> Self {
+    pub(crate) fn of(block: &[Line], i: usize, apex: [f64; 2], size: f64) -> Self {
         let column = block.len() / crate::engine::store::COLUMNS;
         let at = |c: usize| block[c * column + i / Line::LANES].0[i % Line::LANES];
         let [b0, b1, px, py] = [at(0), at(1), at(2), at(3)];
@@ -144,7 +148,7 @@ impl BestPath {
         } else {
             sp
         };
-        Self::new(entry, [px, py], l)
+        Self::new(entry, [px, py], size)
     }
 }
 

@@ -177,7 +177,7 @@ impl Rule for BestPath {
         Sides {
             tried: [left, right],
             cut: [cut_left, cut_right],
-            limits: [entry; 2],
+            limits: [behind, before],
         }
     }
 }

@@ -4,7 +4,9 @@
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Child, Policy, Surface, Turn};
 use geobench_window::trimming::KeptWindows;
-use geobench_window::{Counter, Passage, Phase, Probe, Side, VertexFilter, Window, is_beaten_from_ends};
+use geobench_window::{
+    Counter, Passage, Phase, Probe, Side, VertexFilter, Window, is_beaten_from_ends,
+};
 
 use crate::angle::{Angles, Split};
 use crate::tree::{Guard, Leaves, Lineage, Node};

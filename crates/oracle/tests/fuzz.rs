@@ -1,13 +1,19 @@
 //! The algorithms on random nasty meshes and on meshes that have broken them, as the example `fuzz`
 //! judges them. It takes more seeds, makes failures smaller and saves them.
 
+use std::f64::consts::TAU;
 use std::io::{self, Write};
+use std::iter;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
 use case::{Case, Expected, Skip, Verdict};
+use geobench::registry::{Selection, select_one};
+use geobench_mesh::{Mesh, VertexId};
 use geobench_oracle::nasty;
+use geobench_window::Counter;
+use judge::MOST_WORK;
 
 #[path = "../examples/fuzz/case.rs"]
 #[expect(dead_code, reason = "the example uses the rest")]
@@ -85,9 +91,9 @@ fn random_nasty_meshes_are_solved_right() {
 }
 
 /// Seeds on which algorithms were wrong, or took far too many windows.
-const SEEDS_THAT_FAILED: [u64; 14] = [
-    1512, 10_848, 22_262, 27_012, 30_187, 37_162, 40_412, 43_054, 45_450, 62_504, 81_137, 83_209,
-    89_894, 98_387,
+const SEEDS_THAT_FAILED: [u64; 19] = [
+    1512, 10_549, 10_848, 14_123, 14_619, 22_262, 27_012, 30_187, 37_162, 40_412, 43_054, 45_450,
+    52_057, 62_504, 81_137, 83_209, 89_644, 89_894, 98_387,
 ];
 
 #[test]
@@ -121,4 +127,41 @@ fn slivers_are_solved_right() {
         (sliver.name, case, Some(sliver.distances))
     };
     check(slivers.into_iter().map(case).collect());
+}
+
+/// An open cone of ten faces around a tip, vertex 0, with a base of radius 1.
+fn cone(height: f64) -> Mesh {
+    const CORNERS: u32 = 10;
+    let on_base = |i: u32| {
+        let (sin, cos) = (TAU * f64::from(i) / f64::from(CORNERS)).sin_cos();
+        [cos, sin, 0.0]
+    };
+    let tip = [0.0, 0.0, height];
+    let positions = iter::once(tip).chain((0..CORNERS).map(on_base)).collect();
+    let faces = (0..CORNERS).map(|i| [0, 1 + i, 1 + (i + 1) % CORNERS]);
+    Mesh::new(positions, faces.collect()).expect("a cone")
+}
+
+/// Windows wound around the tip π over its angle times: at a height of 1e8 for 81 seconds, in 2 GB.
+#[test]
+fn needle_tips_take_at_most_ten_times_the_work_and_memory_of_mmp() {
+    let count = |algorithm: &Selection, mesh: &Mesh| {
+        let counted = algorithm.build(mesh).count(&[VertexId::new(1)]);
+        let (_, counters) = counted.expect("a source");
+        let counters = [Counter::Propagated, Counter::PeakWindows].map(|c| counters.get(c));
+        counters.map(Option::unwrap_or_default)
+    };
+    let mmp = select_one("mmp").expect("the registry knows `mmp`");
+    for height in [1e2, 1e4, 1e6, 1e8, 1e10] {
+        let mesh = cone(height);
+        let most = count(&mmp, &mesh).map(|of_mmp| MOST_WORK * of_mmp);
+        for algorithm in variants::selected("all", false).expect("the registry knows `all`") {
+            let found = count(&algorithm, &mesh);
+            assert!(
+                found[0] <= most[0] && found[1] <= most[1],
+                "{}, height {height:e}: {found:?} windows and at once, at most {most:?}",
+                algorithm.label()
+            );
+        }
+    }
 }

@@ -184,16 +184,20 @@ impl Judge {
                 return Ok(Err(Skip::GaveUp));
             }
             if work_is_known && let Some(place) = waiting.next() {
-                verdicts[place] = Some(Verdict::Failed(match end {
-                    RecvTimeoutError::Timeout => Failure {
+                let selection = select_one(&algorithms[place]).map_err(io::Error::other)?;
+                verdicts[place] = Some(match end {
+                    RecvTimeoutError::Timeout if !variants::is_bounded(&selection) => {
+                        Verdict::LeftOut
+                    }
+                    RecvTimeoutError::Timeout => Verdict::Failed(Failure {
                         kind: FailureKind::Hang,
                         text: format!("not done after {} s", patience.as_secs_f64()),
-                    },
-                    RecvTimeoutError::Disconnected => Failure {
+                    }),
+                    RecvTimeoutError::Disconnected => Verdict::Failed(Failure {
                         kind: FailureKind::Panic,
                         text: format!("the process died: {status}"),
-                    },
-                }));
+                    }),
+                });
             }
             // It was `mmp-fast` that hung while its windows were counted; its own turn will show it.
             work_is_known = true;

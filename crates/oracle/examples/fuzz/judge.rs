@@ -121,7 +121,7 @@ pub(crate) fn judge(
             Verdict::Failed(failure)
         };
     }
-    if selection.algorithm().name != "ch"
+    if variants::is_bounded(selection)
         && let (Some(of_mmp), Some((_, counters))) = (work, counted)
         && let Some(windows) = counters.get(Counter::Propagated)
         && windows > MOST_WORK * of_mmp.max(LITTLE_WORK)

@@ -38,6 +38,20 @@ pub(crate) fn name_of(label: &str) -> &str {
     label.split('{').next().unwrap_or_default()
 }
 
+/// Whether the windows of `selection` have a useful bound.
+///
+/// `ch` has none. Neither has label correcting where nothing but its order tells near windows from
+/// far ones: those that wind around a needle then go on until nearer ones have their turn.
+pub(crate) fn is_bounded(selection: &Selection) -> bool {
+    let label = selection.label();
+    let unordered = ["beta=none", "beta=1e6", "filter=none"];
+    match name_of(label) {
+        "ch" => false,
+        "lc-mmp" | "lc-ch" => unordered.iter().all(|value| !label.contains(value)),
+        _ => true,
+    }
+}
+
 /// Whether `selection` ends in reasonable time on a mesh with so many faces.
 pub(crate) fn can_finish(selection: &Selection, faces: usize) -> bool {
     selection.algorithm().name != "ch" || faces <= MOST_FACES_OF_CH

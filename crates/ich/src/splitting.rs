@@ -68,10 +68,12 @@ impl Splitting {
     /// Of windows that are equal to the rounding of a long edge the first one was kept, whose σ may
     /// be greater by as much: too much for the margin of the short edges that it comes to next.
     #[cold]
-    fn is_beaten_beside_thin_faces(&self, child: &Child<Lineage>, surface: &Surface) -> bool {
-        let edge = surface.edge(child.h);
+    #[inline(never)]
+    #[allow(clippy::large_types_passed_by_value)] // The caller's is not to pass through memory.
+    fn is_beaten_beside_thin_faces(&self, h: HalfEdgeId, w: Window, surface: &Surface) -> bool {
+        let edge = surface.edge(h);
         let [tail, head] = [edge.tail, edge.head].map(|d| d + self.kept.doubt());
-        is_beaten_from_ends(&child.window, edge.length, tail, head)
+        is_beaten_from_ends(&w, edge.length, tail, head)
     }
 }
 
@@ -147,7 +149,8 @@ impl Policy for Splitting {
     ) -> Option<u32> {
         if self.filter == VertexFilter::On
             && child.is_beaten
-            && (self.kept.is_empty() || self.is_beaten_beside_thin_faces(child, surface))
+            && (self.kept.is_empty()
+                || self.is_beaten_beside_thin_faces(child.h, child.window, surface))
         {
             probe.add(Counter::Filtered, 1);
             return None;

@@ -72,7 +72,8 @@
 //!
 //! A place on a side of length L is a multiple of ε·L. Where all distances are far less than L, an
 //! error of ε·L is not small beside them, and no order of operations helps: the abscissa itself is
-//! rounded. [`doubt`] names the faces and bounds the error, so that no such distance is given in
+//! rounded. Nor does it where one distance is less than what a path gathers on its way across many
+//! such faces, [`PLACE`]·L on each where windows are equal. [`doubt`] names the faces and bounds the error, so that no such distance is given in
 //! silence.
 //!
 //! # Work
@@ -94,11 +95,16 @@ pub use geobench_mesh::precision::{GRAIN, MARGIN, PLACE, RESOLUTION, SLIVER_HEIG
 /// How many times as long as the greatest distance a side must be to be too long for it.
 const TOO_LONG: f64 = 10.0;
 
+/// The same where a corner of the face is nearer than the [margin](MARGIN) of the side, so that no
+/// digit of its distance is certain. Shorter sides err by no more than other distances do.
+const LONG: f64 = 1.5;
+
 /// Faces so long, for the distances around them, that `f64` cannot place a path on their sides.
 ///
 /// A place on a side of length L is known to [`PLACE`]·L at best. Where all distances are far less
 /// than L, since the faces are thin or there are sources all around, that is more than the last
-/// digits of a distance.
+/// digits of a distance. So it is where one distance is a tiny part of L: a path across some dozens
+/// of such faces gathers more than [`GRAIN`]·L.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Doubt {
     /// How many there are.
@@ -130,21 +136,29 @@ impl fmt::Display for Doubt {
 /// How far distances may be off among edges of which the longest is this long; `None` if it is not
 /// too long for them. O(distances).
 pub fn doubtful_by(longest: f64, distances: &[f64]) -> Option<f64> {
-    let limit = TOO_LONG * greatest(distances);
-    (limit > 0.0 && longest > limit).then_some(MARGIN * longest)
+    let greatest = greatest(distances);
+    let is_long = greatest > 0.0 && is_too_long(longest, greatest, distances.iter().copied());
+    is_long.then_some(MARGIN * longest)
+}
+
+/// Whether a side of length `longest` is too long for the `distances` beside it, where the greatest
+/// of all is `greatest`.
+fn is_too_long(longest: f64, greatest: f64, mut distances: impl Iterator<Item = f64>) -> bool {
+    let is_tiny = |d: f64| 0.0 < d && d < MARGIN * longest;
+    longest > TOO_LONG * greatest || longest > LONG * greatest && distances.any(is_tiny)
 }
 
 /// The faces of `mesh` that put `distances`, those of its vertices, in [`Doubt`]; `None` on nearly
 /// all meshes. O(faces).
 pub fn doubt(mesh: &Mesh, distances: &[f64]) -> Option<Doubt> {
-    let limit = TOO_LONG * greatest(distances);
+    let greatest = greatest(distances);
     let mut doubt: Option<Doubt> = None;
-    for face in mesh.faces().filter(|_| limit > 0.0) {
-        let corners = mesh.face_vertices(face);
-        let is_reached = corners.iter().any(|v| distances[v.index()].is_finite());
+    for face in mesh.faces().filter(|_| greatest > 0.0) {
+        let corners = mesh.face_vertices(face).map(|v| distances[v.index()]);
+        let is_reached = corners.iter().any(|d| d.is_finite());
         let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
         let longest = lengths.into_iter().fold(0.0, f64::max);
-        if is_reached && longest > limit {
+        if is_reached && is_too_long(longest, greatest, corners.into_iter()) {
             let so_far = doubt.get_or_insert(Doubt {
                 faces: 0,
                 first: face,
@@ -183,6 +197,17 @@ mod tests {
         assert_eq!((found.faces, found.first.raw()), (1, 0));
         assert!((found.bound / 1e-12 - 1.0).abs() < 1e-9);
         assert!(found.to_string().starts_with("1 face is too long and thin"));
+    }
+
+    #[test]
+    fn a_distance_without_a_certain_digit_is_in_doubt() {
+        let found = doubt(&triangle(1e-13), &[0.0, 0.5, 1e-13]).unwrap();
+        assert!((found.bound / 1e-12 - 1.0).abs() < 1e-9);
+        assert_eq!(doubtful_by(1.0, &[0.0, 0.5, 1e-13]), Some(found.bound));
+        // Other distances err as much, or it has digits.
+        assert_eq!(doubt(&triangle(1e-13), &[0.0, 1.0, 1e-13]), None);
+        assert_eq!(doubt(&triangle(1e-11), &[0.0, 0.5, 1e-11]), None);
+        assert_eq!(doubtful_by(1.0, &[0.0, 1.0, 1e-13]), None);
     }
 
     #[test]

@@ -23,7 +23,7 @@ const HALF_WIDTH: f64 = 7.5 * PLACE;
 const CLEARANCE: f64 = 0.25 * PLACE;
 
 /// How close to the edge a source stands on it, as a fraction of the edge.
-const CLOSE: f64 = 0.25 * PLACE;
+const CLOSE: f64 = 2.5 * PLACE;
 
 /// How far both reach beyond that, in heights of the source over the edge. Rays that go further
 /// along the edge graze it.

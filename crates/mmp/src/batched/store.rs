@@ -186,7 +186,7 @@ impl Store {
         self.lists[i].queued
     }
 
-    /// ListBlock `i` is in the queue under this label.
+    /// Block `i` is in the queue under this label.
     #[inline]
     pub(super) fn set_queued(&mut self, i: usize, label: f64) {
         self.lists[i].queued = label;
@@ -330,7 +330,7 @@ impl Store {
         to as usize
     }
 
-    /// ListBlock `i` is likely to be looked at soon: asks for where it is.
+    /// Block `i` is likely to be looked at soon: asks for where it is.
     #[inline]
     pub(super) fn announce(&self, i: usize) {
         prefetch(&self.lists, i);

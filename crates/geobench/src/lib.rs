@@ -18,4 +18,4 @@ pub mod schema;
 pub mod table;
 mod usage;
 
-pub use usage::UsageError;
+pub use usage::{DocumentError, UsageError};

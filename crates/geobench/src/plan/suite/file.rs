@@ -3,11 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+use toml::de::DeTable;
 
 use super::Settings;
-use super::document::{Document, SuiteError};
 use super::programs::{self, ProgramTables};
 use crate::registry::Programs;
+use crate::usage::document::{Document, DocumentError};
 
 /// A suite file.
 #[derive(Clone, Debug)]
@@ -39,7 +42,7 @@ impl Suite {
     /// # Errors
     ///
     /// Names the file, the line and the key.
-    pub fn read(path: &Path) -> Result<Self, SuiteError> {
+    pub fn read(path: &Path) -> Result<Self, DocumentError> {
         Self::of(&Document::open(path)?, path)
     }
 
@@ -48,11 +51,11 @@ impl Suite {
     /// # Errors
     ///
     /// Names the file, the line and the key.
-    pub fn parse(path: &Path, text: &str) -> Result<Self, SuiteError> {
+    pub fn parse(path: &Path, text: &str) -> Result<Self, DocumentError> {
         Self::of(&Document::new(path, text), path)
     }
 
-    fn of(document: &Document<'_>, path: &Path) -> Result<Self, SuiteError> {
+    fn of(document: &Document<'_>, path: &Path) -> Result<Self, DocumentError> {
         #[derive(Default, Deserialize)]
         #[serde(default)]
         struct File {
@@ -70,14 +73,14 @@ impl Suite {
         let (mut table, mut groups) = (document.parse()?, Vec::<SuiteGroup>::new());
         let tables = document.take_tables(&mut table, "group")?;
         let known = ["group", "full", "ext"];
-        let (file, common) = document.read_with_settings::<File>(table, &known)?;
+        let (file, common) = read_with_settings::<File>(document, table, &known)?;
         let mut common_full = file.full;
         common_full.resolve(document)?;
         for table in tables {
             let span = table.span();
             let error = |problem: &str| document.error_at("group", Some(span.clone()), problem);
             let known = ["name", "shows", "full"];
-            let (mut group, settings) = document.read_with_settings::<Group>(table, &known)?;
+            let (mut group, settings) = read_with_settings::<Group>(document, table, &known)?;
             let name = group.name.trim().to_owned();
             if name.is_empty() {
                 return Err(error("a group must have a `name`"));
@@ -103,4 +106,20 @@ impl Suite {
             programs: programs::programs(file.ext, document)?,
         })
     }
+}
+
+/// Deserializes a table of these keys and of settings. The `flatten` of serde would lose the
+/// lines of errors.
+fn read_with_settings<T: DeserializeOwned>(
+    document: &Document<'_>,
+    table: Spanned<DeTable<'_>>,
+    keys: &[&str],
+) -> Result<(T, Settings), DocumentError> {
+    let span = table.span();
+    let (own, rest) = (table.into_inner().into_iter())
+        .partition(|(key, _)| keys.contains(&key.get_ref().as_ref()));
+    let own = document.read(Spanned::new(span.clone(), own), &[])?;
+    let mut settings: Settings = document.read(Spanned::new(span, rest), keys)?;
+    settings.resolve(document)?;
+    Ok((own, settings))
 }

@@ -17,13 +17,12 @@ use crate::plan::source::SourceSpec;
 use crate::plan::{Plan, Reference};
 use crate::registry::{self, Selection, Simd};
 use crate::schema::GroupRecord;
+use crate::usage::DocumentError;
 
-mod document;
 mod file;
 mod programs;
 mod settings;
 
-pub use document::SuiteError;
 pub use file::{Suite, SuiteGroup};
 pub use programs::read_programs;
 pub use settings::{Settings, WantedModel, tolerance};
@@ -103,7 +102,7 @@ pub fn plans(
         } else {
             asked.or(&group.settings)
         };
-        let fail = |line, problem: String| SuiteError {
+        let fail = |line, problem: String| DocumentError {
             path: suite.path.clone(),
             line,
             problem,

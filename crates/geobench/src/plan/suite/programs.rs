@@ -7,8 +7,8 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
-use super::document::{Document, SuiteError, parsed};
 use crate::registry::{PLACEHOLDERS, ProcessLifetime, Program, Programs};
+use crate::usage::document::{Document, DocumentError, parsed};
 
 /// The tables `[ext.NAME]`.
 pub(super) type ProgramTables = BTreeMap<String, Spanned<ProgramTable>>;
@@ -29,7 +29,7 @@ pub(super) struct ProgramTable {
 /// # Errors
 ///
 /// Names the file, the line and the key.
-pub fn read_programs(path: &Path) -> Result<Programs, SuiteError> {
+pub fn read_programs(path: &Path) -> Result<Programs, DocumentError> {
     /// Other keys are ignored.
     #[derive(Deserialize)]
     struct File {
@@ -47,7 +47,7 @@ pub fn read_programs(path: &Path) -> Result<Programs, SuiteError> {
 pub(super) fn programs(
     tables: ProgramTables,
     document: &Document<'_>,
-) -> Result<Programs, SuiteError> {
+) -> Result<Programs, DocumentError> {
     // The parent of a bare name is empty, which the system does not take for a directory.
     let folder = Some(document.directory()).filter(|folder| *folder != Path::new(""));
     let folder = folder.unwrap_or(Path::new("."));

@@ -9,12 +9,12 @@ use serde::{Deserialize, Deserializer};
 use toml::{Spanned, Value};
 
 use super::MOST_RUNS;
-use super::document::{Document, SuiteError, parsed, text_or_table};
 use crate::exec::limits::{DecompressionLimit, MemoryLimit, Timeout};
 use crate::plan::Reference;
 use crate::plan::source::SourceSpec;
 use crate::registry::{self, MOST_THREADS, Selection, Simd};
 use crate::table;
+use crate::usage::document::{Document, DocumentError, parsed, text_or_table};
 
 /// Greatest seed in a suite file.
 const MOST_SEED: u32 = u32::MAX - 1;
@@ -153,7 +153,7 @@ impl Settings {
     }
 
     /// Resolves paths and lines of the settings in `document`.
-    pub(super) fn resolve(&mut self, document: &Document<'_>) -> Result<(), SuiteError> {
+    pub(super) fn resolve(&mut self, document: &Document<'_>) -> Result<(), DocumentError> {
         for model in self.models.iter_mut().flatten() {
             let line = document.line(&model.span());
             let model = model.get_mut();

@@ -12,12 +12,10 @@ use serde_path_to_error::Segment;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::Settings;
-
-/// An error in a suite file.
+/// An error in a TOML file of a user.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{}: {problem}", path.display(), at(*line))]
-pub struct SuiteError {
+pub struct DocumentError {
     /// The file.
     pub path: PathBuf,
     /// The line, counted from 1, if there is one.
@@ -43,8 +41,8 @@ impl<'p> Document<'p> {
         Self { path, text }
     }
 
-    pub(crate) fn open(path: &'p Path) -> Result<Self, SuiteError> {
-        let text = std::fs::read_to_string(path).map_err(|error| SuiteError {
+    pub(crate) fn open(path: &'p Path) -> Result<Self, DocumentError> {
+        let text = std::fs::read_to_string(path).map_err(|error| DocumentError {
             path: path.to_owned(),
             line: None,
             problem: error.to_string(),
@@ -58,16 +56,16 @@ impl<'p> Document<'p> {
     }
 
     /// Parses the file as TOML.
-    pub(super) fn parse(&self) -> Result<Spanned<DeTable<'_>>, SuiteError> {
+    pub(crate) fn parse(&self) -> Result<Spanned<DeTable<'_>>, DocumentError> {
         DeTable::parse(&self.text).map_err(|error| self.error(error.span(), error.message()))
     }
 
     /// Takes the array of tables of `key` out of `table`.
-    pub(super) fn take_tables<'t>(
+    pub(crate) fn take_tables<'t>(
         &self,
         table: &mut Spanned<DeTable<'t>>,
         key: &str,
-    ) -> Result<Vec<Spanned<DeTable<'t>>>, SuiteError> {
+    ) -> Result<Vec<Spanned<DeTable<'t>>>, DocumentError> {
         let Some(value) = table.get_mut().remove(key) else {
             return Ok(Vec::new());
         };
@@ -85,29 +83,13 @@ impl<'p> Document<'p> {
         tables.collect()
     }
 
-    /// Deserializes a table of these keys and of settings. The `flatten` of serde would lose the
-    /// lines of errors.
-    pub(super) fn read_with_settings<T: DeserializeOwned>(
-        &self,
-        table: Spanned<DeTable<'_>>,
-        keys: &[&str],
-    ) -> Result<(T, Settings), SuiteError> {
-        let span = table.span();
-        let (own, rest) = (table.into_inner().into_iter())
-            .partition(|(key, _)| keys.contains(&key.get_ref().as_ref()));
-        let own = self.read(Spanned::new(span.clone(), own), &[])?;
-        let mut settings: Settings = self.read(Spanned::new(span, rest), keys)?;
-        settings.resolve(self)?;
-        Ok((own, settings))
-    }
-
     /// Deserializes a table. `more` are keys that `T` does not know and that are allowed beside its
     /// own, for the suggestion in the error for another one.
-    pub(super) fn read<T: DeserializeOwned>(
+    pub(crate) fn read<T: DeserializeOwned>(
         &self,
         table: Spanned<DeTable<'_>>,
         more: &[&str],
-    ) -> Result<T, SuiteError> {
+    ) -> Result<T, DocumentError> {
         let toml = toml::Deserializer::from(table);
         serde_path_to_error::deserialize(toml).map_err(|error| {
             let last_key = error.path().iter().rev().find_map(|segment| match segment {
@@ -132,12 +114,12 @@ impl<'p> Document<'p> {
         key: &str,
         span: Option<Range<usize>>,
         problem: &str,
-    ) -> SuiteError {
+    ) -> DocumentError {
         self.error(span, &format!("`{key}`: {problem}"))
     }
 
-    pub(crate) fn error(&self, span: Option<Range<usize>>, problem: &str) -> SuiteError {
-        SuiteError {
+    pub(crate) fn error(&self, span: Option<Range<usize>>, problem: &str) -> DocumentError {
+        DocumentError {
             path: self.path.to_owned(),
             line: span.map(|span| self.line(&span)),
             problem: problem.replace('\n', " "),
@@ -184,7 +166,7 @@ fn plain(message: &str) -> String {
 
 /// Deserializes a text with `text`, or a table of type `T` with `table`. Errors of a visitor get
 /// the line of the value; those of `#[serde(try_from)]` in a list get that of the list.
-pub(super) fn text_or_table<'de, D: Deserializer<'de>, T: Deserialize<'de>, V>(
+pub(crate) fn text_or_table<'de, D: Deserializer<'de>, T: Deserialize<'de>, V>(
     deserializer: D,
     text: fn(&str) -> Result<V, String>,
     table: fn(T) -> Result<V, String>,
@@ -213,7 +195,7 @@ pub(super) fn text_or_table<'de, D: Deserializer<'de>, T: Deserialize<'de>, V>(
 }
 
 /// Deserializes a text with `text`.
-pub(super) fn parsed<'de, D: Deserializer<'de>, V>(
+pub(crate) fn parsed<'de, D: Deserializer<'de>, V>(
     deserializer: D,
     text: fn(&str) -> Result<V, String>,
 ) -> Result<V, D::Error> {

@@ -1,4 +1,8 @@
-//! Errors of users.
+//! What users write: errors in it, and TOML files.
+
+pub(crate) mod document;
+
+pub use document::DocumentError;
 
 /// A value from the command line or a file is invalid. The message quotes it and says what is
 /// allowed.

@@ -12,6 +12,7 @@ use crate::measure::instructions;
 use crate::plan::source::SourceSpec;
 use crate::plan::suite::{self, MOST_RUNS};
 use crate::registry::{self, MOST_THREADS, Selection, Simd};
+use crate::report::claims::ClaimsFormat;
 use crate::report::{Form, Tables, Wanted};
 use crate::schema::Shard;
 use crate::table::{self, ComparisonFormat, Format};
@@ -70,6 +71,8 @@ pub(super) enum Command {
     Compare(CompareOptions),
     /// Make tables, plots and a picture of result files: one page, or files to take into a paper
     Report(ReportOptions),
+    /// Compute what results say of the papers' claims: confirmed, partly, not, or cannot be judged
+    Claims(ClaimsOptions),
     /// Write the distances of all vertices from one or several sources
     Distance(DistanceOptions),
     /// Write a generated model to a file
@@ -360,6 +363,34 @@ impl ReportOptions {
             })
             .collect()
     }
+}
+
+#[derive(Args, Debug)]
+#[command(
+    after_help = "A claim is decided by the results of its suite (`run --config bench-configs/SUITE.toml`). docs/claims.md has \
+    the rules and the form of files of claims. Exit status: 0 whatever the verdicts are; 2 a file cannot be used."
+)]
+pub(super) struct ClaimsOptions {
+    /// Result files (.json), or directories of some; at most one of each suite
+    #[arg(value_name = "RESULT", required = true)]
+    pub(super) results: Vec<PathBuf>,
+
+    /// File of claims (.toml), or a directory of some [default: those of the papers, which are part
+    /// of the program]
+    #[arg(long, value_name = "DIR|FILE")]
+    pub(super) claims: Option<PathBuf>,
+
+    /// What goes to standard output
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ClaimsFormat::Markdown)]
+    pub(super) format: ClaimsFormat,
+
+    /// File to write instead, by its ending: .md, .json, .csv or .txt; may be repeated
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Vec<PathBuf>,
+
+    /// No warnings
+    #[arg(long)]
+    pub(super) quiet: bool,
 }
 
 #[derive(Args, Debug)]

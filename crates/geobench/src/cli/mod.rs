@@ -2,6 +2,7 @@
 
 mod algos;
 mod args;
+mod claims;
 mod compare;
 mod distance;
 mod generate;
@@ -76,6 +77,7 @@ fn command() -> ExitCode {
         Command::Verify(options) => verify::verify(&options),
         Command::Compare(options) => compare::compare(&options, terminal),
         Command::Report(options) => report::report(&options),
+        Command::Claims(options) => claims::claims(&options, terminal),
         Command::Distance(options) => distance::distance(&options),
         Command::Gen(options) => generate::generate(&options),
         Command::Info(options) => info::info(&options),

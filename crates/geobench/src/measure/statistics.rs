@@ -100,19 +100,17 @@ const SEED: u64 = 0x6765_6f62_656e_6368;
 
 /// The 2.5th and 97.5th percentiles of `figure`, a function of the medians of resamples that are
 /// drawn with replacement from each of `samples`, none of which is empty. O(10,000 n log n).
-fn bootstrap_interval<const N: usize>(
-    samples: &[&[f64]; N],
-    figure: impl Fn([f64; N]) -> f64,
-) -> [f64; 2] {
+fn bootstrap_interval(samples: &[&[f64]], figure: impl Fn(&[f64]) -> f64) -> [f64; 2] {
     let mut random = SplitMix64::new(SEED);
-    let mut resample = Vec::new();
+    let (mut resample, mut medians) = (Vec::new(), vec![f64::NAN; samples.len()]);
     let mut figures: Vec<f64> = (0..RESAMPLES)
         .map(|_| {
-            figure(samples.map(|samples| {
+            for (median, samples) in medians.iter_mut().zip(samples) {
                 resample.clear();
                 resample.extend(samples.iter().map(|_| samples[random.below(samples.len())]));
-                median_in_place(&mut resample).unwrap_or(f64::NAN)
-            }))
+                *median = median_in_place(&mut resample).unwrap_or(f64::NAN);
+            }
+            figure(&medians)
         })
         .collect();
     figures.sort_unstable_by(f64::total_cmp);
@@ -186,7 +184,7 @@ pub fn paired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
     Some(Ratio {
         ratio: median(&ratios)?,
         ci95: (ratios.len() >= FEWEST_FOR_INTERVAL)
-            .then(|| bootstrap_interval(&[&ratios], |[ratio]| ratio)),
+            .then(|| bootstrap_interval(&[&ratios], |medians| medians[0])),
     })
 }
 
@@ -201,8 +199,18 @@ pub fn unpaired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
     let enough = over.len().min(under.len()) >= FEWEST_FOR_INTERVAL;
     Some(Ratio {
         ratio: median(over)? / median(under)?,
-        ci95: enough.then(|| bootstrap_interval(&[over, under], |[a, b]| a / b)),
+        ci95: enough.then(|| bootstrap_interval(&[over, under], |medians| medians[0] / medians[1])),
     })
+}
+
+/// The 95 % interval of `figure`, a function of the medians of several sets of samples; each set is
+/// resampled by itself. A set of one sample is a number known exactly, which does not vary.
+///
+/// None if a set is empty, or has more than one sample and fewer than [`FEWEST_FOR_INTERVAL`].
+pub fn interval_of(samples: &[&[f64]], figure: impl Fn(&[f64]) -> f64) -> Option<[f64; 2]> {
+    let is_enough = |set: &&[f64]| set.len() == 1 || set.len() >= FEWEST_FOR_INTERVAL;
+    let enough = samples.iter().all(is_enough);
+    enough.then(|| bootstrap_interval(samples, figure))
 }
 
 fn usable(samples: &[f64]) -> bool {
@@ -324,6 +332,18 @@ mod tests {
         assert_eq!(summary.min, 0.9);
         assert!((summary.mad - 0.1).abs() < 1e-12);
         assert_eq!(summary.outliers, Some(1));
+    }
+
+    #[test]
+    fn the_interval_of_a_function_is_that_of_a_ratio() {
+        let over: Vec<f64> = (0..9).map(|i| 2.0 + f64::from(i) / 10.0).collect();
+        let under = [1.0, 1.1, 0.9, 1.05, 0.95];
+        let ratio = |medians: &[f64]| medians[0] / medians[1];
+        let known = unpaired_ratio(&over, &under).unwrap().ci95;
+        assert_eq!(interval_of(&[&over, &under], ratio), known);
+        assert_eq!(interval_of(&[&[3.0], &[2.0]], ratio), Some([1.5, 1.5]));
+        assert_eq!(interval_of(&[&over, &[1.0, 2.0]], ratio), None);
+        assert_eq!(interval_of(&[&over, &[]], ratio), None);
     }
 
     #[test]

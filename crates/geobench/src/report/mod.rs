@@ -13,6 +13,7 @@
 #![allow(clippy::cast_sign_loss, clippy::format_push_string)]
 
 mod chart;
+pub mod claims;
 mod document;
 mod environment;
 mod files;

@@ -209,6 +209,14 @@ fn all() -> &'static [Figure] {
                 ..Figure::computed("b", "Estimate of b", Decimals(4), |_| None)
             }
             .informative(),
+            Figure::computed("mean_wavefront", "Mean wavefront", Count, mean_wavefront)
+                .informative(),
+            Figure::computed("k_correlation", "Correlation of K", Decimals(4), |c| {
+                let rounds = c.wavefront.iter();
+                let points = rounds.filter_map(|s| Some([s.windows as f64, s.k? as f64]));
+                correlation(&points.collect::<Vec<_>>())
+            })
+            .informative(),
             Figure::computed("max_rel", "Largest relative difference", Scientific, |c| {
                 c.check.max_rel
             })
@@ -224,6 +232,33 @@ fn all() -> &'static [Figure] {
         all
     });
     &ALL
+}
+
+/// The mean number of windows on the wavefront over the distance that it covers, by the
+/// trapezoidal rule on the samples.
+fn mean_wavefront(cell: &Cell) -> Option<f64> {
+    let mut samples = cell.wavefront.clone();
+    samples.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+    let way = samples.last()?.distance - samples.first()?.distance;
+    let pairs = samples.windows(2);
+    let areas = pairs.map(|pair| {
+        let height = f64::midpoint(pair[0].windows as f64, pair[1].windows as f64);
+        height * (pair[1].distance - pair[0].distance)
+    });
+    (way > 0.0).then(|| areas.sum::<f64>() / way)
+}
+
+/// Pearson's correlation of at least three points; none if a coordinate is the same in all.
+fn correlation(points: &[[f64; 2]]) -> Option<f64> {
+    let count = points.len() as f64;
+    let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / count;
+    let means = [mean(0), mean(1)];
+    let product = |a: usize, b: usize| -> f64 {
+        let terms = points.iter().map(|p| (p[a] - means[a]) * (p[b] - means[b]));
+        terms.sum()
+    };
+    let found = product(0, 1) / (product(0, 0) * product(1, 1)).sqrt();
+    (points.len() >= 3 && found.is_finite()).then_some(found)
 }
 
 /// The label of the row of a counter.
@@ -256,6 +291,28 @@ mod tests {
         assert!(
             message.starts_with("there is no row `levls`, did you mean `levels`?; known are time,")
         );
+    }
+
+    #[test]
+    fn the_wavefront_is_averaged_over_its_way_and_compared_with_k() {
+        let sample = |distance: f64, windows: u64, k: u64| crate::schema::WavefrontRecord {
+            parents: 0,
+            windows,
+            distance,
+            deviation: 0.0,
+            k: Some(k),
+        };
+        let mut cell = Cell::new("m", "a");
+        let of = |key: &str, cell: &Cell| figure(key).unwrap().of(cell, None);
+        assert_eq!(of("mean_wavefront", &cell), None);
+        // Up to 4 over the first unit of the way, then 4 for three units, in any order.
+        cell.wavefront = vec![sample(4.0, 4, 8), sample(0.0, 0, 2), sample(1.0, 4, 8)];
+        assert_eq!(of("mean_wavefront", &cell), Some(3.5));
+        assert!((of("k_correlation", &cell).unwrap() - 1.0).abs() < 1e-12);
+        cell.wavefront[0].k = Some(2);
+        assert!((of("k_correlation", &cell).unwrap() - 0.5).abs() < 1e-12);
+        cell.wavefront[0].k = None;
+        assert_eq!(of("k_correlation", &cell), None);
     }
 
     #[test]

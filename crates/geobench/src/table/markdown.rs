@@ -4,7 +4,7 @@ use super::escape::markdown as escape;
 use super::model::{Entry, Mark, Table};
 
 /// A table under its heading, with a list of notes.
-pub(super) fn table(table: &Table) -> String {
+pub(crate) fn table(table: &Table) -> String {
     let mut lines = Vec::new();
     if !table.title.is_empty() {
         lines.extend([format!("## {}", escape(&table.title)), String::new()]);

@@ -14,7 +14,7 @@ pub(crate) mod figures;
 pub(crate) mod group;
 pub(crate) mod html;
 pub(crate) mod latex;
-mod markdown;
+pub(crate) mod markdown;
 mod model;
 pub mod output;
 pub(crate) mod results;
@@ -26,7 +26,7 @@ pub use bars::model_bars;
 pub use comparison::ComparisonFormat;
 pub use csv::header as csv_header;
 pub use figures::{Figure, UnknownFigure, figure};
-pub(crate) use model::{Column, Entry, Note, Part, Table};
+pub(crate) use model::{Column, Entry, Mark, Note, Part, Table};
 pub use terminal::Look;
 
 /// A form in which results can be written.
@@ -65,7 +65,7 @@ pub struct UnknownEnding {
 }
 
 /// The form for the ending of `path`, in any letter case.
-fn of_ending<F: Copy>(
+pub(crate) fn of_ending<F: Copy>(
     path: &Path,
     what: &'static str,
     endings: &[(&str, F)],

@@ -103,7 +103,7 @@ impl Tables {
 }
 
 /// The name of the suite file in a command, if it has one.
-fn suite(command: &[String]) -> Option<String> {
+pub(crate) fn suite(command: &[String]) -> Option<String> {
     let given = command
         .iter()
         .enumerate()
@@ -142,6 +142,26 @@ pub(crate) struct Printed {
     pub(crate) value: f64,
     /// Standard deviation if it is a mean.
     pub(crate) deviation: Option<f64>,
+}
+
+impl PaperTable {
+    /// The file of `bench-configs/papers` of this name.
+    ///
+    /// # Errors
+    ///
+    /// Names all files if there is none, or the line that does not follow their README.
+    pub(crate) fn named(name: &str) -> anyhow::Result<Self> {
+        match FILES.iter().find(|(known, _)| *known == name) {
+            Some((name, text)) => parse(name, text),
+            None => {
+                let known: Vec<&str> = FILES.iter().map(|(name, _)| *name).collect();
+                anyhow::bail!(
+                    "there is no paper table `{name}`; known are {}",
+                    known.join(", ")
+                )
+            }
+        }
+    }
 }
 
 /// Columns without a figure.

@@ -1,0 +1,70 @@
+//! `geobench claims`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+
+use super::Verdict;
+use super::args::ClaimsOptions;
+use super::terminal::{self, Terminal};
+use crate::report::claims::{self, ClaimsFile, ClaimsFormat, Input};
+use crate::schema::result_file;
+use crate::table::output;
+
+pub(super) fn claims(options: &ClaimsOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
+    let outputs = output::prepare(&options.output, ClaimsFormat::of_path)?;
+    let wanted = match &options.claims {
+        None => claims::known()?,
+        Some(given) => {
+            let paths = files(given, "toml")?;
+            let files = paths.iter().map(|path| ClaimsFile::read(path));
+            files.collect::<Result<_, _>>()?
+        }
+    };
+    let mut results = Vec::new();
+    for given in &options.results {
+        for path in files(given, "json")? {
+            let result = result_file::read(&path)?;
+            results.push(Input { path, result });
+        }
+    }
+    let report = claims::judge(&wanted, &results)?;
+    if !options.quiet {
+        report.notes.iter().for_each(|note| terminal::warning(note));
+    }
+    for (format, file) in &outputs {
+        file.write(
+            format
+                .render(&report, crate::table::Look::default())?
+                .as_bytes(),
+        )?;
+    }
+    if outputs.is_empty() {
+        terminal::print_rendered(&options.format.render(&report, terminal.look())?)?;
+    }
+    Ok(Verdict::Passed)
+}
+
+/// The file, or the files of this ending in the directory, sorted by name.
+fn files(given: &Path, ending: &str) -> anyhow::Result<Vec<PathBuf>> {
+    if !given.is_dir() {
+        return Ok(vec![given.to_owned()]);
+    }
+    let shown = given.display();
+    let entries = given
+        .read_dir()
+        .with_context(|| format!("{shown}: cannot be read"))?;
+    let paths = entries.map(|entry| entry.map(|entry| entry.path()));
+    let mut paths: Vec<PathBuf> = paths
+        .collect::<Result<_, _>>()
+        .with_context(|| format!("{shown}: cannot be read"))?;
+    paths.retain(|path| {
+        path.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case(ending))
+    });
+    paths.sort_unstable();
+    if paths.is_empty() {
+        bail!("{shown}: it holds no .{ending} file");
+    }
+    Ok(paths)
+}

@@ -1,0 +1,242 @@
+//! Expressions over figures, with their intervals.
+//!
+//! An expression is a tree over sets of samples. A time is a set of as many samples as there were
+//! runs, a count a set of one. The value takes the median of each set; the interval resamples the
+//! sets (`measure::statistics`).
+
+use crate::measure::statistics::{interval_of, median};
+use crate::table::group::Value;
+
+/// An expression.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Node {
+    /// The median of a set of samples, by its index.
+    Set(usize),
+    /// The first divided by the second.
+    Ratio(Box<Self>, Box<Self>),
+    /// One less the value: what is saved if the value is what is left.
+    Saving(Box<Self>),
+    /// The value divided by a number.
+    Per(Box<Self>, f64),
+    /// The least.
+    Least(Vec<Self>),
+    /// The number that stands beside the least.
+    Best(Vec<(f64, Self)>),
+    /// The median.
+    Median(Vec<Self>),
+    /// The arithmetic mean.
+    Mean(Vec<Self>),
+    /// The geometric mean.
+    GeometricMean(Vec<Self>),
+    /// The greatest divided by the least.
+    Spread(Vec<Self>),
+    /// The factor from the least to the greatest x of the line that fits the points best, in least
+    /// squares on logarithms.
+    Growth(Vec<(f64, Self)>),
+}
+
+/// Fewest different places of a line.
+pub(super) const FEWEST_FOR_GROWTH: usize = 3;
+
+impl Node {
+    fn of(&self, medians: &[f64]) -> f64 {
+        let all = |nodes: &[Self]| -> Vec<f64> { nodes.iter().map(|n| n.of(medians)).collect() };
+        match self {
+            Self::Set(index) => medians[*index],
+            Self::Ratio(over, under) => over.of(medians) / under.of(medians),
+            Self::Saving(node) => 1.0 - node.of(medians),
+            Self::Per(node, size) => node.of(medians) / size,
+            Self::Least(nodes) => all(nodes).into_iter().fold(f64::INFINITY, f64::min),
+            Self::Best(nodes) => {
+                let nodes = nodes
+                    .iter()
+                    .map(|(beside, node)| (*beside, node.of(medians)));
+                let best = nodes.min_by(|a, b| a.1.total_cmp(&b.1));
+                best.map_or(f64::NAN, |(beside, _)| beside)
+            }
+            Self::Median(nodes) => median(&all(nodes)).unwrap_or(f64::NAN),
+            Self::Mean(nodes) => mean(all(nodes).into_iter()),
+            Self::GeometricMean(nodes) => libm::exp(mean(all(nodes).into_iter().map(libm::log))),
+            Self::Spread(nodes) => {
+                let values = all(nodes);
+                let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+                values.into_iter().fold(f64::NEG_INFINITY, f64::max) / least
+            }
+            Self::Growth(points) => {
+                let [least, greatest] = ends(points);
+                let points = points.iter().map(|(x, node)| [*x, node.of(medians)]);
+                libm::pow(greatest / least, exponent(points))
+            }
+        }
+    }
+}
+
+/// The least and the greatest x.
+pub(super) fn ends(points: &[(f64, Node)]) -> [f64; 2] {
+    let places = points.iter().map(|(x, _)| *x);
+    places.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], x| {
+        [least.min(x), most.max(x)]
+    })
+}
+
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len() as f64;
+    values.sum::<f64>() / count
+}
+
+/// The e for which y = c x^e fits `points` best, in least squares on logarithms; no finite number
+/// for points in one place, or of numbers that are not positive.
+fn exponent(points: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let points: Vec<[f64; 2]> = points.map(|point| point.map(libm::log)).collect();
+    let [mx, my] = [0, 1].map(|axis| mean(points.iter().map(|point: &[f64; 2]| point[axis])));
+    let spread: f64 = points.iter().map(|[x, _]| (x - mx) * (x - mx)).sum();
+    let shared: f64 = points.iter().map(|[x, y]| (x - mx) * (y - my)).sum();
+    shared / spread
+}
+
+/// The sets of samples that an expression is built over.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sets(Vec<Vec<f64>>);
+
+/// A figure of a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Quantity {
+    /// A number that does not vary.
+    Exact(f64),
+    /// Samples in the order of the rounds.
+    Samples(Vec<f64>),
+}
+
+impl Sets {
+    /// A leaf.
+    pub(super) fn leaf(&mut self, quantity: Quantity) -> Node {
+        self.0.push(match quantity {
+            Quantity::Exact(value) => vec![value],
+            // Two of the same, so that a single sample does not pass for an exact number.
+            Quantity::Samples(samples) if samples.len() == 1 => vec![samples[0]; 2],
+            Quantity::Samples(samples) => samples,
+        });
+        Node::Set(self.0.len() - 1)
+    }
+
+    /// The ratio of two figures of one model and source. The samples of two algorithms were taken
+    /// in turns, so that they are divided pair by pair, as in `table::group`.
+    pub(super) fn ratio(&mut self, over: Quantity, under: Quantity) -> Node {
+        match (over, under) {
+            (Quantity::Samples(over), Quantity::Samples(under)) if over.len() == under.len() => {
+                let pairs = over.iter().zip(&under).map(|(a, b)| a / b);
+                self.leaf(Quantity::Samples(pairs.collect()))
+            }
+            (over, under) => {
+                let (over, under) = (self.leaf(over), self.leaf(under));
+                Node::Ratio(Box::new(over), Box::new(under))
+            }
+        }
+    }
+
+    /// Whether nothing in it varies.
+    pub(super) fn are_exact(&self) -> bool {
+        self.0.iter().all(|set| set.len() == 1)
+    }
+
+    /// Fewest samples of a set that varies.
+    pub(super) fn fewest_samples(&self) -> usize {
+        let varying = self.0.iter().filter(|set| set.len() > 1);
+        // A single sample stands there twice.
+        let counts = varying.map(|set| match set.len() {
+            2 if set[0] == set[1] => 1,
+            n => n,
+        });
+        counts.min().unwrap_or(0)
+    }
+
+    /// The value of `node` with its interval; none if it is no number.
+    pub(super) fn value(&self, node: &Node) -> Option<Value> {
+        let medians = self.0.iter().map(|set| median(set));
+        let medians: Vec<f64> = medians.collect::<Option<_>>()?;
+        let value = node.of(&medians);
+        let sets: Vec<&[f64]> = self.0.iter().map(Vec::as_slice).collect();
+        let interval = match self.are_exact() {
+            true => None,
+            false => interval_of(&sets, |medians| node.of(medians)),
+        };
+        value.is_finite().then_some(Value { value, interval })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn exact(values: &[f64]) -> (Sets, Vec<Node>) {
+        let mut sets = Sets::default();
+        let nodes = values
+            .iter()
+            .map(|&value| sets.leaf(Quantity::Exact(value)));
+        let nodes = nodes.collect();
+        (sets, nodes)
+    }
+
+    #[test]
+    fn each_expression_is_computed() {
+        let (sets, nodes) = exact(&[4.0, 1.0, 16.0]);
+        let value = |node: Node| sets.value(&node).unwrap().value;
+        let [a, b, c] = [0, 1, 2].map(|i: usize| Box::new(nodes[i].clone()));
+        assert_eq!(value(Node::Ratio(a.clone(), c.clone())), 0.25);
+        assert_eq!(
+            value(Node::Saving(Box::new(Node::Ratio(b, a.clone())))),
+            0.75
+        );
+        assert_eq!(value(Node::Per(c, 8.0)), 2.0);
+        assert_eq!(value(Node::Least(nodes.clone())), 1.0);
+        assert_eq!(value(Node::Median(nodes.clone())), 4.0);
+        assert_eq!(value(Node::Mean(nodes.clone())), 7.0);
+        assert!((value(Node::GeometricMean(nodes.clone())) - 4.0).abs() < 1e-12);
+        assert_eq!(value(Node::Spread(nodes.clone())), 16.0);
+        let beside = |places: [f64; 3]| places.into_iter().zip(nodes.clone()).collect();
+        assert_eq!(value(Node::Best(beside([100.0, 200.0, 300.0]))), 200.0);
+        // 4, 1, 16 at 2, 1, 4: the square of x, over the whole range from 1 to 4.
+        let growth = value(Node::Growth(beside([2.0, 1.0, 4.0])));
+        assert!((growth - 16.0).abs() < 1e-9, "{growth}");
+    }
+
+    #[test]
+    fn the_growth_is_that_of_the_whole_range_and_not_of_its_ends() {
+        let (sets, nodes) = exact(&[1.0, 2.0, 4.0, 2.0]);
+        let points = [1.0, 2.0, 4.0, 8.0].into_iter().zip(nodes).collect();
+        let growth = sets.value(&Node::Growth(points)).unwrap().value;
+        // The slope is 0.4; the ends alone differ by a factor of 2.
+        assert!((growth - 8_f64.powf(0.4)).abs() < 1e-9, "{growth}");
+    }
+
+    #[test]
+    fn times_have_an_interval_from_five_samples_on_and_pairs_are_divided_first() {
+        let drifting = [1.0, 2.0, 3.0, 4.0, 5.0];
+        let double = drifting.map(|x| 2.0 * x);
+        let of = |over: &[f64], under: &[f64]| {
+            let mut sets = Sets::default();
+            let samples = |set: &[f64]| Quantity::Samples(set.to_vec());
+            let node = sets.ratio(samples(over), samples(under));
+            (sets.value(&node).unwrap(), sets.fewest_samples())
+        };
+        let (value, samples) = of(&double, &drifting);
+        assert_eq!(
+            (value.value, value.interval, samples),
+            (2.0, Some([2.0, 2.0]), 5)
+        );
+        let (value, samples) = of(&double[..1], &drifting[..1]);
+        assert_eq!((value.value, value.interval, samples), (2.0, None, 1));
+        let (value, _) = of(&double, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let [low, high] = value.interval.unwrap();
+        assert!(low < 1.0 && high > 2.0, "{low} {high}");
+    }
+
+    #[test]
+    fn what_is_no_number_has_no_value() {
+        let (sets, nodes) = exact(&[1.0, 0.0]);
+        let [one, zero] = [0, 1].map(|i: usize| Box::new(nodes[i].clone()));
+        assert_eq!(sets.value(&Node::Ratio(one, zero)), None);
+        let same = nodes.into_iter().map(|node| (3.0, node)).collect();
+        assert_eq!(sets.value(&Node::Growth(same)), None);
+    }
+}

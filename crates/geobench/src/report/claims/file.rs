@@ -1,0 +1,495 @@
+//! Files of claims: what a paper says, and the tests that decide.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use serde::{Deserialize, Deserializer};
+use toml::Spanned;
+
+use crate::registry::{Selection, select_one};
+use crate::report::papers::PaperTable;
+use crate::schema::Status;
+use crate::table::figures::{Figure, figure};
+use crate::usage::document::{Document, DocumentError, text_or_table};
+
+/// The claims of a paper.
+#[derive(Clone, Debug)]
+pub struct ClaimsFile {
+    /// The paper's number.
+    pub paper: String,
+    /// Authors, year and subject.
+    pub title: String,
+    /// The claims, in the order of the file.
+    pub claims: Vec<Claim>,
+}
+
+/// A claim.
+#[derive(Clone, Debug)]
+pub struct Claim {
+    /// Its name, unique in all files.
+    pub id: String,
+    /// Section, table or figure.
+    pub place: String,
+    /// A few words of the paper.
+    pub quote: String,
+    /// What is tested, in our words.
+    pub claim: String,
+    /// The suite whose results decide.
+    pub suite: Option<String>,
+    /// What must exist first; the claim cannot be judged until then.
+    pub awaits: Option<String>,
+    /// What a reader must know beside the numbers.
+    pub remark: Option<String>,
+    pub(super) tests: Vec<Test>,
+}
+
+/// A test: an expression over results, and the values for which the claim holds.
+#[derive(Clone, Debug)]
+pub(super) struct Test {
+    pub(super) groups: Vec<String>,
+    pub(super) models: Vec<String>,
+    pub(super) of: Vec<Operand>,
+    pub(super) to: Option<Operand>,
+    /// The figure that decides, followed by those that decide where it cannot.
+    pub(super) figures: Vec<&'static Figure>,
+    pub(super) per: Option<Size>,
+    pub(super) over: Option<Axis>,
+    pub(super) combine: Combine,
+    pub(super) show: Show,
+    /// The parameter of the least of an operand that is the value.
+    pub(super) best: Option<String>,
+    pub(super) holds: Range,
+    pub(super) paper: Option<Paper>,
+    /// The outcome that a run must have, instead of an expression.
+    pub(super) ends: Option<Status>,
+    pub(super) at_least_faces: u64,
+}
+
+/// What a figure is taken of.
+#[derive(Clone, Debug)]
+pub(super) struct Operand {
+    /// The algorithms, of which the least figure counts.
+    pub(super) algorithms: Vec<Selection>,
+    /// Its figure, if it is not that of the test.
+    pub(super) figure: Option<&'static Figure>,
+}
+
+/// A size of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Size {
+    Vertices,
+    Faces,
+}
+
+/// What models differ in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Axis {
+    Faces,
+    Anisotropy,
+}
+
+/// How the values of several models become one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Combine {
+    /// They do not: the claim must hold on each.
+    #[default]
+    Each,
+    Median,
+    Mean,
+    GeometricMean,
+    Spread,
+}
+
+/// What is shown of a ratio.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Show {
+    #[default]
+    Value,
+    /// One less the ratio.
+    Saving,
+}
+
+/// The values for which a claim holds: `> 1`, `< 2` or `0.9 to 1.1`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Range {
+    pub(super) least: f64,
+    pub(super) most: f64,
+}
+
+impl Range {
+    /// Whether it holds for `value`. The end of `> 1` is not in it, those of `0.9 to 1.1` are.
+    pub(super) fn holds(&self, value: f64) -> bool {
+        if self.most == f64::INFINITY {
+            value > self.least
+        } else if self.least == f64::NEG_INFINITY {
+            value < self.most
+        } else {
+            (self.least..=self.most).contains(&value)
+        }
+    }
+
+    /// Whether some of an interval is in it.
+    pub(super) fn touches(&self, [low, high]: [f64; 2]) -> bool {
+        low <= self.most && high >= self.least
+    }
+}
+
+impl FromStr for Range {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+        let (least, most) = if let Some(text) = text.strip_prefix('>') {
+            (number(text), Some(f64::INFINITY))
+        } else if let Some(text) = text.strip_prefix('<') {
+            (Some(f64::NEG_INFINITY), number(text))
+        } else {
+            let (least, most) = text.split_once(" to ").unwrap_or((text, ""));
+            (number(least), number(most))
+        };
+        match (least, most) {
+            (Some(least), Some(most)) if least <= most => Ok(Self { least, most }),
+            _ => Err(format!(
+                "`{text}` is no range; write `> 1`, `< 1` or `0.9 to 1.1`"
+            )),
+        }
+    }
+}
+
+/// The paper's numbers.
+#[derive(Clone, Debug)]
+pub(super) enum Paper {
+    /// As they stand there, or computed from what stands there.
+    Numbers(Vec<f64>),
+    /// Those of a table of `bench-configs/papers`.
+    Table(PaperTable),
+}
+
+/// A test as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawTest {
+    #[serde(default)]
+    group: Vec<String>,
+    #[serde(default)]
+    models: Vec<String>,
+    of: Vec<Operand>,
+    to: Option<Operand>,
+    figure: Option<Spanned<String>>,
+    #[serde(default, rename = "else")]
+    fallback: Vec<Spanned<String>>,
+    per: Option<Size>,
+    over: Option<Axis>,
+    #[serde(default)]
+    combine: Combine,
+    #[serde(default)]
+    show: Show,
+    best: Option<Spanned<String>>,
+    holds: Option<Spanned<String>>,
+    paper: Option<Spanned<RawPaper>>,
+    ends: Option<Status>,
+    #[serde(default)]
+    at_least_faces: u64,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum RawPaper {
+    Number(f64),
+    Numbers(Vec<f64>),
+    Table(String),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawClaim {
+    id: Spanned<String>,
+    place: String,
+    quote: String,
+    claim: String,
+    suite: Option<String>,
+    awaits: Option<String>,
+    remark: Option<String>,
+    #[serde(default)]
+    test: Vec<Spanned<RawTest>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawFile {
+    paper: String,
+    title: String,
+    #[serde(default)]
+    claim: Vec<Spanned<RawClaim>>,
+}
+
+impl<'de> Deserialize<'de> for Operand {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Raw {
+            algorithm: Option<String>,
+            #[serde(default)]
+            least: Vec<String>,
+            figure: Option<String>,
+        }
+        text_or_table(
+            deserializer,
+            |text| {
+                Ok(Self {
+                    algorithms: vec![select_one(text).map_err(|error| error.to_string())?],
+                    figure: None,
+                })
+            },
+            |raw: Raw| {
+                let names = raw.algorithm.iter().chain(&raw.least);
+                let algorithms: Vec<Selection> = names
+                    .map(|name| select_one(name).map_err(|error| error.to_string()))
+                    .collect::<Result<_, _>>()?;
+                if raw.algorithm.is_some() != raw.least.is_empty() {
+                    return Err("give either `algorithm` or `least`, a list of some".to_owned());
+                }
+                let figure = raw.figure.map(|name| figure(&name)).transpose();
+                Ok(Self {
+                    algorithms,
+                    figure: figure.map_err(|error| error.to_string())?,
+                })
+            },
+        )
+    }
+}
+
+impl ClaimsFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    ///
+    /// Names the file, the line and the key.
+    pub fn read(path: &Path) -> Result<Self, DocumentError> {
+        Self::of(&Document::open(path)?)
+    }
+
+    /// Reads the text of the file `path`.
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](Self::read), apart from those of the system.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, DocumentError> {
+        Self::of(&Document::new(path, text))
+    }
+
+    fn of(document: &Document<'_>) -> Result<Self, DocumentError> {
+        let raw: RawFile = document.read(document.parse()?, &[])?;
+        let mut claims: Vec<Claim> = Vec::new();
+        for claim in raw.claim {
+            let claim = self::claim(document, claim)?;
+            if claims.iter().any(|other| other.id == claim.1.id) {
+                let problem = format!("two are called `{}`", claim.1.id);
+                return Err(document.error_at("id", Some(claim.0), &problem));
+            }
+            claims.push(claim.1);
+        }
+        Ok(Self {
+            paper: raw.paper,
+            title: raw.title,
+            claims,
+        })
+    }
+}
+
+type Span = std::ops::Range<usize>;
+
+/// The claim, with the span of its name.
+fn claim(document: &Document<'_>, raw: Spanned<RawClaim>) -> Result<(Span, Claim), DocumentError> {
+    let span = raw.span();
+    let raw = raw.into_inner();
+    let id = raw.id.span();
+    let problem = match (&raw.suite, &raw.awaits, &raw.test[..]) {
+        (_, None, []) => Some("it has no [[claim.test]] and does not say what it `awaits`"),
+        (None, None, _) => Some("it names no `suite` whose results decide"),
+        _ => None,
+    };
+    if let Some(problem) = problem {
+        return Err(document.error_at("claim", Some(span), problem));
+    }
+    let tests = raw.test.into_iter().map(|raw| test(document, raw));
+    Ok((
+        id,
+        Claim {
+            id: raw.id.into_inner(),
+            place: raw.place,
+            quote: raw.quote,
+            claim: raw.claim,
+            suite: raw.suite,
+            awaits: raw.awaits,
+            remark: raw.remark,
+            tests: tests.collect::<Result<_, _>>()?,
+        },
+    ))
+}
+
+fn test(document: &Document<'_>, raw: Spanned<RawTest>) -> Result<Test, DocumentError> {
+    let span = raw.span();
+    let raw = raw.into_inner();
+    let error = |key: &str, problem: &str| document.error_at(key, Some(span.clone()), problem);
+    let mut figures = Vec::new();
+    if raw.figure.is_none() {
+        figures.push(crate::table::figures::time());
+    }
+    for name in raw.figure.into_iter().chain(raw.fallback) {
+        let found = figure(name.get_ref()).map_err(|unknown| {
+            document.error_at("figure", Some(name.span()), &unknown.to_string())
+        })?;
+        figures.push(found);
+    }
+    if raw.of.is_empty() {
+        return Err(error("of", "at least one algorithm is expected"));
+    }
+    let holds = match (&raw.holds, raw.ends) {
+        (Some(holds), None) => holds
+            .get_ref()
+            .parse()
+            .map_err(|problem: String| document.error_at("holds", Some(holds.span()), &problem))?,
+        (None, Some(_)) => Range {
+            least: f64::NEG_INFINITY,
+            most: f64::INFINITY,
+        },
+        _ => return Err(error("holds", "a test has either `holds` or `ends`")),
+    };
+    if raw.over.is_some() && raw.combine != Combine::Each {
+        return Err(error("over", "growth has one value; leave `combine` out"));
+    }
+    if let Some(best) = &raw.best {
+        let parameter = best.get_ref();
+        let all = raw.of.iter().flat_map(|operand| &operand.algorithms);
+        for selection in all {
+            if super::parameter(selection, parameter).is_none() {
+                let problem = format!(
+                    "{} has no number for the parameter `{parameter}`",
+                    selection.label()
+                );
+                return Err(document.error_at("best", Some(best.span()), &problem));
+            }
+        }
+    }
+    let mut test = Test {
+        groups: raw.group,
+        models: raw.models,
+        of: raw.of,
+        to: raw.to,
+        figures,
+        per: raw.per,
+        over: raw.over,
+        combine: raw.combine,
+        show: raw.show,
+        best: raw.best.map(Spanned::into_inner),
+        holds,
+        paper: None,
+        ends: raw.ends,
+        at_least_faces: raw.at_least_faces,
+    };
+    if let Some(paper) = raw.paper {
+        let span = paper.span();
+        let error = |problem: &str| document.error_at("paper", Some(span.clone()), problem);
+        test.paper = Some(match paper.into_inner() {
+            RawPaper::Number(number) => Paper::Numbers(vec![number]),
+            RawPaper::Numbers(numbers) if numbers.is_empty() => {
+                return Err(error("at least one number is expected"));
+            }
+            RawPaper::Numbers(numbers) => Paper::Numbers(numbers),
+            RawPaper::Table(name) => {
+                let table = PaperTable::named(&name);
+                Paper::Table(table.map_err(|problem| error(&format!("{problem:#}")))?)
+            }
+        });
+        for operand in &test.of {
+            if matches!(&test.paper, Some(Paper::Table(_))) && test.printed(operand).is_empty() {
+                return Err(error(&format!(
+                    "the table has no number of {} for this test",
+                    operand.in_words()
+                )));
+            }
+        }
+    }
+    Ok(test)
+}
+
+impl Operand {
+    /// Its algorithms in words.
+    pub(super) fn in_words(&self) -> String {
+        match &self.algorithms[..] {
+            [one] => one.label().to_owned(),
+            several => format!("the best of {}", labels(several)),
+        }
+    }
+
+    /// Its figure in a test on `figure`.
+    pub(super) fn figure(&self, figure: &'static Figure) -> &'static Figure {
+        self.figure.unwrap_or(figure)
+    }
+}
+
+/// The labels of `selections`, separated by commas.
+pub(super) fn labels(selections: &[Selection]) -> String {
+    let labels: Vec<&str> = selections.iter().map(Selection::label).collect();
+    labels.join(", ")
+}
+
+impl Test {
+    /// The paper's numbers for `operand`, each with the model and its number of faces if they are
+    /// known. Algorithms of tables are found by name, without parameters.
+    pub(super) fn printed(&self, operand: &Operand) -> Vec<(Option<(String, u64)>, f64)> {
+        let saved = |number: f64| match self.show {
+            Show::Value => number,
+            Show::Saving => 1.0 - number,
+        };
+        let table = match &self.paper {
+            None => return Vec::new(),
+            Some(Paper::Numbers(numbers)) => {
+                return numbers.iter().map(|&number| (None, number)).collect();
+            }
+            Some(Paper::Table(table)) => table,
+        };
+        let [over] = &operand.algorithms[..] else {
+            return Vec::new();
+        };
+        let is = |label: &str, selection: &Selection| {
+            label.split('{').next() == Some(selection.algorithm().name)
+        };
+        let of = |selection: &Selection, figure: &Figure| -> Vec<_> {
+            let rows = table.printed.iter();
+            let rows = rows.filter(|row| row.to.is_none() && row.figure.key == figure.key);
+            rows.filter(|row| is(&row.algorithm, selection)).collect()
+        };
+        let place =
+            |row: &crate::report::papers::Printed| Some((row.model.to_lowercase(), row.faces?));
+        let figure = self.figures[0];
+        let own = of(over, operand.figure(figure)).into_iter();
+        let Some(to) = &self.to else {
+            return own.map(|row| (place(row), row.value)).collect();
+        };
+        let [under] = &to.algorithms[..] else {
+            return Vec::new();
+        };
+        let bases = of(under, to.figure(figure));
+        let ratios = own.filter_map(|row| {
+            let base = bases.iter().find(|base| base.model == row.model)?;
+            Some((place(row), saved(row.value / base.value)))
+        });
+        let printed = table.printed.iter().filter(|row| {
+            let to = row.to.as_deref().is_some_and(|label| is(label, under));
+            to && is(&row.algorithm, over) && row.figure.key == figure.key
+        });
+        let printed = printed.map(|row| (place(row), saved(row.value)));
+        ratios.chain(printed).collect()
+    }
+}
+
+/// A file of claims with its name, for messages.
+pub(super) fn path(name: &str) -> PathBuf {
+    PathBuf::from(format!("bench-configs/papers/claims/{name}.toml"))
+}

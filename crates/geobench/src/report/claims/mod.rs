@@ -1,0 +1,890 @@
+//! The papers' claims, and what results say of them.
+//!
+//! `bench-configs/papers/claims` has a file for each paper; `docs/claims.md` defines its keys. A
+//! claim has one or more tests, a test one or more *cases*: a value for one algorithm on one model,
+//! or over all models. [`judge`] computes every case and, from the cases, the verdict.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use crate::UsageError;
+use crate::measure::number::grouped;
+use crate::measure::statistics::FEWEST_FOR_INTERVAL;
+use crate::registry::{Selection, Value as Parameter};
+use crate::schema::{Cell, ModelRecord, PlannedAlgorithm, ResultFile, Status};
+use crate::table::figures::Figure;
+use crate::table::group::{Value, distinct};
+
+mod expression;
+mod file;
+mod page;
+#[cfg(test)]
+mod tests;
+
+use self::expression::{FEWEST_FOR_GROWTH, Node, Quantity, Sets, ends};
+use self::file::{Axis, Combine, Operand, Show, Size, Test, labels, path};
+pub use self::file::{Claim, ClaimsFile};
+pub use self::page::ClaimsFormat;
+
+/// The files of `bench-configs/papers/claims`, by name.
+macro_rules! file {
+    ($name:literal) => {
+        (
+            $name,
+            include_str!(concat!(
+                "../../../../../bench-configs/papers/claims/",
+                $name,
+                ".toml"
+            )),
+        )
+    };
+}
+
+const FILES: &[(&str, &str)] = &[file!("000"), file!("001"), file!("002"), file!("003")];
+
+/// The claims of the papers, which are part of the program.
+///
+/// # Errors
+///
+/// Never: a test reads every file.
+pub fn known() -> Result<Vec<ClaimsFile>, crate::DocumentError> {
+    let files = FILES.iter();
+    files
+        .map(|(name, text)| ClaimsFile::parse(&path(name), text))
+        .collect()
+}
+
+/// A result file.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// The file.
+    pub path: PathBuf,
+    /// The content.
+    pub result: ResultFile,
+}
+
+/// What results say of a claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ClaimVerdict {
+    /// It holds in every case, and its size is within a third of the paper's number where the paper
+    /// has one.
+    Confirmed,
+    /// It holds in most cases; its size, or some cases, do not.
+    Partly,
+    /// It holds in at most half of the cases.
+    Not,
+    /// The results do not tell.
+    Unjudged,
+}
+
+impl ClaimVerdict {
+    pub(super) const ALL: [Self; 4] = [Self::Confirmed, Self::Partly, Self::Not, Self::Unjudged];
+
+    /// In words.
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Self::Confirmed => "confirmed",
+            Self::Partly => "partly",
+            Self::Not => "not",
+            Self::Unjudged => "cannot be judged",
+        }
+    }
+}
+
+/// A claim with its verdict.
+#[derive(Clone, Debug, Serialize)]
+pub struct Judged {
+    /// The name of the claim.
+    pub id: String,
+    /// The paper's number.
+    pub paper: String,
+    /// Section, table or figure.
+    pub place: String,
+    /// What was tested.
+    pub claim: String,
+    /// A few words of the paper.
+    pub quote: String,
+    /// What the results say.
+    pub verdict: ClaimVerdict,
+    /// The cases by name.
+    pub values: BTreeMap<String, Case>,
+    /// Why the verdict is not better; empty if it is confirmed and nothing needs to be known.
+    pub reason: String,
+    /// The suite whose results decide.
+    pub suite: Option<String>,
+    /// The paper's numbers in words; empty if it has none.
+    pub printed: String,
+    /// The cases in words.
+    #[serde(skip)]
+    pub(super) shown: String,
+    #[serde(skip)]
+    pub(super) remark: Option<String>,
+}
+
+/// The claims of a paper with their verdicts.
+#[derive(Clone, Debug)]
+pub struct JudgedPaper {
+    /// The paper's number.
+    pub paper: String,
+    /// Authors, year and subject.
+    pub title: String,
+    /// The claims in the order of the file.
+    pub claims: Vec<Judged>,
+}
+
+/// Verdicts on the claims of several papers.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// The papers.
+    pub papers: Vec<JudgedPaper>,
+    /// The results, each in a line: suite, date, commit, machine.
+    pub(super) sources: Vec<String>,
+    /// Warnings, one line each.
+    pub notes: Vec<String>,
+}
+
+/// A value and what it says.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Case {
+    /// The figure that it is of.
+    pub figure: String,
+    /// The value; null if there is none.
+    pub value: Option<f64>,
+    /// Its 95 % interval; null for a count, and from too few samples.
+    pub ci95: Option<[f64; 2]>,
+    /// Whether the claim holds; null if the value does not tell.
+    pub holds: Option<bool>,
+    /// Whether the value is within a third of the paper's numbers; null if there are none.
+    pub fits: Option<bool>,
+    /// Why another figure than the first decided, or none; null if the first did.
+    pub reason: Option<String>,
+    /// The algorithm, for pages.
+    #[serde(skip)]
+    of: String,
+    /// The model, or the models.
+    #[serde(skip)]
+    on: String,
+}
+
+impl Case {
+    /// A case that nothing has decided yet.
+    fn open(figure: &str, on: &str) -> Self {
+        Self {
+            figure: figure.to_owned(),
+            value: None,
+            ci95: None,
+            holds: None,
+            fits: None,
+            reason: None,
+            of: String::new(),
+            on: on.to_owned(),
+        }
+    }
+}
+
+/// Judges the claims of `files` by `results`.
+///
+/// # Errors
+///
+/// When two results are of the same suite.
+pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<Report, UsageError> {
+    let mut of_suite: BTreeMap<String, &Input> = BTreeMap::new();
+    let (mut sources, mut notes) = (Vec::new(), Vec::new());
+    let wanted = |suite: &String| {
+        let mut claims = files.iter().flat_map(|file| &file.claims);
+        claims.any(|claim| claim.suite.as_ref() == Some(suite))
+    };
+    for input in results {
+        let shown = input.path.display();
+        let Some(suite) = super::papers::suite(&input.result.command).filter(|s| wanted(s)) else {
+            notes.push(format!("{shown}: no claim is decided by its suite"));
+            continue;
+        };
+        if let Some(other) = of_suite.insert(suite.clone(), input) {
+            return Err(UsageError(format!(
+                "{} and {shown} are both results of the suite {suite}; give one of them",
+                other.path.display()
+            )));
+        }
+        sources.push(source(&suite, &input.result));
+    }
+    let papers = files.iter().map(|file| JudgedPaper {
+        paper: file.paper.clone(),
+        title: file.title.clone(),
+        claims: file
+            .claims
+            .iter()
+            .map(|claim| {
+                let input = claim.suite.as_ref().and_then(|suite| of_suite.get(suite));
+                judged(&file.paper, claim, input.map(|input| &input.result))
+            })
+            .collect(),
+    });
+    Ok(Report {
+        papers: papers.collect(),
+        sources,
+        notes,
+    })
+}
+
+/// Where results are from, in a line.
+fn source(suite: &str, result: &ResultFile) -> String {
+    let commit = result.tool.commit.as_deref().unwrap_or("unknown");
+    let cpu = result.host.cpu.as_deref().unwrap_or("unknown processor");
+    let samples = result.cells.iter().map(|cell| cell.time.samples.len());
+    format!(
+        "{suite}: {}, commit {}, {cpu}, {} processors, vectors {}, {} repetitions",
+        result.started.get(..10).unwrap_or(&result.started),
+        commit.get(..12).unwrap_or(commit),
+        result.host.cores,
+        result.host.simd.as_deref().unwrap_or("unknown"),
+        samples.max().unwrap_or(0),
+    )
+}
+
+fn judged(paper: &str, claim: &Claim, result: Option<&ResultFile>) -> Judged {
+    let mut cases = Vec::new();
+    let mut unjudged = None;
+    match (&claim.awaits, &claim.suite, result) {
+        (Some(what), _, _) => unjudged = Some(format!("not available yet: {what}")),
+        (None, suite, None) => {
+            let suite = suite.as_deref().unwrap_or_default();
+            unjudged = Some(format!("there is no result of the suite {suite}"));
+        }
+        (None, _, Some(result)) => {
+            for test in &claim.tests {
+                cases.extend(Results { result, test }.cases());
+            }
+        }
+    }
+    let (verdict, reason) = match unjudged {
+        Some(reason) => (ClaimVerdict::Unjudged, reason),
+        None => verdict(&cases),
+    };
+    let mut values = BTreeMap::new();
+    for case in &cases {
+        let mut name = format!("{}, {}", case.of, case.on);
+        if values.contains_key(&name) {
+            name = format!("{name}, {}", case.figure);
+        }
+        values.insert(name, case.clone());
+    }
+    Judged {
+        id: claim.id.clone(),
+        paper: paper.to_owned(),
+        place: claim.place.clone(),
+        claim: claim.claim.clone(),
+        quote: claim.quote.clone(),
+        verdict,
+        values,
+        reason,
+        suite: claim.suite.clone(),
+        printed: page::printed(&claim.tests),
+        shown: page::cases(&cases),
+        remark: claim.remark.clone(),
+    }
+}
+
+/// The verdict on a claim from all its cases, and the reason.
+fn verdict(cases: &[Case]) -> (ClaimVerdict, String) {
+    let held: Vec<&Case> = cases.iter().filter(|c| c.holds == Some(true)).collect();
+    let failed: Vec<&Case> = cases.iter().filter(|c| c.holds == Some(false)).collect();
+    let open: Vec<&Case> = cases.iter().filter(|c| c.holds.is_none()).collect();
+    let off: Vec<&Case> = held
+        .iter()
+        .copied()
+        .filter(|c| c.fits == Some(false))
+        .collect();
+    let verdict = if open.len() >= held.len() + failed.len() {
+        ClaimVerdict::Unjudged
+    } else if failed.len() >= held.len() {
+        ClaimVerdict::Not
+    } else if failed.is_empty() && open.is_empty() && off.is_empty() {
+        ClaimVerdict::Confirmed
+    } else {
+        ClaimVerdict::Partly
+    };
+    let mut reasons = Vec::new();
+    let mut push = |what: &str, cases: &[&Case]| {
+        if !cases.is_empty() {
+            reasons.push(format!("{what}: {}", page::names(cases)));
+        }
+    };
+    push("does not hold for", &failed);
+    if verdict == ClaimVerdict::Partly {
+        push("size beyond a third of the paper's for", &off);
+    }
+    // Cases without a verdict by their reason, and those that another figure decided.
+    for wanted in [None, Some(())] {
+        let others = cases
+            .iter()
+            .filter(|case| case.holds.is_some() == wanted.is_some() && case.reason.is_some());
+        let why = distinct(others.clone().map(|case| case.reason.as_deref()));
+        for why in why {
+            let own: Vec<&Case> = others
+                .clone()
+                .filter(|c| c.reason.as_deref() == why)
+                .collect();
+            push(why.unwrap_or_default(), &own);
+        }
+    }
+    if cases.is_empty() {
+        reasons.push("no model of the result is one that the claim is about".to_owned());
+    }
+    (verdict, reasons.join("; "))
+}
+
+/// The value of a parameter of `selection`, if it is a number.
+fn parameter(selection: &Selection, name: &str) -> Option<f64> {
+    let mut parameters = selection.algorithm().parameters.iter();
+    match selection.value(parameters.find(|parameter| parameter.name == name)?) {
+        Parameter::Integer(n) => Some(n as f64),
+        Parameter::Real(x) => Some(x),
+        Parameter::Word(_) => None,
+    }
+}
+
+/// The results of a suite, for one test.
+#[derive(Clone, Copy)]
+struct Results<'r> {
+    result: &'r ResultFile,
+    test: &'r Test,
+}
+
+/// Why there is no value.
+type Reason = String;
+
+/// An expression over its sets of samples.
+struct Built {
+    sets: Sets,
+    node: Node,
+    /// The least and the greatest place of the models of a growth.
+    range: Option<[f64; 2]>,
+}
+
+impl Results<'_> {
+    /// The groups of the suite that the test is on.
+    fn groups(&self) -> Vec<Option<String>> {
+        let cells = self.result.cells.iter();
+        let groups = distinct(cells.map(|cell| cell.group.clone()));
+        let wanted = |group: &Option<String>| {
+            let wanted = &self.test.groups;
+            wanted.is_empty() || group.as_ref().is_some_and(|name| wanted.contains(name))
+        };
+        groups.into_iter().filter(wanted).collect()
+    }
+
+    /// The models of a group that the test is on.
+    fn models(&self, group: &Option<String>) -> Vec<&ModelRecord> {
+        let models = self.result.models.iter().filter(|model| {
+            let mut cells = self.result.cells.iter();
+            let patterns = &self.test.models;
+            let named = |pattern: &String| is_like(pattern, &model.name);
+            cells.any(|cell| cell.group == *group && cell.model == model.name)
+                && (patterns.is_empty() || patterns.iter().any(named))
+        });
+        models.collect()
+    }
+
+    /// The label of `selection` in the cells of a group: that of an algorithm of the plan with this
+    /// name and exactly these parameters. Labels alone do not tell, because defaults change from
+    /// version to version.
+    fn label(&self, group: &Option<String>, selection: &Selection) -> Result<&str, Reason> {
+        let missing = |why: &str| Err(format!("{} {why}", selection.label()));
+        let Some(plan) = &self.result.plan else {
+            return missing("cannot be told from others: the result does not hold its plan");
+        };
+        let Some(planned) = plan.groups.iter().find(|planned| planned.name == *group) else {
+            return missing("is not in the plan of the group");
+        };
+        let name = selection.algorithm().name;
+        let namesakes = planned.algorithms.iter().filter(|planned| {
+            let label = planned.label.split('{').next();
+            label == Some(name)
+        });
+        if let Some(same) = namesakes
+            .clone()
+            .find(|planned| is_same(selection, planned))
+        {
+            return Ok(&same.label);
+        }
+        match namesakes.count() {
+            0 => missing("was not run"),
+            _ => missing("was run with other parameters only"),
+        }
+    }
+
+    /// The cells of an algorithm on a model, one for each source.
+    fn cells(
+        &self,
+        group: &Option<String>,
+        selection: &Selection,
+        model: &str,
+    ) -> Result<Vec<&Cell>, Reason> {
+        let label = self.label(group, selection)?;
+        let cells = self.result.cells.iter();
+        let cells: Vec<&Cell> = cells
+            .filter(|c| c.group == *group && c.algorithm == label && c.model == model)
+            .collect();
+        match cells.is_empty() {
+            true => Err(format!("{label} has no cell")),
+            false => Ok(cells),
+        }
+    }
+
+    /// The figure of a cell.
+    fn quantity(
+        &self,
+        figure: &Figure,
+        cell: &Cell,
+        model: &ModelRecord,
+    ) -> Result<Quantity, Reason> {
+        let label = &cell.algorithm;
+        if cell.status != Status::Ok {
+            return Err(format!("{label}: {}", cell.status.in_words()));
+        }
+        if is_timed(figure) && self.result.tool.profile != "release" {
+            return Err("it was measured with a debug build".to_owned());
+        }
+        if figure.key == "time" {
+            return match &cell.time.samples[..] {
+                [] => Err(format!("{label} has no times")),
+                samples => Ok(Quantity::Samples(samples.to_vec())),
+            };
+        }
+        let value = figure.of(cell, model.vertices);
+        value
+            .map(Quantity::Exact)
+            .ok_or_else(|| format!("{label} has no `{}`", figure.key))
+    }
+
+    /// All cases of the test.
+    fn cases(&self) -> Vec<Case> {
+        let mut cases = Vec::new();
+        for operand in &self.test.of {
+            let groups: Vec<_> = self
+                .groups()
+                .into_iter()
+                .filter(|group| !self.models(group).is_empty())
+                .collect();
+            // Groups of other algorithms are passed over, unless all are.
+            let able: Vec<_> = groups
+                .iter()
+                .filter(|group| {
+                    let all = operand.algorithms.iter();
+                    let mut all = all.chain(self.test.to.iter().flat_map(|to| &to.algorithms));
+                    all.all(|selection| self.label(group, selection).is_ok())
+                })
+                .cloned()
+                .collect();
+            let groups = if able.is_empty() { groups } else { able };
+            cases.extend(match (self.test.ends, self.test.combine) {
+                (Some(ends), _) => self.endings(operand, &groups, ends),
+                (None, Combine::Each) if self.test.over.is_some() => groups
+                    .iter()
+                    .map(|group| {
+                        let on = group.clone().unwrap_or_else(|| "all models".to_owned());
+                        self.case(operand, on, None, |figure| {
+                            self.growth(operand, group, figure)
+                        })
+                    })
+                    .collect(),
+                (None, Combine::Each) => groups
+                    .iter()
+                    .flat_map(|group| {
+                        self.models(group).into_iter().map(|model| {
+                            self.case(operand, model.name.clone(), Some(model), |figure| {
+                                let mut sets = Sets::default();
+                                let node = self.on(operand, group, model, figure, &mut sets)?;
+                                Ok(Built {
+                                    sets,
+                                    node,
+                                    range: None,
+                                })
+                            })
+                        })
+                    })
+                    .collect(),
+                (None, combine) => {
+                    let models = groups.iter().map(|group| self.models(group).len());
+                    let on = format!("{} of {} models", words(combine), models.sum::<usize>());
+                    vec![self.case(operand, on, None, |figure| {
+                        self.combined(operand, &groups, figure, combine)
+                    })]
+                }
+            });
+        }
+        cases
+    }
+
+    /// A case: the first figure that decides.
+    fn case(
+        &self,
+        operand: &Operand,
+        on: String,
+        model: Option<&ModelRecord>,
+        build: impl Fn(&'static Figure) -> Result<Built, Reason>,
+    ) -> Case {
+        let mut first: Option<Case> = None;
+        let blank = |figure: &str| Case {
+            of: self.in_words(operand),
+            ..Case::open(figure, &on)
+        };
+        for (place, figure) in self.test.figures.iter().enumerate() {
+            let mut case = blank(figure.key);
+            match build(figure).map(|built| self.decide(&built, figure, &mut case)) {
+                Ok(Ok(())) if place == 0 => {
+                    case.fits = self.fits(operand, model, case.value.unwrap_or(f64::NAN));
+                    return case;
+                }
+                Ok(Ok(())) => {
+                    // The paper's numbers are of the first figure; here only the direction shows.
+                    let printed = !self.test.printed(operand).is_empty();
+                    case.fits = printed.then_some(false);
+                    let why = first.and_then(|case| case.reason).unwrap_or_default();
+                    case.reason = Some(format!("decided by {}, because {why}", figure.key));
+                    return case;
+                }
+                Ok(Err(reason)) | Err(reason) => {
+                    case.reason = Some(reason);
+                    first.get_or_insert(case);
+                }
+            }
+        }
+        first.unwrap_or_else(|| blank(""))
+    }
+
+    /// Whether the claim holds for the value of an expression.
+    fn decide(&self, built: &Built, figure: &Figure, case: &mut Case) -> Result<(), Reason> {
+        let Some(value) = built.sets.value(&built.node) else {
+            return Err(format!("`{}` is 0", figure.key));
+        };
+        (case.value, case.ci95) = (Some(value.value), value.interval);
+        if let (Some([low, high]), Some(axis)) = (built.range, self.test.over) {
+            case.on = match axis {
+                Axis::Faces => {
+                    let [low, high] = [low, high].map(|faces| grouped(faces as u64));
+                    format!("{} from {low} to {high} faces", case.on)
+                }
+                Axis::Anisotropy => format!("{} from g = {low:.2} to {high:.2}", case.on),
+            };
+        }
+        if figure.key.starts_with("phase_") || figure.key == "management_share" {
+            return Err(
+                "the phases were clocked, which slows short steps down most; only samples of a \
+                 run decide"
+                    .to_owned(),
+            );
+        }
+        let holds = self.test.holds;
+        let sure = match value {
+            Value {
+                interval: Some([low, high]),
+                ..
+            } => {
+                let same = [low, high].map(|end| holds.holds(end));
+                match same {
+                    [true, true] => true,
+                    [false, false] if !holds.touches([low, high]) => false,
+                    _ => return Err("the 95 % interval holds both sides".to_owned()),
+                }
+            }
+            _ if !built.sets.are_exact() => {
+                let samples = built.sets.fewest_samples();
+                let s = if samples == 1 { "" } else { "s" };
+                return Err(format!(
+                    "{samples} sample{s}; an interval takes {FEWEST_FOR_INTERVAL}"
+                ));
+            }
+            Value { value, .. } => holds.holds(value),
+        };
+        case.holds = Some(sure);
+        Ok(())
+    }
+
+    /// Whether `value` is within a third of the paper's numbers, if it has any: of that of the same
+    /// model for a figure of one algorithm, else of the range of all.
+    fn fits(&self, operand: &Operand, model: Option<&ModelRecord>, value: f64) -> Option<bool> {
+        let mut printed = self.test.printed(operand);
+        if self.test.to.is_none() && printed.iter().any(|(of, _)| of.is_some()) {
+            printed.retain(|(of, _)| {
+                let same = |(name, faces): &(String, u64)| {
+                    let model = model?;
+                    let ours = model.faces?;
+                    let close = ours.abs_diff(*faces) * 100 <= *faces;
+                    Some(close && model.name.to_lowercase().contains(name))
+                };
+                of.as_ref().and_then(same).unwrap_or(false)
+            });
+        }
+        let numbers = printed.iter().map(|(_, number)| *number);
+        let ends = numbers.fold(None, |ends: Option<[f64; 2]>, number| {
+            let [low, high] = ends.unwrap_or([number; 2]);
+            Some([low.min(number), high.max(number)])
+        });
+        let [low, high] = ends?;
+        Some(value >= low - low.abs() / 3.0 && value <= high + high.abs() / 3.0)
+    }
+
+    /// The expression on one model: the median over the sources.
+    fn on(
+        &self,
+        operand: &Operand,
+        group: &Option<String>,
+        model: &ModelRecord,
+        figure: &'static Figure,
+        sets: &mut Sets,
+    ) -> Result<Node, Reason> {
+        let cells = |operand: &Operand| {
+            let all = operand.algorithms.iter();
+            all.map(|selection| self.cells(group, selection, &model.name))
+                .collect::<Result<Vec<_>, _>>()
+        };
+        let (over, under) = (
+            cells(operand)?,
+            self.test.to.as_ref().map(cells).transpose()?,
+        );
+        let sources = distinct(over.iter().flatten().map(|cell| cell.source));
+        let own = operand.figure(figure);
+        let mut nodes = Vec::new();
+        for source in sources {
+            let at = |cells: &[Vec<&Cell>], figure: &Figure| {
+                let of_source = |cells: &Vec<&Cell>| {
+                    let cell = cells.iter().find(|cell| cell.source == source);
+                    let cell =
+                        cell.ok_or_else(|| "not all ran from the same sources".to_owned())?;
+                    self.quantity(figure, cell, model)
+                };
+                cells.iter().map(of_source).collect::<Result<Vec<_>, _>>()
+            };
+            let over = at(&over, own)?;
+            let under = match (&under, &self.test.to) {
+                (Some(under), Some(to)) => at(under, to.figure(figure))?,
+                _ => Vec::new(),
+            };
+            nodes.push(self.source(operand, over, under, sets));
+        }
+        let node = match nodes.len() {
+            1 => nodes.remove(0),
+            _ => Node::Median(nodes),
+        };
+        let node = match self.test.per {
+            None => node,
+            Some(size) => {
+                let size = match size {
+                    Size::Vertices => model.vertices,
+                    Size::Faces => model.faces,
+                };
+                let size = size.ok_or("the size of the model is not known")?;
+                Node::Per(Box::new(node), size as f64)
+            }
+        };
+        Ok(match self.test.show {
+            Show::Value => node,
+            Show::Saving => Node::Saving(Box::new(node)),
+        })
+    }
+
+    /// The expression on one model from one source.
+    fn source(
+        &self,
+        operand: &Operand,
+        over: Vec<Quantity>,
+        under: Vec<Quantity>,
+        sets: &mut Sets,
+    ) -> Node {
+        if let Some(best) = &self.test.best {
+            let beside = operand.algorithms.iter();
+            let beside = beside.map(|one| parameter(one, best).unwrap_or(f64::NAN));
+            let all = beside.zip(over.into_iter().map(|quantity| sets.leaf(quantity)));
+            return Node::Best(all.collect());
+        }
+        let least = |quantities: Vec<Quantity>, sets: &mut Sets| {
+            let mut nodes: Vec<Node> = quantities.into_iter().map(|q| sets.leaf(q)).collect();
+            match nodes.len() {
+                1 => nodes.remove(0),
+                _ => Node::Least(nodes),
+            }
+        };
+        match (
+            <[Quantity; 1]>::try_from(over),
+            <[Quantity; 1]>::try_from(under),
+        ) {
+            (Ok([over]), Ok([under])) => sets.ratio(over, under),
+            (over, under) => {
+                let over = least(over.map_or_else(|many| many, Vec::from), sets);
+                let under = under.map_or_else(|many| many, Vec::from);
+                if under.is_empty() {
+                    return over;
+                }
+                Node::Ratio(Box::new(over), Box::new(least(under, sets)))
+            }
+        }
+    }
+
+    /// How the expression grows over the models of a group.
+    fn growth(
+        &self,
+        operand: &Operand,
+        group: &Option<String>,
+        figure: &'static Figure,
+    ) -> Result<Built, Reason> {
+        let (mut sets, mut points) = (Sets::default(), Vec::new());
+        let mut missing = None;
+        for model in self.models(group) {
+            let place = match self.test.over {
+                Some(Axis::Anisotropy) => model.anisotropy,
+                _ => model.faces.map(|faces| faces as f64),
+            };
+            let Some(place) = place else {
+                continue;
+            };
+            // A series ends where an algorithm has no result any more.
+            let mut longer = sets.clone();
+            match self.on(operand, group, model, figure, &mut longer) {
+                Ok(node) => {
+                    sets = longer;
+                    points.push((place, node));
+                }
+                Err(reason) => missing = missing.or(Some(reason)),
+            }
+        }
+        let places: Vec<f64> = points.iter().map(|(x, _)| *x).collect();
+        if distinct(places).len() < FEWEST_FOR_GROWTH {
+            let few = format!("fewer than {FEWEST_FOR_GROWTH} models of the series have a value");
+            return Err(missing.map_or(few.clone(), |why| format!("{few}: {why}")));
+        }
+        Ok(Built {
+            range: Some(ends(&points)),
+            sets,
+            node: Node::Growth(points),
+        })
+    }
+
+    /// The expression over all models.
+    fn combined(
+        &self,
+        operand: &Operand,
+        groups: &[Option<String>],
+        figure: &'static Figure,
+        combine: Combine,
+    ) -> Result<Built, Reason> {
+        let (mut sets, mut nodes) = (Sets::default(), Vec::new());
+        for group in groups {
+            for model in self.models(group) {
+                nodes.push(self.on(operand, group, model, figure, &mut sets)?);
+            }
+        }
+        if nodes.is_empty() {
+            return Err("no model".to_owned());
+        }
+        let node = match combine {
+            Combine::Median | Combine::Each => Node::Median(nodes),
+            Combine::Mean => Node::Mean(nodes),
+            Combine::GeometricMean => Node::GeometricMean(nodes),
+            Combine::Spread => Node::Spread(nodes),
+        };
+        Ok(Built {
+            sets,
+            node,
+            range: None,
+        })
+    }
+
+    /// Cases of runs that must end in a certain way.
+    fn endings(&self, operand: &Operand, groups: &[Option<String>], ends: Status) -> Vec<Case> {
+        let mut cases = Vec::new();
+        for group in groups {
+            let models = self.models(group).into_iter();
+            let large = |model: &&ModelRecord| {
+                let least = self.test.at_least_faces;
+                least == 0 || model.faces.is_some_and(|faces| faces >= least)
+            };
+            for (model, one) in models
+                .filter(large)
+                .flat_map(|model| operand.algorithms.iter().map(move |one| (model, one)))
+            {
+                let found = self.cells(group, one, &model.name);
+                let found = found.map(|cells| cells.iter().any(|cell| cell.status == ends));
+                cases.push(Case {
+                    holds: found.as_ref().ok().copied(),
+                    reason: found.err(),
+                    of: one.label().to_owned(),
+                    ..Case::open("status", &model.name)
+                });
+            }
+        }
+        if cases.is_empty() {
+            let greatest = groups.iter().flat_map(|group| self.models(group));
+            let greatest = greatest.filter_map(|model| model.faces).max().unwrap_or(0);
+            cases.push(Case {
+                reason: Some(format!(
+                    "the largest model has {} faces, the claim is about {}",
+                    grouped(greatest),
+                    grouped(self.test.at_least_faces),
+                )),
+                of: labels(&operand.algorithms),
+                ..Case::open("status", "no model")
+            });
+        }
+        cases
+    }
+
+    /// The expression of an operand in words.
+    fn in_words(&self, operand: &Operand) -> String {
+        let own = operand.figure.map(|figure| format!("{} of ", figure.key));
+        let own = own.unwrap_or_default() + &operand.in_words();
+        match &self.test.to {
+            None => own,
+            Some(to) => {
+                let figure = to.figure.map(|figure| format!("{} of ", figure.key));
+                format!("{own} to {}{}", figure.unwrap_or_default(), to.in_words())
+            }
+        }
+    }
+}
+
+/// Whether a figure depends on how well the program was compiled.
+fn is_timed(figure: &Figure) -> bool {
+    matches!(figure.key, "time" | "setup" | "instructions")
+}
+
+/// Whether a planned algorithm has exactly the parameters of `selection`.
+fn is_same(selection: &Selection, planned: &PlannedAlgorithm) -> bool {
+    let parameters = selection.algorithm().parameters;
+    let equal = |parameter: &crate::registry::Parameter| {
+        let Some(recorded) = planned.parameters.get(parameter.name) else {
+            return false;
+        };
+        match selection.value(parameter) {
+            Parameter::Integer(n) => recorded.as_u64() == Some(n),
+            Parameter::Real(x) => recorded.as_f64() == Some(x),
+            Parameter::Word(word) => recorded.as_str() == Some(word),
+        }
+    };
+    planned.parameters.len() == parameters.len() && parameters.iter().all(equal)
+}
+
+const fn words(combine: Combine) -> &'static str {
+    match combine {
+        Combine::Each => "each",
+        Combine::Median => "median",
+        Combine::Mean => "mean",
+        Combine::GeometricMean => "geometric mean",
+        Combine::Spread => "greatest to least",
+    }
+}
+
+/// Whether `text` is like `pattern`, in which a star stands for any text.
+fn is_like(pattern: &str, text: &str) -> bool {
+    match pattern.split_once('*') {
+        None => pattern == text,
+        Some((start, rest)) => text.strip_prefix(start).is_some_and(|text| {
+            let mut starts = text.char_indices().map(|(at, _)| at).chain([text.len()]);
+            starts.any(|at| is_like(rest, &text[at..]))
+        }),
+    }
+}

@@ -1,0 +1,354 @@
+//! Verdicts as pages, tables and files.
+
+use std::path::Path;
+
+use super::file::{Paper, Test};
+use super::{Case, ClaimVerdict, Judged, JudgedPaper, Report};
+use crate::measure::number::grouped;
+use crate::table::group::distinct;
+use crate::table::terminal::listing;
+use crate::table::{Column, Entry, Look, Mark, Table, UnknownEnding, csv, markdown, of_ending};
+
+/// A form in which verdicts can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum ClaimsFormat {
+    /// A list for the terminal.
+    Text,
+    /// A page.
+    Markdown,
+    /// All numbers.
+    Json,
+    /// One row for each claim.
+    Csv,
+}
+
+/// The endings of files.
+const ENDINGS: [(&str, ClaimsFormat); 4] = [
+    ("md", ClaimsFormat::Markdown),
+    ("json", ClaimsFormat::Json),
+    ("csv", ClaimsFormat::Csv),
+    ("txt", ClaimsFormat::Text),
+];
+
+/// Most cases of one expression that are shown each by itself.
+const MOST_SHOWN: usize = 4;
+
+/// Most cases that a reason names.
+const MOST_NAMED: usize = 6;
+
+const HOW_TO_READ: &str = "\
+A verdict is computed from the results. [The rules](../docs/claims.md), in short:
+
+- **confirmed**: the claim holds in every case, and each value is within a third of the paper's \
+numbers, where the paper has some.
+- **partly**: it holds in most cases. The size, or some cases, do not.
+- **not**: it holds in at most half of the cases.
+- **cannot be judged**: for at least half of the cases the results do not tell, for the reason given.
+
+A case is one algorithm, or one ratio of two, on one model, or over all models. A value of times \
+decides only if its 95 % interval, in parentheses, lies on one side of the limit. Times of different \
+machines are never compared; ratios are. `*` marks a case that does not hold, `?` one that is open.
+";
+
+impl ClaimsFormat {
+    /// The form for the ending of `path`, in any letter case.
+    ///
+    /// # Errors
+    ///
+    /// When no form has this ending.
+    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
+        of_ending(path, "verdicts", &ENDINGS)
+    }
+
+    /// Verdicts in this form, ending in a line break.
+    ///
+    /// # Errors
+    ///
+    /// Only if a number cannot be represented, which verdicts exclude.
+    pub fn render(self, report: &Report, look: Look) -> anyhow::Result<String> {
+        Ok(match self {
+            Self::Text => text(report, look),
+            Self::Markdown => in_markdown(report),
+            Self::Json => {
+                let claims = report.papers.iter().flat_map(|paper| &paper.claims);
+                serde_json::to_string_pretty(&claims.collect::<Vec<_>>())? + "\n"
+            }
+            Self::Csv => csv::table(&rows(report))?,
+        })
+    }
+}
+
+fn text(report: &Report, look: Look) -> String {
+    let paper = |paper: &JudgedPaper| {
+        let table = Table::new(
+            ["Claim", "ClaimVerdict", "Here", "Why"]
+                .map(Column::text)
+                .into(),
+            paper
+                .claims
+                .iter()
+                .map(|claim| {
+                    [
+                        format!("{}: {}", claim.id, claim.claim),
+                        claim.verdict.in_words().to_owned(),
+                        claim.shown.clone(),
+                        why(claim),
+                    ]
+                    .map(Entry::new)
+                    .into()
+                })
+                .collect(),
+        );
+        format!(
+            "{}: {}\n\n{}\n",
+            paper.paper,
+            paper.title,
+            listing(&table, look)
+        )
+    };
+    let papers: String = report.papers.iter().map(paper).collect();
+    papers + &listing(&summary(report), look)
+}
+
+fn in_markdown(report: &Report) -> String {
+    let mut page = format!(
+        "# The papers' claims, one by one\n\n{HOW_TO_READ}\n{}\n",
+        markdown::table(&summary(report))
+    );
+    page +=
+        "Made by `geobench claims` from these results, whose suites are in `bench-configs`:\n\n";
+    if report.sources.is_empty() {
+        page += "- none\n";
+    }
+    for source in &report.sources {
+        page += &format!("- {source}\n");
+    }
+    for paper in &report.papers {
+        let heads = ["claim", "place", "paper", "here", "verdict", "why"].map(Column::text);
+        let row = |claim: &Judged| {
+            let quote = format!("\u{201c}{}\u{201d}", claim.quote);
+            let paper = [quote.as_str(), &claim.printed];
+            let paper: Vec<&str> = paper.into_iter().filter(|text| !text.is_empty()).collect();
+            vec![
+                Entry::new(&claim.claim),
+                Entry::new(&claim.place),
+                Entry::new(paper.join(" ")),
+                Entry::new(&claim.shown),
+                Entry {
+                    text: claim.verdict.in_words().to_owned(),
+                    mark: match claim.verdict {
+                        ClaimVerdict::Not => Mark::Best,
+                        _ => Mark::None,
+                    },
+                },
+                Entry::new(why(claim)),
+            ]
+        };
+        let table = Table {
+            title: format!("{}: {}", paper.paper, paper.title),
+            ..Table::new(heads.into(), paper.claims.iter().map(row).collect())
+        };
+        page += &format!("\n{}", markdown::table(&table).trim_end());
+        page += "\n";
+    }
+    page
+}
+
+/// A row for each claim.
+fn rows(report: &Report) -> Table {
+    let heads = [
+        "id", "paper", "place", "claim", "quote", "printed", "suite", "verdict", "values", "reason",
+    ];
+    let row = |claim: &Judged| {
+        [
+            claim.id.as_str(),
+            &claim.paper,
+            &claim.place,
+            &claim.claim,
+            &claim.quote,
+            &claim.printed,
+            claim.suite.as_deref().unwrap_or_default(),
+            claim.verdict.in_words(),
+            &claim.shown,
+            &claim.reason,
+        ]
+        .map(Entry::new)
+        .into()
+    };
+    let claims = report.papers.iter().flat_map(|paper| &paper.claims);
+    Table::new(heads.map(Column::text).into(), claims.map(row).collect())
+}
+
+/// How many claims of each paper have each verdict.
+fn summary(report: &Report) -> Table {
+    let count = |claims: &[&Judged], title: String| -> Vec<Entry> {
+        let with = |verdict| {
+            claims
+                .iter()
+                .filter(|claim| claim.verdict == verdict)
+                .count()
+        };
+        let counts = ClaimVerdict::ALL
+            .into_iter()
+            .map(|verdict| with(verdict).to_string());
+        std::iter::once(title)
+            .chain(counts)
+            .map(Entry::new)
+            .collect()
+    };
+    let mut rows: Vec<Vec<Entry>> = Vec::new();
+    for paper in &report.papers {
+        let claims: Vec<&Judged> = paper.claims.iter().collect();
+        rows.push(count(&claims, format!("{}: {}", paper.paper, paper.title)));
+    }
+    let all: Vec<&Judged> = report
+        .papers
+        .iter()
+        .flat_map(|paper| &paper.claims)
+        .collect();
+    rows.push(count(&all, "all".to_owned()));
+    let verdicts = ClaimVerdict::ALL.map(|verdict| Column::number(verdict.in_words()));
+    let columns = std::iter::once(Column::text("claims of")).chain(verdicts);
+    Table::new(columns.collect(), rows)
+}
+
+/// The reason and the remark.
+fn why(claim: &Judged) -> String {
+    let texts = [Some(claim.reason.as_str()), claim.remark.as_deref()];
+    let texts = texts.into_iter().flatten().filter(|text| !text.is_empty());
+    let texts: Vec<String> = texts.map(|text| sentence(text.trim())).collect();
+    texts.join(" ")
+}
+
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|c| c.to_uppercase().to_string());
+    let text = first.unwrap_or_default() + letters.as_str();
+    if text.ends_with('.') {
+        text
+    } else {
+        text + "."
+    }
+}
+
+/// The paper's numbers in words.
+pub(super) fn printed(tests: &[Test]) -> String {
+    let mut parts = Vec::new();
+    for test in tests {
+        for operand in &test.of {
+            let numbers = test.printed(operand).into_iter().map(|(_, number)| number);
+            let numbers: Vec<f64> = numbers.collect();
+            if numbers.is_empty() {
+                continue;
+            }
+            let name = match &test.paper {
+                Some(Paper::Table(_)) => format!("{} ", operand.in_words()),
+                _ => String::new(),
+            };
+            let least = numbers.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let range = match least == most {
+                true => number(least),
+                false => format!("{} to {}", number(least), number(most)),
+            };
+            parts.push(format!("{name}{range}"));
+        }
+    }
+    distinct(parts).join("; ")
+}
+
+/// The cases in words: one by one, or as a range where there are many.
+pub(super) fn cases(cases: &[Case]) -> String {
+    let several = distinct(cases.iter().map(|case| &case.figure)).len() > 1;
+    let kinds = distinct(cases.iter().map(|case| (&case.of, &case.figure)));
+    let mut parts = Vec::new();
+    for (of, figure) in kinds {
+        let own: Vec<&Case> = cases
+            .iter()
+            .filter(|case| (&case.of, &case.figure) == (of, figure) && case.value.is_some())
+            .collect();
+        let figure = match several {
+            true => format!(" ({figure})"),
+            false => String::new(),
+        };
+        if own.is_empty() {
+            continue;
+        }
+        let values = if own.len() <= MOST_SHOWN {
+            let each = own.iter().map(|case| {
+                let mark = match case.holds {
+                    Some(true) => "",
+                    Some(false) => " *",
+                    None => " ?",
+                };
+                format!("{} {}{mark}", short(&case.on), value(case))
+            });
+            each.collect::<Vec<_>>().join(", ")
+        } else {
+            let values = || own.iter().filter_map(|case| case.value);
+            let marked = |holds| own.iter().filter(|case| case.holds == holds).count();
+            let counts = [(Some(false), "*"), (None, "?")].map(|(holds, mark)| {
+                let count = marked(holds);
+                (count > 0).then(|| format!(", {count} {mark}"))
+            });
+            format!(
+                "{} to {} ({} models{})",
+                number(values().fold(f64::INFINITY, f64::min)),
+                number(values().fold(f64::NEG_INFINITY, f64::max)),
+                own.len(),
+                counts.into_iter().flatten().collect::<String>()
+            )
+        };
+        parts.push(format!("{of}{figure}: {values}"));
+    }
+    parts.join("; ")
+}
+
+fn value(case: &Case) -> String {
+    let text = case.value.map_or_else(|| "-".to_owned(), number);
+    match case.ci95 {
+        None => text,
+        Some([low, high]) => format!("{text} ({} to {})", number(low), number(high)),
+    }
+}
+
+/// The cases by name, the first few of them.
+pub(super) fn names(cases: &[&Case]) -> String {
+    let named = cases.iter().take(MOST_NAMED);
+    let named: Vec<String> = named
+        .map(|case| format!("{} on {}", case.of, short(&case.on)))
+        .collect();
+    let named = distinct(named);
+    match cases.len().saturating_sub(MOST_NAMED) {
+        0 => named.join(", "),
+        more => format!("{} and {more} more", named.join(", ")),
+    }
+}
+
+/// The name of a generated model without what does not tell it from others of a suite.
+fn short(name: &str) -> String {
+    let words = name.split(',');
+    let told = words.filter(|word| !word.starts_with("bump=") && !word.starts_with("seed="));
+    told.collect::<Vec<_>>().join(" ")
+}
+
+/// A number with three digits; a large whole one with all.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if size >= 1000.0 {
+        let whole = grouped(size.round() as u64);
+        return if value < 0.0 {
+            format!("-{whole}")
+        } else {
+            whole
+        };
+    }
+    let decimals = match size {
+        size if size >= 100.0 => 0,
+        size if size >= 10.0 => 1,
+        size if size >= 0.1 || size == 0.0 => 2,
+        size if size >= 1e-4 => 4,
+        _ => return format!("{value:.1e}"),
+    };
+    format!("{value:.decimals$}")
+}

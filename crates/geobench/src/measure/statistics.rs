@@ -43,7 +43,7 @@ pub fn summarise(samples: &[f64]) -> Option<Summary> {
         median,
         min: samples.iter().copied().fold(f64::INFINITY, f64::min),
         mad: deviation(samples, median)?,
-        ci95: enough.then(|| bootstrap_interval(&[samples], |resamples| resamples[0])),
+        ci95: enough.then(|| bootstrap_interval(&[Variable::Samples(samples)], |x| x[0])),
         outliers: enough.then(|| outliers(samples).len()),
     })
 }
@@ -98,19 +98,60 @@ const RESAMPLES: usize = 10_000;
 /// Seed of the bootstrap, fixed so that the same samples always give the same interval.
 const SEED: u64 = 0x6765_6f62_656e_6368;
 
-/// The 2.5th and 97.5th percentiles of `figure`, a function of the medians of resamples that are
-/// drawn with replacement from each of `samples`, none of which is empty. O(10,000 n log n).
-fn bootstrap_interval(samples: &[&[f64]], figure: impl Fn(&[f64]) -> f64) -> [f64; 2] {
-    let mut random = SplitMix64::new(SEED);
-    let (mut resample, mut medians) = (Vec::new(), vec![f64::NAN; samples.len()]);
-    let mut figures: Vec<f64> = (0..RESAMPLES)
-        .map(|_| {
-            for (median, samples) in medians.iter_mut().zip(samples) {
+/// A number of which a figure is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Variable<'s> {
+    /// A number that does not vary.
+    Exact(f64),
+    /// The median of samples.
+    Samples(&'s [f64]),
+    /// An estimate with its standard error, as of a share that was sampled.
+    Estimate {
+        /// The estimate.
+        value: f64,
+        /// Its standard error.
+        error: f64,
+    },
+}
+
+impl Variable<'_> {
+    /// Its value; none without samples.
+    pub fn value(&self) -> Option<f64> {
+        match *self {
+            Self::Exact(value) | Self::Estimate { value, .. } => Some(value),
+            Self::Samples(samples) => median(samples),
+        }
+    }
+
+    /// Its value in another draw.
+    fn draw(&self, random: &mut SplitMix64, resample: &mut Vec<f64>) -> f64 {
+        match *self {
+            Self::Exact(value) => value,
+            Self::Samples(samples) => {
                 resample.clear();
                 resample.extend(samples.iter().map(|_| samples[random.below(samples.len())]));
-                *median = median_in_place(&mut resample).unwrap_or(f64::NAN);
+                median_in_place(resample).unwrap_or(f64::NAN)
             }
-            figure(&medians)
+            Self::Estimate { value, error } => {
+                // Box and Muller 1958. The logarithm is of a number above 0.
+                let radius = (-2.0 * libm::log(1.0 - random.unit())).sqrt();
+                value + error * radius * libm::cos(std::f64::consts::TAU * random.unit())
+            }
+        }
+    }
+}
+
+/// The 2.5th and 97.5th percentiles of `figure`, a function of `variables`. Samples, of which there
+/// are some, are drawn with replacement. O(10,000 n log n).
+fn bootstrap_interval(variables: &[Variable<'_>], figure: impl Fn(&[f64]) -> f64) -> [f64; 2] {
+    let mut random = SplitMix64::new(SEED);
+    let (mut resample, mut values) = (Vec::new(), Vec::new());
+    let mut figures: Vec<f64> = (0..RESAMPLES)
+        .map(|_| {
+            values.clear();
+            let draws = variables.iter();
+            values.extend(draws.map(|variable| variable.draw(&mut random, &mut resample)));
+            figure(&values)
         })
         .collect();
     figures.sort_unstable_by(f64::total_cmp);
@@ -184,7 +225,7 @@ pub fn paired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
     Some(Ratio {
         ratio: median(&ratios)?,
         ci95: (ratios.len() >= FEWEST_FOR_INTERVAL)
-            .then(|| bootstrap_interval(&[&ratios], |medians| medians[0])),
+            .then(|| bootstrap_interval(&[Variable::Samples(&ratios)], |x| x[0])),
     })
 }
 
@@ -199,18 +240,23 @@ pub fn unpaired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
     let enough = over.len().min(under.len()) >= FEWEST_FOR_INTERVAL;
     Some(Ratio {
         ratio: median(over)? / median(under)?,
-        ci95: enough.then(|| bootstrap_interval(&[over, under], |medians| medians[0] / medians[1])),
+        ci95: enough.then(|| {
+            let medians = [over, under].map(Variable::Samples);
+            bootstrap_interval(&medians, |x| x[0] / x[1])
+        }),
     })
 }
 
-/// The 95 % interval of `figure`, a function of the medians of several sets of samples; each set is
-/// resampled by itself. A set of one sample is a number known exactly, which does not vary.
+/// The 95 % interval of `figure`, a function of several variables, each of which varies by itself.
 ///
-/// None if a set is empty, or has more than one sample and fewer than [`FEWEST_FOR_INTERVAL`].
-pub fn interval_of(samples: &[&[f64]], figure: impl Fn(&[f64]) -> f64) -> Option<[f64; 2]> {
-    let is_enough = |set: &&[f64]| set.len() == 1 || set.len() >= FEWEST_FOR_INTERVAL;
-    let enough = samples.iter().all(is_enough);
-    enough.then(|| bootstrap_interval(samples, figure))
+/// None if one of them has fewer than [`FEWEST_FOR_INTERVAL`] samples.
+pub fn interval_of(variables: &[Variable<'_>], figure: impl Fn(&[f64]) -> f64) -> Option<[f64; 2]> {
+    let is_enough = |variable: &Variable<'_>| match variable {
+        Variable::Samples(samples) => samples.len() >= FEWEST_FOR_INTERVAL,
+        _ => true,
+    };
+    let enough = variables.iter().all(is_enough);
+    enough.then(|| bootstrap_interval(variables, figure))
 }
 
 fn usable(samples: &[f64]) -> bool {
@@ -338,12 +384,31 @@ mod tests {
     fn the_interval_of_a_function_is_that_of_a_ratio() {
         let over: Vec<f64> = (0..9).map(|i| 2.0 + f64::from(i) / 10.0).collect();
         let under = [1.0, 1.1, 0.9, 1.05, 0.95];
-        let ratio = |medians: &[f64]| medians[0] / medians[1];
+        let ratio = |x: &[f64]| x[0] / x[1];
         let known = unpaired_ratio(&over, &under).unwrap().ci95;
-        assert_eq!(interval_of(&[&over, &under], ratio), known);
-        assert_eq!(interval_of(&[&[3.0], &[2.0]], ratio), Some([1.5, 1.5]));
-        assert_eq!(interval_of(&[&over, &[1.0, 2.0]], ratio), None);
-        assert_eq!(interval_of(&[&over, &[]], ratio), None);
+        let [over, under] = [&over[..], &under[..]].map(Variable::Samples);
+        assert_eq!(interval_of(&[over, under], ratio), known);
+        let exact = [3.0, 2.0].map(Variable::Exact);
+        assert_eq!(interval_of(&exact, ratio), Some([1.5, 1.5]));
+        assert_eq!(
+            interval_of(&[over, Variable::Samples(&[1.0, 2.0])], ratio),
+            None
+        );
+        assert_eq!(interval_of(&[over, Variable::Samples(&[])], ratio), None);
+    }
+
+    #[test]
+    fn an_estimate_varies_by_its_standard_error() {
+        let share = Variable::Estimate {
+            value: 0.4,
+            error: 0.01,
+        };
+        let [low, high] = interval_of(&[share], |x| x[0]).unwrap();
+        // 1.96 standard errors to either side.
+        assert!(
+            (low - 0.3804).abs() < 1e-3 && (high - 0.4196).abs() < 1e-3,
+            "{low} {high}"
+        );
     }
 
     #[test]

@@ -1,17 +1,18 @@
 //! Expressions over figures, with their intervals.
 //!
-//! An expression is a tree over sets of samples. A time is a set of as many samples as there were
-//! runs, a count a set of one. The value takes the median of each set; the interval resamples the
-//! sets (`measure::statistics`).
+//! An expression is a tree over numbers that vary: counts do not, times are the medians of samples,
+//! shares of phases have a standard error. `measure::statistics` computes the interval.
 
-use crate::measure::statistics::{interval_of, median};
+use crate::measure::statistics::{Variable, interval_of, median};
 use crate::table::group::Value;
 
 /// An expression.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Node {
-    /// The median of a set of samples, by its index.
-    Set(usize),
+    /// A number, by its index.
+    Leaf(usize),
+    /// The product of two.
+    Product(Box<Self>, Box<Self>),
     /// The first divided by the second.
     Ratio(Box<Self>, Box<Self>),
     /// One less the value: what is saved if the value is what is left.
@@ -39,18 +40,19 @@ pub(super) enum Node {
 pub(super) const FEWEST_FOR_GROWTH: usize = 3;
 
 impl Node {
-    fn of(&self, medians: &[f64]) -> f64 {
-        let all = |nodes: &[Self]| -> Vec<f64> { nodes.iter().map(|n| n.of(medians)).collect() };
+    fn of(&self, values: &[f64]) -> f64 {
+        let all = |nodes: &[Self]| -> Vec<f64> { nodes.iter().map(|n| n.of(values)).collect() };
         match self {
-            Self::Set(index) => medians[*index],
-            Self::Ratio(over, under) => over.of(medians) / under.of(medians),
-            Self::Saving(node) => 1.0 - node.of(medians),
-            Self::Per(node, size) => node.of(medians) / size,
+            Self::Leaf(index) => values[*index],
+            Self::Product(a, b) => a.of(values) * b.of(values),
+            Self::Ratio(over, under) => over.of(values) / under.of(values),
+            Self::Saving(node) => 1.0 - node.of(values),
+            Self::Per(node, size) => node.of(values) / size,
             Self::Least(nodes) => all(nodes).into_iter().fold(f64::INFINITY, f64::min),
             Self::Best(nodes) => {
                 let nodes = nodes
                     .iter()
-                    .map(|(beside, node)| (*beside, node.of(medians)));
+                    .map(|(beside, node)| (*beside, node.of(values)));
                 let best = nodes.min_by(|a, b| a.1.total_cmp(&b.1));
                 best.map_or(f64::NAN, |(beside, _)| beside)
             }
@@ -58,13 +60,13 @@ impl Node {
             Self::Mean(nodes) => mean(all(nodes).into_iter()),
             Self::GeometricMean(nodes) => libm::exp(mean(all(nodes).into_iter().map(libm::log))),
             Self::Spread(nodes) => {
-                let values = all(nodes);
-                let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-                values.into_iter().fold(f64::NEG_INFINITY, f64::max) / least
+                let all = all(nodes);
+                let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+                all.into_iter().fold(f64::NEG_INFINITY, f64::max) / least
             }
             Self::Growth(points) => {
                 let [least, greatest] = ends(points);
-                let points = points.iter().map(|(x, node)| [*x, node.of(medians)]);
+                let points = points.iter().map(|(x, node)| [*x, node.of(values)]);
                 libm::pow(greatest / least, exponent(points))
             }
         }
@@ -94,9 +96,18 @@ fn exponent(points: impl Iterator<Item = [f64; 2]>) -> f64 {
     shared / spread
 }
 
-/// The sets of samples that an expression is built over.
+/// The numbers that an expression is built over.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sets(Vec<Vec<f64>>);
+pub(super) struct Leaves(Vec<Leaf>);
+
+/// A number that may vary.
+#[derive(Clone, Debug, PartialEq)]
+enum Leaf {
+    Exact(f64),
+    Samples(Vec<f64>),
+    /// A share and the number of samples that it is estimated from.
+    Share(f64, u64),
+}
 
 /// A figure of a cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,18 +116,43 @@ pub(super) enum Quantity {
     Exact(f64),
     /// Samples in the order of the rounds.
     Samples(Vec<f64>),
+    /// A share and the number of samples that it is estimated from.
+    Share(f64, u64),
+    /// A share of times.
+    Part(Vec<f64>, f64, u64),
 }
 
-impl Sets {
-    /// A leaf.
-    pub(super) fn leaf(&mut self, quantity: Quantity) -> Node {
-        self.0.push(match quantity {
-            Quantity::Exact(value) => vec![value],
-            // Two of the same, so that a single sample does not pass for an exact number.
-            Quantity::Samples(samples) if samples.len() == 1 => vec![samples[0]; 2],
-            Quantity::Samples(samples) => samples,
-        });
-        Node::Set(self.0.len() - 1)
+impl Leaf {
+    fn variable(&self) -> Variable<'_> {
+        match *self {
+            Self::Exact(value) => Variable::Exact(value),
+            Self::Samples(ref samples) => Variable::Samples(samples),
+            Self::Share(value, samples) => Variable::Estimate {
+                value,
+                error: (value * (1.0 - value) / samples.max(1) as f64).sqrt(),
+            },
+        }
+    }
+}
+
+impl Leaves {
+    fn push(&mut self, leaf: Leaf) -> Node {
+        self.0.push(leaf);
+        Node::Leaf(self.0.len() - 1)
+    }
+
+    /// The node of a figure.
+    pub(super) fn node(&mut self, quantity: Quantity) -> Node {
+        match quantity {
+            Quantity::Exact(value) => self.push(Leaf::Exact(value)),
+            Quantity::Samples(samples) => self.push(Leaf::Samples(samples)),
+            Quantity::Share(share, samples) => self.push(Leaf::Share(share, samples)),
+            Quantity::Part(times, share, samples) => {
+                let times = self.push(Leaf::Samples(times));
+                let share = self.push(Leaf::Share(share, samples));
+                Node::Product(Box::new(times), Box::new(share))
+            }
+        }
     }
 
     /// The ratio of two figures of one model and source. The samples of two algorithms were taken
@@ -125,10 +161,15 @@ impl Sets {
         match (over, under) {
             (Quantity::Samples(over), Quantity::Samples(under)) if over.len() == under.len() => {
                 let pairs = over.iter().zip(&under).map(|(a, b)| a / b);
-                self.leaf(Quantity::Samples(pairs.collect()))
+                self.push(Leaf::Samples(pairs.collect()))
+            }
+            (Quantity::Part(over, a, m), Quantity::Part(under, b, n)) => {
+                let times = self.ratio(Quantity::Samples(over), Quantity::Samples(under));
+                let shares = self.ratio(Quantity::Share(a, m), Quantity::Share(b, n));
+                Node::Product(Box::new(times), Box::new(shares))
             }
             (over, under) => {
-                let (over, under) = (self.leaf(over), self.leaf(under));
+                let (over, under) = (self.node(over), self.node(under));
                 Node::Ratio(Box::new(over), Box::new(under))
             }
         }
@@ -136,29 +177,26 @@ impl Sets {
 
     /// Whether nothing in it varies.
     pub(super) fn are_exact(&self) -> bool {
-        self.0.iter().all(|set| set.len() == 1)
+        self.0.iter().all(|leaf| matches!(leaf, Leaf::Exact(_)))
     }
 
-    /// Fewest samples of a set that varies.
+    /// Fewest samples of a time.
     pub(super) fn fewest_samples(&self) -> usize {
-        let varying = self.0.iter().filter(|set| set.len() > 1);
-        // A single sample stands there twice.
-        let counts = varying.map(|set| match set.len() {
-            2 if set[0] == set[1] => 1,
-            n => n,
+        let counts = self.0.iter().filter_map(|leaf| match leaf {
+            Leaf::Samples(samples) => Some(samples.len()),
+            _ => None,
         });
         counts.min().unwrap_or(0)
     }
 
     /// The value of `node` with its interval; none if it is no number.
     pub(super) fn value(&self, node: &Node) -> Option<Value> {
-        let medians = self.0.iter().map(|set| median(set));
-        let medians: Vec<f64> = medians.collect::<Option<_>>()?;
-        let value = node.of(&medians);
-        let sets: Vec<&[f64]> = self.0.iter().map(Vec::as_slice).collect();
+        let variables: Vec<Variable<'_>> = self.0.iter().map(Leaf::variable).collect();
+        let values = variables.iter().map(Variable::value);
+        let value = node.of(&values.collect::<Option<Vec<f64>>>()?);
         let interval = match self.are_exact() {
             true => None,
-            false => interval_of(&sets, |medians| node.of(medians)),
+            false => interval_of(&variables, |values| node.of(values)),
         };
         value.is_finite().then_some(Value { value, interval })
     }
@@ -168,19 +206,19 @@ impl Sets {
 mod tests {
     use super::*;
 
-    fn exact(values: &[f64]) -> (Sets, Vec<Node>) {
-        let mut sets = Sets::default();
+    fn exact(values: &[f64]) -> (Leaves, Vec<Node>) {
+        let mut leaves = Leaves::default();
         let nodes = values
             .iter()
-            .map(|&value| sets.leaf(Quantity::Exact(value)));
+            .map(|&value| leaves.node(Quantity::Exact(value)));
         let nodes = nodes.collect();
-        (sets, nodes)
+        (leaves, nodes)
     }
 
     #[test]
     fn each_expression_is_computed() {
-        let (sets, nodes) = exact(&[4.0, 1.0, 16.0]);
-        let value = |node: Node| sets.value(&node).unwrap().value;
+        let (leaves, nodes) = exact(&[4.0, 1.0, 16.0]);
+        let value = |node: Node| leaves.value(&node).unwrap().value;
         let [a, b, c] = [0, 1, 2].map(|i: usize| Box::new(nodes[i].clone()));
         assert_eq!(value(Node::Ratio(a.clone(), c.clone())), 0.25);
         assert_eq!(
@@ -202,9 +240,9 @@ mod tests {
 
     #[test]
     fn the_growth_is_that_of_the_whole_range_and_not_of_its_ends() {
-        let (sets, nodes) = exact(&[1.0, 2.0, 4.0, 2.0]);
+        let (leaves, nodes) = exact(&[1.0, 2.0, 4.0, 2.0]);
         let points = [1.0, 2.0, 4.0, 8.0].into_iter().zip(nodes).collect();
-        let growth = sets.value(&Node::Growth(points)).unwrap().value;
+        let growth = leaves.value(&Node::Growth(points)).unwrap().value;
         // The slope is 0.4; the ends alone differ by a factor of 2.
         assert!((growth - 8_f64.powf(0.4)).abs() < 1e-9, "{growth}");
     }
@@ -214,10 +252,10 @@ mod tests {
         let drifting = [1.0, 2.0, 3.0, 4.0, 5.0];
         let double = drifting.map(|x| 2.0 * x);
         let of = |over: &[f64], under: &[f64]| {
-            let mut sets = Sets::default();
+            let mut leaves = Leaves::default();
             let samples = |set: &[f64]| Quantity::Samples(set.to_vec());
-            let node = sets.ratio(samples(over), samples(under));
-            (sets.value(&node).unwrap(), sets.fewest_samples())
+            let node = leaves.ratio(samples(over), samples(under));
+            (leaves.value(&node).unwrap(), leaves.fewest_samples())
         };
         let (value, samples) = of(&double, &drifting);
         assert_eq!(
@@ -233,10 +271,10 @@ mod tests {
 
     #[test]
     fn what_is_no_number_has_no_value() {
-        let (sets, nodes) = exact(&[1.0, 0.0]);
+        let (leaves, nodes) = exact(&[1.0, 0.0]);
         let [one, zero] = [0, 1].map(|i: usize| Box::new(nodes[i].clone()));
-        assert_eq!(sets.value(&Node::Ratio(one, zero)), None);
+        assert_eq!(leaves.value(&Node::Ratio(one, zero)), None);
         let same = nodes.into_iter().map(|node| (3.0, node)).collect();
-        assert_eq!(sets.value(&Node::Growth(same)), None);
+        assert_eq!(leaves.value(&Node::Growth(same)), None);
     }
 }

@@ -423,7 +423,15 @@ impl Operand {
     pub(super) fn in_words(&self) -> String {
         match &self.algorithms[..] {
             [one] => one.label().to_owned(),
-            several => format!("the best of {}", labels(several)),
+            [first, .., last] => {
+                let count = self.algorithms.len();
+                format!(
+                    "the best of {count} from {} to {}",
+                    first.label(),
+                    last.label()
+                )
+            }
+            [] => String::new(),
         }
     }
 

@@ -13,7 +13,7 @@ use crate::UsageError;
 use crate::measure::number::grouped;
 use crate::measure::statistics::FEWEST_FOR_INTERVAL;
 use crate::registry::{Selection, Value as Parameter};
-use crate::schema::{Cell, ModelRecord, PlannedAlgorithm, ResultFile, Status};
+use crate::schema::{Cell, ModelRecord, Phases, PlannedAlgorithm, ResultFile, Status};
 use crate::table::figures::Figure;
 use crate::table::group::{Value, distinct};
 
@@ -23,7 +23,7 @@ mod page;
 #[cfg(test)]
 mod tests;
 
-use self::expression::{FEWEST_FOR_GROWTH, Node, Quantity, Sets, ends};
+use self::expression::{FEWEST_FOR_GROWTH, Leaves, Node, Quantity, ends};
 use self::file::{Axis, Combine, Operand, Show, Size, Test, labels, path};
 pub use self::file::{Claim, ClaimsFile};
 pub use self::page::ClaimsFormat;
@@ -161,6 +161,8 @@ pub struct Case {
     pub fits: Option<bool>,
     /// Why another figure than the first decided, or none; null if the first did.
     pub reason: Option<String>,
+    /// The least and the greatest size, or anisotropy, of the models of a growth.
+    pub range: Option<[f64; 2]>,
     /// The algorithm, for pages.
     #[serde(skip)]
     of: String,
@@ -179,6 +181,7 @@ impl Case {
             holds: None,
             fits: None,
             reason: None,
+            range: None,
             of: String::new(),
             on: on.to_owned(),
         }
@@ -192,7 +195,7 @@ impl Case {
 /// When two results are of the same suite.
 pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<Report, UsageError> {
     let mut of_suite: BTreeMap<String, &Input> = BTreeMap::new();
-    let (mut sources, mut notes) = (Vec::new(), Vec::new());
+    let mut notes = Vec::new();
     let wanted = |suite: &String| {
         let mut claims = files.iter().flat_map(|file| &file.claims);
         claims.any(|claim| claim.suite.as_ref() == Some(suite))
@@ -209,8 +212,18 @@ pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<Report, UsageErr
                 other.path.display()
             )));
         }
-        sources.push(source(&suite, &input.result));
     }
+    // Suites that ran on one machine with one program share a line.
+    let mut sources: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    for (suite, input) in &of_suite {
+        sources
+            .entry(source(&input.result))
+            .or_default()
+            .push(suite);
+    }
+    let sources = sources.into_iter();
+    let sources = sources.map(|(source, suites)| format!("{source}: {}", suites.join(", ")));
+    let sources = sources.collect();
     let papers = files.iter().map(|file| JudgedPaper {
         paper: file.paper.clone(),
         title: file.title.clone(),
@@ -231,17 +244,15 @@ pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<Report, UsageErr
 }
 
 /// Where results are from, in a line.
-fn source(suite: &str, result: &ResultFile) -> String {
+fn source(result: &ResultFile) -> String {
     let commit = result.tool.commit.as_deref().unwrap_or("unknown");
     let cpu = result.host.cpu.as_deref().unwrap_or("unknown processor");
-    let samples = result.cells.iter().map(|cell| cell.time.samples.len());
     format!(
-        "{suite}: {}, commit {}, {cpu}, {} processors, vectors {}, {} repetitions",
+        "{}, commit {}, {cpu}, {} processors, vectors up to {}",
         result.started.get(..10).unwrap_or(&result.started),
         commit.get(..12).unwrap_or(commit),
         result.host.cores,
         result.host.simd.as_deref().unwrap_or("unknown"),
-        samples.max().unwrap_or(0),
     )
 }
 
@@ -308,14 +319,14 @@ fn verdict(cases: &[Case]) -> (ClaimVerdict, String) {
         ClaimVerdict::Partly
     };
     let mut reasons = Vec::new();
-    let mut push = |what: &str, cases: &[&Case]| {
-        if !cases.is_empty() {
-            reasons.push(format!("{what}: {}", page::names(cases)));
+    let mut push = |what: &str, named: &[&Case]| {
+        if !named.is_empty() {
+            reasons.push(format!("{what}{}", page::names(named, cases)));
         }
     };
-    push("does not hold for", &failed);
+    push("it does not hold for", &failed);
     if verdict == ClaimVerdict::Partly {
-        push("size beyond a third of the paper's for", &off);
+        push("sizes beyond a third of the paper's", &off);
     }
     // Cases without a verdict by their reason, and those that another figure decided.
     for wanted in [None, Some(())] {
@@ -347,6 +358,10 @@ fn parameter(selection: &Selection, name: &str) -> Option<f64> {
     }
 }
 
+/// Algorithms that took other steps under the same name and parameters while phases were still
+/// clocked: a window born in a round did not wait for the next.
+const CHANGED_BEFORE_SAMPLING: &[&str] = &["fwp-ch", "fwp-mmp"];
+
 /// The results of a suite, for one test.
 #[derive(Clone, Copy)]
 struct Results<'r> {
@@ -357,9 +372,9 @@ struct Results<'r> {
 /// Why there is no value.
 type Reason = String;
 
-/// An expression over its sets of samples.
+/// An expression over numbers that vary.
 struct Built {
-    sets: Sets,
+    leaves: Leaves,
     node: Node,
     /// The least and the greatest place of the models of a growth.
     range: Option<[f64; 2]>,
@@ -389,32 +404,44 @@ impl Results<'_> {
         models.collect()
     }
 
+    /// The algorithms of the plan of a group with the name of `selection`.
+    fn namesakes(
+        &self,
+        group: &Option<String>,
+        selection: &Selection,
+    ) -> impl Iterator<Item = &PlannedAlgorithm> {
+        let name = selection.algorithm().name;
+        let groups = self.result.plan.iter().flat_map(|plan| &plan.groups);
+        let planned = groups.filter(|planned| planned.name == *group);
+        let planned = planned.flat_map(|planned| &planned.algorithms);
+        planned.filter(move |planned| planned.label.split('{').next() == Some(name))
+    }
+
     /// The label of `selection` in the cells of a group: that of an algorithm of the plan with this
     /// name and exactly these parameters. Labels alone do not tell, because defaults change from
     /// version to version.
     fn label(&self, group: &Option<String>, selection: &Selection) -> Result<&str, Reason> {
         let missing = |why: &str| Err(format!("{} {why}", selection.label()));
-        let Some(plan) = &self.result.plan else {
+        if self.result.plan.is_none() {
             return missing("cannot be told from others: the result does not hold its plan");
-        };
-        let Some(planned) = plan.groups.iter().find(|planned| planned.name == *group) else {
-            return missing("is not in the plan of the group");
-        };
-        let name = selection.algorithm().name;
-        let namesakes = planned.algorithms.iter().filter(|planned| {
-            let label = planned.label.split('{').next();
-            label == Some(name)
-        });
-        if let Some(same) = namesakes
-            .clone()
-            .find(|planned| is_same(selection, planned))
-        {
-            return Ok(&same.label);
         }
-        match namesakes.count() {
-            0 => missing("was not run"),
-            _ => missing("was run with other parameters only"),
+        let mut namesakes = self.namesakes(group, selection).peekable();
+        if namesakes.peek().is_none() {
+            return missing("was not run");
         }
+        let Some(same) = namesakes.find(|planned| is_same(selection, planned)) else {
+            return missing("was run with other parameters than the claim has");
+        };
+        if CHANGED_BEFORE_SAMPLING.contains(&selection.algorithm().name) && self.is_clocked() {
+            return missing("has changed since this result was made");
+        }
+        Ok(&same.label)
+    }
+
+    /// Whether the result is of a program that clocked phases.
+    fn is_clocked(&self) -> bool {
+        let mut phases = self.result.cells.iter().map(|cell| &cell.phases);
+        phases.any(|phases| phases.management.is_some() && phases.samples.is_none())
     }
 
     /// The cells of an algorithm on a model, one for each source.
@@ -455,6 +482,9 @@ impl Results<'_> {
                 samples => Ok(Quantity::Samples(samples.to_vec())),
             };
         }
+        if let Some(phase) = phase_of(figure) {
+            return phase_quantity(figure, phase, cell);
+        }
         let value = figure.of(cell, model.vertices);
         value
             .map(Quantity::Exact)
@@ -471,15 +501,12 @@ impl Results<'_> {
                 .filter(|group| !self.models(group).is_empty())
                 .collect();
             // Groups of other algorithms are passed over, unless all are.
-            let able: Vec<_> = groups
-                .iter()
-                .filter(|group| {
-                    let all = operand.algorithms.iter();
-                    let mut all = all.chain(self.test.to.iter().flat_map(|to| &to.algorithms));
-                    all.all(|selection| self.label(group, selection).is_ok())
-                })
-                .cloned()
-                .collect();
+            let has_all = |group: &&Option<String>| {
+                let all = operand.algorithms.iter();
+                let mut all = all.chain(self.test.to.iter().flat_map(|to| &to.algorithms));
+                all.all(|selection| self.namesakes(group, selection).next().is_some())
+            };
+            let able: Vec<_> = groups.iter().filter(has_all).cloned().collect();
             let groups = if able.is_empty() { groups } else { able };
             cases.extend(match (self.test.ends, self.test.combine) {
                 (Some(ends), _) => self.endings(operand, &groups, ends),
@@ -497,10 +524,10 @@ impl Results<'_> {
                     .flat_map(|group| {
                         self.models(group).into_iter().map(|model| {
                             self.case(operand, model.name.clone(), Some(model), |figure| {
-                                let mut sets = Sets::default();
-                                let node = self.on(operand, group, model, figure, &mut sets)?;
+                                let mut leaves = Leaves::default();
+                                let node = self.on(operand, group, model, figure, &mut leaves)?;
                                 Ok(Built {
-                                    sets,
+                                    leaves,
                                     node,
                                     range: None,
                                 })
@@ -559,26 +586,11 @@ impl Results<'_> {
 
     /// Whether the claim holds for the value of an expression.
     fn decide(&self, built: &Built, figure: &Figure, case: &mut Case) -> Result<(), Reason> {
-        let Some(value) = built.sets.value(&built.node) else {
+        let Some(value) = built.leaves.value(&built.node) else {
             return Err(format!("`{}` is 0", figure.key));
         };
         (case.value, case.ci95) = (Some(value.value), value.interval);
-        if let (Some([low, high]), Some(axis)) = (built.range, self.test.over) {
-            case.on = match axis {
-                Axis::Faces => {
-                    let [low, high] = [low, high].map(|faces| grouped(faces as u64));
-                    format!("{} from {low} to {high} faces", case.on)
-                }
-                Axis::Anisotropy => format!("{} from g = {low:.2} to {high:.2}", case.on),
-            };
-        }
-        if figure.key.starts_with("phase_") || figure.key == "management_share" {
-            return Err(
-                "the phases were clocked, which slows short steps down most; only samples of a \
-                 run decide"
-                    .to_owned(),
-            );
-        }
+        case.range = built.range;
         let holds = self.test.holds;
         let sure = match value {
             Value {
@@ -592,8 +604,8 @@ impl Results<'_> {
                     _ => return Err("the 95 % interval holds both sides".to_owned()),
                 }
             }
-            _ if !built.sets.are_exact() => {
-                let samples = built.sets.fewest_samples();
+            _ if !built.leaves.are_exact() => {
+                let samples = built.leaves.fewest_samples();
                 let s = if samples == 1 { "" } else { "s" };
                 return Err(format!(
                     "{samples} sample{s}; an interval takes {FEWEST_FOR_INTERVAL}"
@@ -636,7 +648,7 @@ impl Results<'_> {
         group: &Option<String>,
         model: &ModelRecord,
         figure: &'static Figure,
-        sets: &mut Sets,
+        leaves: &mut Leaves,
     ) -> Result<Node, Reason> {
         let cells = |operand: &Operand| {
             let all = operand.algorithms.iter();
@@ -665,7 +677,7 @@ impl Results<'_> {
                 (Some(under), Some(to)) => at(under, to.figure(figure))?,
                 _ => Vec::new(),
             };
-            nodes.push(self.source(operand, over, under, sets));
+            nodes.push(self.source(operand, over, under, leaves));
         }
         let node = match nodes.len() {
             1 => nodes.remove(0),
@@ -694,16 +706,16 @@ impl Results<'_> {
         operand: &Operand,
         over: Vec<Quantity>,
         under: Vec<Quantity>,
-        sets: &mut Sets,
+        leaves: &mut Leaves,
     ) -> Node {
         if let Some(best) = &self.test.best {
             let beside = operand.algorithms.iter();
             let beside = beside.map(|one| parameter(one, best).unwrap_or(f64::NAN));
-            let all = beside.zip(over.into_iter().map(|quantity| sets.leaf(quantity)));
+            let all = beside.zip(over.into_iter().map(|quantity| leaves.node(quantity)));
             return Node::Best(all.collect());
         }
-        let least = |quantities: Vec<Quantity>, sets: &mut Sets| {
-            let mut nodes: Vec<Node> = quantities.into_iter().map(|q| sets.leaf(q)).collect();
+        let least = |quantities: Vec<Quantity>, leaves: &mut Leaves| {
+            let mut nodes: Vec<Node> = quantities.into_iter().map(|q| leaves.node(q)).collect();
             match nodes.len() {
                 1 => nodes.remove(0),
                 _ => Node::Least(nodes),
@@ -713,14 +725,14 @@ impl Results<'_> {
             <[Quantity; 1]>::try_from(over),
             <[Quantity; 1]>::try_from(under),
         ) {
-            (Ok([over]), Ok([under])) => sets.ratio(over, under),
+            (Ok([over]), Ok([under])) => leaves.ratio(over, under),
             (over, under) => {
-                let over = least(over.map_or_else(|many| many, Vec::from), sets);
+                let over = least(over.map_or_else(|many| many, Vec::from), leaves);
                 let under = under.map_or_else(|many| many, Vec::from);
                 if under.is_empty() {
                     return over;
                 }
-                Node::Ratio(Box::new(over), Box::new(least(under, sets)))
+                Node::Ratio(Box::new(over), Box::new(least(under, leaves)))
             }
         }
     }
@@ -732,7 +744,7 @@ impl Results<'_> {
         group: &Option<String>,
         figure: &'static Figure,
     ) -> Result<Built, Reason> {
-        let (mut sets, mut points) = (Sets::default(), Vec::new());
+        let (mut leaves, mut points) = (Leaves::default(), Vec::new());
         let mut missing = None;
         for model in self.models(group) {
             let place = match self.test.over {
@@ -743,10 +755,10 @@ impl Results<'_> {
                 continue;
             };
             // A series ends where an algorithm has no result any more.
-            let mut longer = sets.clone();
+            let mut longer = leaves.clone();
             match self.on(operand, group, model, figure, &mut longer) {
                 Ok(node) => {
-                    sets = longer;
+                    leaves = longer;
                     points.push((place, node));
                 }
                 Err(reason) => missing = missing.or(Some(reason)),
@@ -759,7 +771,7 @@ impl Results<'_> {
         }
         Ok(Built {
             range: Some(ends(&points)),
-            sets,
+            leaves,
             node: Node::Growth(points),
         })
     }
@@ -772,10 +784,10 @@ impl Results<'_> {
         figure: &'static Figure,
         combine: Combine,
     ) -> Result<Built, Reason> {
-        let (mut sets, mut nodes) = (Sets::default(), Vec::new());
+        let (mut leaves, mut nodes) = (Leaves::default(), Vec::new());
         for group in groups {
             for model in self.models(group) {
-                nodes.push(self.on(operand, group, model, figure, &mut sets)?);
+                nodes.push(self.on(operand, group, model, figure, &mut leaves)?);
             }
         }
         if nodes.is_empty() {
@@ -788,7 +800,7 @@ impl Results<'_> {
             Combine::Spread => Node::Spread(nodes),
         };
         Ok(Built {
-            sets,
+            leaves,
             node,
             range: None,
         })
@@ -847,9 +859,49 @@ impl Results<'_> {
     }
 }
 
+/// The phase of a figure of phases.
+fn phase_of(figure: &Figure) -> Option<fn(&Phases) -> Option<f64>> {
+    match figure.key {
+        "phase_propagation" => Some(|phases| phases.propagation),
+        "phase_pruning" => Some(|phases| phases.pruning),
+        "phase_management" | "management_share" => Some(|phases| phases.management),
+        _ => None,
+    }
+}
+
+/// A phase of a cell: its share of the samples, for a time multiplied by the timed runs.
+fn phase_quantity(
+    figure: &Figure,
+    phase: fn(&Phases) -> Option<f64>,
+    cell: &Cell,
+) -> Result<Quantity, Reason> {
+    let phases = &cell.phases;
+    let parts = [phases.propagation, phases.pruning, phases.management];
+    let all = parts
+        .into_iter()
+        .sum::<Option<f64>>()
+        .filter(|all| *all > 0.0);
+    let (Some(all), Some(own)) = (all, phase(phases)) else {
+        return Err(format!("{} has no phases", cell.algorithm));
+    };
+    let Some(samples) = phases.samples else {
+        return Err(
+            "the phases were clocked, which makes short ones look longer; only samples decide"
+                .to_owned(),
+        );
+    };
+    Ok(match figure.key {
+        "management_share" => Quantity::Share(own / all, samples),
+        _ if cell.time.samples.is_empty() => {
+            return Err(format!("{} has no times", cell.algorithm));
+        }
+        _ => Quantity::Part(cell.time.samples.clone(), own / all, samples),
+    })
+}
+
 /// Whether a figure depends on how well the program was compiled.
 fn is_timed(figure: &Figure) -> bool {
-    matches!(figure.key, "time" | "setup" | "instructions")
+    matches!(figure.key, "time" | "setup" | "instructions") || phase_of(figure).is_some()
 }
 
 /// Whether a planned algorithm has exactly the parameters of `selection`.

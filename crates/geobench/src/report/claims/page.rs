@@ -47,7 +47,7 @@ numbers, where the paper has some.
 
 A case is one algorithm, or one ratio of two, on one model, or over all models. A value of times \
 decides only if its 95 % interval, in parentheses, lies on one side of the limit. Times of different \
-machines are never compared; ratios are. `*` marks a case that does not hold, `?` one that is open.
+machines are never compared; ratios are. `no` marks a case for which the claim does not hold, `open` one that is not decided.
 ";
 
 impl ClaimsFormat {
@@ -216,19 +216,10 @@ fn summary(report: &Report) -> Table {
 fn why(claim: &Judged) -> String {
     let texts = [Some(claim.reason.as_str()), claim.remark.as_deref()];
     let texts = texts.into_iter().flatten().filter(|text| !text.is_empty());
-    let texts: Vec<String> = texts.map(|text| sentence(text.trim())).collect();
+    let texts: Vec<String> = texts
+        .map(|text| format!("{}.", text.trim().trim_end_matches('.')))
+        .collect();
     texts.join(" ")
-}
-
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(|c| c.to_uppercase().to_string());
-    let text = first.unwrap_or_default() + letters.as_str();
-    if text.ends_with('.') {
-        text
-    } else {
-        text + "."
-    }
 }
 
 /// The paper's numbers in words.
@@ -236,7 +227,12 @@ pub(super) fn printed(tests: &[Test]) -> String {
     let mut parts = Vec::new();
     for test in tests {
         for operand in &test.of {
-            let numbers = test.printed(operand).into_iter().map(|(_, number)| number);
+            let mut printed = test.printed(operand);
+            if test.to.is_none() && !test.models.is_empty() {
+                let wanted = |name: &String| test.models.iter().any(|model| model.contains(name));
+                printed.retain(|(of, _)| of.as_ref().is_none_or(|(name, _)| wanted(name)));
+            }
+            let numbers = printed.into_iter().map(|(_, number)| number);
             let numbers: Vec<f64> = numbers.collect();
             if numbers.is_empty() {
                 continue;
@@ -278,16 +274,16 @@ pub(super) fn cases(cases: &[Case]) -> String {
             let each = own.iter().map(|case| {
                 let mark = match case.holds {
                     Some(true) => "",
-                    Some(false) => " *",
-                    None => " ?",
+                    Some(false) => " (no)",
+                    None => " (open)",
                 };
-                format!("{} {}{mark}", short(&case.on), value(case))
+                format!("{} {}{mark}", place(case), value(case))
             });
             each.collect::<Vec<_>>().join(", ")
         } else {
             let values = || own.iter().filter_map(|case| case.value);
             let marked = |holds| own.iter().filter(|case| case.holds == holds).count();
-            let counts = [(Some(false), "*"), (None, "?")].map(|(holds, mark)| {
+            let counts = [(Some(false), "no"), (None, "open")].map(|(holds, mark)| {
                 let count = marked(holds);
                 (count > 0).then(|| format!(", {count} {mark}"))
             });
@@ -304,6 +300,14 @@ pub(super) fn cases(cases: &[Case]) -> String {
     parts.join("; ")
 }
 
+/// The model, with the range of a growth.
+fn place(case: &Case) -> String {
+    match case.range {
+        None => short(&case.on),
+        Some([low, high]) => format!("{} from {} to {}", case.on, number(low), number(high)),
+    }
+}
+
 fn value(case: &Case) -> String {
     let text = case.value.map_or_else(|| "-".to_owned(), number);
     match case.ci95 {
@@ -312,17 +316,31 @@ fn value(case: &Case) -> String {
     }
 }
 
-/// The cases by name, the first few of them.
-pub(super) fn names(cases: &[&Case]) -> String {
-    let named = cases.iter().take(MOST_NAMED);
-    let named: Vec<String> = named
-        .map(|case| format!("{} on {}", case.of, short(&case.on)))
-        .collect();
-    let named = distinct(named);
-    match cases.len().saturating_sub(MOST_NAMED) {
-        0 => named.join(", "),
-        more => format!("{} and {more} more", named.join(", ")),
+/// Which of `all` cases `named` are, after a colon; nothing if they are all. An expression whose
+/// cases are all among them is named without its models.
+pub(super) fn names(named: &[&Case], all: &[Case]) -> String {
+    if named.len() == all.len() {
+        return String::new();
     }
+    let mut texts = Vec::new();
+    for (of, figure) in distinct(named.iter().map(|case| (&case.of, &case.figure))) {
+        let is_own = |case: &Case| (&case.of, &case.figure) == (of, figure);
+        let own: Vec<&&Case> = named.iter().filter(|case| is_own(case)).collect();
+        if own.len() == all.iter().filter(|case| is_own(case)).count() {
+            texts.push(of.clone());
+            continue;
+        }
+        let models = own.iter().take(MOST_NAMED).map(|case| short(&case.on));
+        let more = match own.len().saturating_sub(MOST_NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        texts.push(format!(
+            "{of} on {}{more}",
+            models.collect::<Vec<_>>().join(", ")
+        ));
+    }
+    format!(": {}", distinct(texts).join("; "))
 }
 
 /// The name of a generated model without what does not tell it from others of a suite.

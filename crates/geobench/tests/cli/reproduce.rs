@@ -42,6 +42,10 @@ fn each_suite_leaves_its_result_its_tables_and_its_plots() {
         let plots = paths.filter(|path| path.extension().is_some_and(|form| form == "svg"));
         assert!(plots.count() > 2);
     }
+    // Its last page: what can be told from two suites of one run each.
+    let claims = sandbox.read("kept/claims.md");
+    assert!(claims.contains("there is no result of the suite 002-table-1"));
+    assert!(claims.contains("| Rule 1 saves propagations: "));
 
     let before = sandbox.read("kept/000-figure-12.json");
     let again = reproduce(&sandbox, &call);

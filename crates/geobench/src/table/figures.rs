@@ -163,11 +163,7 @@ fn all() -> &'static [Figure] {
             Figure::computed("valid", "Valid windows", Count, |c| {
                 Some(count(c, Counter::Kept)? + count(c, Counter::Reinserted).unwrap_or(0.0))
             }),
-            Figure::computed("prime_share", "Prime share", Decimals(4), |c| {
-                let (prime, secondary) = (count(c, Counter::Prime)?, count(c, Counter::Secondary)?);
-                (prime + secondary > 0.0).then(|| prime / (prime + secondary))
-            })
-            .informative(),
+            Figure::computed("prime_share", "Prime share", Decimals(4), prime_share).informative(),
             Figure::computed(
                 Counters::WAVEFRONT_DEVIATION,
                 "Wavefront deviation",
@@ -189,11 +185,12 @@ fn all() -> &'static [Figure] {
                 Decimals(6),
                 |c| c.phases.management,
             ),
-            Figure::computed("management_share", "Management share", Decimals(4), |c| {
-                let phases = &c.phases;
-                let all = phases.propagation? + phases.pruning? + phases.management?;
-                (all > 0.0).then_some(phases.management? / all)
-            })
+            Figure::computed(
+                "management_share",
+                "Management share",
+                Decimals(4),
+                management,
+            )
             .informative(),
             Figure::computed("branching", "Children of a window", Decimals(4), |c| {
                 let (children, parents) =
@@ -209,19 +206,12 @@ fn all() -> &'static [Figure] {
                 ..Figure::computed("b", "Estimate of b", Decimals(4), |_| None)
             }
             .informative(),
-            Figure::computed("mean_wavefront", "Mean wavefront", Count, mean_wavefront)
-                .informative(),
-            Figure::computed("k_correlation", "Correlation of K", Decimals(4), |c| {
-                let rounds = c.wavefront.iter();
-                let points = rounds.filter_map(|s| Some([s.windows as f64, s.k? as f64]));
-                correlation(&points.collect::<Vec<_>>())
-            })
-            .informative(),
             Figure::computed("max_rel", "Largest relative difference", Scientific, |c| {
                 c.check.max_rel
             })
             .informative(),
         ];
+        all.extend(of_wavefront());
         all.extend(Counter::ALL.iter().map(|&counter| Figure {
             key: counter.key(),
             label: label(counter),
@@ -232,6 +222,43 @@ fn all() -> &'static [Figure] {
         all
     });
     &ALL
+}
+
+/// The share of the prime propagations.
+fn prime_share(cell: &Cell) -> Option<f64> {
+    let (prime, secondary) = (
+        count(cell, Counter::Prime)?,
+        count(cell, Counter::Secondary)?,
+    );
+    (prime + secondary > 0.0).then(|| prime / (prime + secondary))
+}
+
+/// The share of management in the phases.
+fn management(cell: &Cell) -> Option<f64> {
+    let phases = &cell.phases;
+    let all = phases.propagation? + phases.pruning? + phases.management?;
+    (all > 0.0).then_some(phases.management? / all)
+}
+
+/// Figures of the samples of the wavefront.
+fn of_wavefront() -> [Figure; 2] {
+    let of = Figure::computed;
+    [
+        of(
+            "mean_wavefront",
+            "Mean wavefront",
+            Style::Count,
+            mean_wavefront,
+        )
+        .informative(),
+        of(
+            "k_correlation",
+            "Correlation of K",
+            Style::Decimals(4),
+            k_correlation,
+        )
+        .informative(),
+    ]
 }
 
 /// The mean number of windows on the wavefront over the distance that it covers, by the
@@ -246,6 +273,13 @@ fn mean_wavefront(cell: &Cell) -> Option<f64> {
         height * (pair[1].distance - pair[0].distance)
     });
     (way > 0.0).then(|| areas.sum::<f64>() / way)
+}
+
+/// The correlation of K with the number of windows on the wavefront.
+fn k_correlation(cell: &Cell) -> Option<f64> {
+    let samples = cell.wavefront.iter();
+    let points = samples.filter_map(|s| Some([s.windows as f64, s.k? as f64]));
+    correlation(&points.collect::<Vec<_>>())
 }
 
 /// Pearson's correlation of at least three points; none if a coordinate is the same in all.

@@ -67,7 +67,8 @@ impl Node {
             Self::Growth(points) => {
                 let [least, greatest] = ends(points);
                 let points = points.iter().map(|(x, node)| [*x, node.of(values)]);
-                libm::pow(greatest / least, exponent(points))
+                // Not a power, which is 1 of a range of 1 whatever the exponent is.
+                libm::exp(exponent(points) * libm::log(greatest / least))
             }
         }
     }
@@ -194,9 +195,10 @@ impl Leaves {
         let variables: Vec<Variable<'_>> = self.0.iter().map(Leaf::variable).collect();
         let values = variables.iter().map(Variable::value);
         let value = node.of(&values.collect::<Option<Vec<f64>>>()?);
-        let interval = match self.are_exact() {
-            true => None,
-            false => interval_of(&variables, |values| node.of(values)),
+        let interval = if self.are_exact() {
+            None
+        } else {
+            interval_of(&variables, |values| node.of(values))
         };
         value.is_finite().then_some(Value { value, interval })
     }

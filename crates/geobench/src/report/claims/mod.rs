@@ -382,23 +382,23 @@ struct Built {
 
 impl Results<'_> {
     /// The groups of the suite that the test is on.
-    fn groups(&self) -> Vec<Option<String>> {
+    fn groups(&self) -> Vec<Option<&str>> {
         let cells = self.result.cells.iter();
-        let groups = distinct(cells.map(|cell| cell.group.clone()));
-        let wanted = |group: &Option<String>| {
+        let groups = distinct(cells.map(|cell| cell.group.as_deref()));
+        let wanted = |group: Option<&str>| {
             let wanted = &self.test.groups;
-            wanted.is_empty() || group.as_ref().is_some_and(|name| wanted.contains(name))
+            wanted.is_empty() || group.is_some_and(|name| wanted.iter().any(|one| one == name))
         };
-        groups.into_iter().filter(wanted).collect()
+        groups.into_iter().filter(|group| wanted(*group)).collect()
     }
 
     /// The models of a group that the test is on.
-    fn models(&self, group: &Option<String>) -> Vec<&ModelRecord> {
+    fn models(&self, group: Option<&str>) -> Vec<&ModelRecord> {
         let models = self.result.models.iter().filter(|model| {
             let mut cells = self.result.cells.iter();
             let patterns = &self.test.models;
             let named = |pattern: &String| is_like(pattern, &model.name);
-            cells.any(|cell| cell.group == *group && cell.model == model.name)
+            cells.any(|cell| cell.group.as_deref() == group && cell.model == model.name)
                 && (patterns.is_empty() || patterns.iter().any(named))
         });
         models.collect()
@@ -407,12 +407,12 @@ impl Results<'_> {
     /// The algorithms of the plan of a group with the name of `selection`.
     fn namesakes(
         &self,
-        group: &Option<String>,
+        group: Option<&str>,
         selection: &Selection,
     ) -> impl Iterator<Item = &PlannedAlgorithm> {
         let name = selection.algorithm().name;
         let groups = self.result.plan.iter().flat_map(|plan| &plan.groups);
-        let planned = groups.filter(|planned| planned.name == *group);
+        let planned = groups.filter(move |planned| planned.name.as_deref() == group);
         let planned = planned.flat_map(|planned| &planned.algorithms);
         planned.filter(move |planned| planned.label.split('{').next() == Some(name))
     }
@@ -420,7 +420,7 @@ impl Results<'_> {
     /// The label of `selection` in the cells of a group: that of an algorithm of the plan with this
     /// name and exactly these parameters. Labels alone do not tell, because defaults change from
     /// version to version.
-    fn label(&self, group: &Option<String>, selection: &Selection) -> Result<&str, Reason> {
+    fn label(&self, group: Option<&str>, selection: &Selection) -> Result<&str, Reason> {
         let missing = |why: &str| Err(format!("{} {why}", selection.label()));
         if self.result.plan.is_none() {
             return missing("cannot be told from others: the result does not hold its plan");
@@ -447,18 +447,19 @@ impl Results<'_> {
     /// The cells of an algorithm on a model, one for each source.
     fn cells(
         &self,
-        group: &Option<String>,
+        group: Option<&str>,
         selection: &Selection,
         model: &str,
     ) -> Result<Vec<&Cell>, Reason> {
         let label = self.label(group, selection)?;
         let cells = self.result.cells.iter();
         let cells: Vec<&Cell> = cells
-            .filter(|c| c.group == *group && c.algorithm == label && c.model == model)
+            .filter(|c| c.group.as_deref() == group && c.algorithm == label && c.model == model)
             .collect();
-        match cells.is_empty() {
-            true => Err(format!("{label} has no cell")),
-            false => Ok(cells),
+        if cells.is_empty() {
+            Err(format!("{label} has no cell"))
+        } else {
+            Ok(cells)
         }
     }
 
@@ -498,34 +499,38 @@ impl Results<'_> {
             let groups: Vec<_> = self
                 .groups()
                 .into_iter()
-                .filter(|group| !self.models(group).is_empty())
+                .filter(|group| !self.models(*group).is_empty())
                 .collect();
             // Groups of other algorithms are passed over, unless all are.
-            let has_all = |group: &&Option<String>| {
+            let has_all = |group: Option<&str>| {
                 let all = operand.algorithms.iter();
                 let mut all = all.chain(self.test.to.iter().flat_map(|to| &to.algorithms));
                 all.all(|selection| self.namesakes(group, selection).next().is_some())
             };
-            let able: Vec<_> = groups.iter().filter(has_all).cloned().collect();
+            let able: Vec<_> = groups
+                .iter()
+                .copied()
+                .filter(|group| has_all(*group))
+                .collect();
             let groups = if able.is_empty() { groups } else { able };
             cases.extend(match (self.test.ends, self.test.combine) {
                 (Some(ends), _) => self.endings(operand, &groups, ends),
                 (None, Combine::Each) if self.test.over.is_some() => groups
                     .iter()
                     .map(|group| {
-                        let on = group.clone().unwrap_or_else(|| "all models".to_owned());
+                        let on = group.unwrap_or("all models");
                         self.case(operand, on, None, |figure| {
-                            self.growth(operand, group, figure)
+                            self.growth(operand, *group, figure)
                         })
                     })
                     .collect(),
                 (None, Combine::Each) => groups
                     .iter()
                     .flat_map(|group| {
-                        self.models(group).into_iter().map(|model| {
-                            self.case(operand, model.name.clone(), Some(model), |figure| {
+                        self.models(*group).into_iter().map(|model| {
+                            self.case(operand, &model.name, Some(model), |figure| {
                                 let mut leaves = Leaves::default();
-                                let node = self.on(operand, group, model, figure, &mut leaves)?;
+                                let node = self.on(operand, *group, model, figure, &mut leaves)?;
                                 Ok(Built {
                                     leaves,
                                     node,
@@ -536,9 +541,9 @@ impl Results<'_> {
                     })
                     .collect(),
                 (None, combine) => {
-                    let models = groups.iter().map(|group| self.models(group).len());
+                    let models = groups.iter().map(|group| self.models(*group).len());
                     let on = format!("{} of {} models", words(combine), models.sum::<usize>());
-                    vec![self.case(operand, on, None, |figure| {
+                    vec![self.case(operand, &on, None, |figure| {
                         self.combined(operand, &groups, figure, combine)
                     })]
                 }
@@ -551,14 +556,14 @@ impl Results<'_> {
     fn case(
         &self,
         operand: &Operand,
-        on: String,
+        on: &str,
         model: Option<&ModelRecord>,
         build: impl Fn(&'static Figure) -> Result<Built, Reason>,
     ) -> Case {
         let mut first: Option<Case> = None;
         let blank = |figure: &str| Case {
             of: self.in_words(operand),
-            ..Case::open(figure, &on)
+            ..Case::open(figure, on)
         };
         for (place, figure) in self.test.figures.iter().enumerate() {
             let mut case = blank(figure.key);
@@ -645,7 +650,7 @@ impl Results<'_> {
     fn on(
         &self,
         operand: &Operand,
-        group: &Option<String>,
+        group: Option<&str>,
         model: &ModelRecord,
         figure: &'static Figure,
         leaves: &mut Leaves,
@@ -741,7 +746,7 @@ impl Results<'_> {
     fn growth(
         &self,
         operand: &Operand,
-        group: &Option<String>,
+        group: Option<&str>,
         figure: &'static Figure,
     ) -> Result<Built, Reason> {
         let (mut leaves, mut points) = (Leaves::default(), Vec::new());
@@ -780,12 +785,12 @@ impl Results<'_> {
     fn combined(
         &self,
         operand: &Operand,
-        groups: &[Option<String>],
+        groups: &[Option<&str>],
         figure: &'static Figure,
         combine: Combine,
     ) -> Result<Built, Reason> {
         let (mut leaves, mut nodes) = (Leaves::default(), Vec::new());
-        for group in groups {
+        for &group in groups {
             for model in self.models(group) {
                 nodes.push(self.on(operand, group, model, figure, &mut leaves)?);
             }
@@ -807,9 +812,9 @@ impl Results<'_> {
     }
 
     /// Cases of runs that must end in a certain way.
-    fn endings(&self, operand: &Operand, groups: &[Option<String>], ends: Status) -> Vec<Case> {
+    fn endings(&self, operand: &Operand, groups: &[Option<&str>], ends: Status) -> Vec<Case> {
         let mut cases = Vec::new();
-        for group in groups {
+        for &group in groups {
             let models = self.models(group).into_iter();
             let large = |model: &&ModelRecord| {
                 let least = self.test.at_least_faces;
@@ -830,7 +835,7 @@ impl Results<'_> {
             }
         }
         if cases.is_empty() {
-            let greatest = groups.iter().flat_map(|group| self.models(group));
+            let greatest = groups.iter().flat_map(|group| self.models(*group));
             let greatest = greatest.filter_map(|model| model.faces).max().unwrap_or(0);
             cases.push(Case {
                 reason: Some(format!(

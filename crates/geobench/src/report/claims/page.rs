@@ -112,8 +112,8 @@ fn text(report: &Report, look: Look) -> String {
 
 fn in_markdown(report: &Report) -> String {
     let mut page = format!(
-        "# The papers' claims, one by one\n\n{HOW_TO_READ}\n{}\n",
-        markdown::table(&summary(report))
+        "# The papers' claims, one by one\n\n{HOW_TO_READ}\n{}\n\n",
+        markdown::table(&summary(report)).trim_end()
     );
     page +=
         "Made by `geobench claims` from these results, whose suites are in `bench-configs`:\n\n";
@@ -243,9 +243,10 @@ pub(super) fn printed(tests: &[Test]) -> String {
             };
             let least = numbers.iter().copied().fold(f64::INFINITY, f64::min);
             let most = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let range = match least == most {
-                true => number(least),
-                false => format!("{} to {}", number(least), number(most)),
+            let range = if least == most {
+                number(least)
+            } else {
+                format!("{} to {}", number(least), number(most))
             };
             parts.push(format!("{name}{range}"));
         }
@@ -263,9 +264,10 @@ pub(super) fn cases(cases: &[Case]) -> String {
             .iter()
             .filter(|case| (&case.of, &case.figure) == (of, figure) && case.value.is_some())
             .collect();
-        let figure = match several {
-            true => format!(" ({figure})"),
-            false => String::new(),
+        let figure = if several {
+            format!(" ({figure})")
+        } else {
+            String::new()
         };
         if own.is_empty() {
             continue;

@@ -312,7 +312,7 @@ fn an_algorithm_of_other_parameters_is_another_one() {
     // The claim finds its algorithm by the parameters, whatever its label is.
     let mut relabelled = original;
     unknown(&mut relabelled, |planned| {
-        planned.label = "ich{old=1}".into()
+        planned.label = "ich{old=1}".into();
     });
     for cell in relabelled.cells.iter_mut().filter(|c| c.algorithm == "ich") {
         cell.algorithm = "ich{old=1}".into();
@@ -734,4 +734,29 @@ fn claims_are_about_what_suites_run() {
             }
         }
     }
+}
+
+/// The page of `results` is what the program makes of the record beside it.
+#[test]
+fn the_page_is_that_of_the_record() {
+    let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../results");
+    let record = results.join("2026-11-22-papers").read_dir().unwrap();
+    let paths = record.map(|entry| entry.unwrap().path());
+    let inputs: Vec<Input> = paths
+        .filter(|path| path.extension().is_some_and(|ending| ending == "json"))
+        .map(|path| Input {
+            result: crate::schema::result_file::read(&path).unwrap(),
+            path,
+        })
+        .collect();
+    let report = judge(&known().unwrap(), &inputs).unwrap();
+    let page = ClaimsFormat::Markdown
+        .render(&report, Look::default())
+        .unwrap();
+    let kept = std::fs::read_to_string(results.join("paper-claims.md")).unwrap();
+    let command = "geobench claims results/2026-11-22-papers -o results/paper-claims.md";
+    assert!(
+        kept == page,
+        "results/paper-claims.md is out of date: {command}"
+    );
 }

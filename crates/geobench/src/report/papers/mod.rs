@@ -151,16 +151,12 @@ impl PaperTable {
     ///
     /// Names all files if there is none, or the line that does not follow their README.
     pub(crate) fn named(name: &str) -> anyhow::Result<Self> {
-        match FILES.iter().find(|(known, _)| *known == name) {
-            Some((name, text)) => parse(name, text),
-            None => {
-                let known: Vec<&str> = FILES.iter().map(|(name, _)| *name).collect();
-                anyhow::bail!(
-                    "there is no paper table `{name}`; known are {}",
-                    known.join(", ")
-                )
-            }
-        }
+        let Some((name, text)) = FILES.iter().find(|(known, _)| *known == name) else {
+            let known: Vec<&str> = FILES.iter().map(|(name, _)| *name).collect();
+            let known = known.join(", ");
+            anyhow::bail!("there is no paper table `{name}`; known are {known}");
+        };
+        parse(name, text)
     }
 }
 

@@ -4,13 +4,12 @@
 #![allow(private_bounds, private_interfaces)]
 
 use crate::crossing::Least;
-use crate::engine::dispatch;
 use crate::engine::hand::Hand;
 use crate::engine::kernels::Gate;
 use crate::engine::kernels::exits::{BestPath, EveryBetterPath, Free, Reach, Rule};
 use crate::engine::surface::{Surface, half_edge, next, parts, prev};
 use crate::front::Front;
-use geobench_window::simd::Instructions;
+use geobench_window::simd::Simd;
 
 /// A list about to cross a face.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +25,7 @@ pub(crate) struct Crossing<'a> {
     /// The windows that wait elsewhere.
     pub(crate) front: &'a Front,
     pub(crate) surface: &'a Surface,
-    pub(crate) instructions: Instructions,
+    pub(crate) simd: Simd,
 }
 
 impl Crossing<'_> {
@@ -153,9 +152,9 @@ impl Exits for EveryPath {
         });
         let Gate { l, apex, .. } = crossing.gate;
         self.paths.clear();
-        let block = crossing.hand.block();
+        let list = crossing.hand.columns();
         let path = |i| {
-            let path = BestPath::of(block, i, apex, l + crossing.distance);
+            let path = BestPath::of(list, i, apex, l + crossing.distance);
             let w = crossing.hand.window(i);
             let [x, y] = [apex[0] - path.entry, apex[1]];
             let bent = w.distance(path.entry) + (x * x + y * y).sqrt();
@@ -174,16 +173,15 @@ impl Exits for EveryPath {
 fn least_waiting(crossing: &Crossing<'_>, h: u32, keep: &mut Vec<u8>) -> f64 {
     let gate = crossing.surface.gate(h, [f64::INFINITY; 2]);
     let lists = crossing.front.lists(h).into_iter();
-    let lengths = lists.filter(|(_, len)| *len > 0).map(|(block, len)| {
+    let lengths = lists.filter(|list| !list.is_empty()).map(|list| {
         let keep = &mut *keep;
         let program = Least {
-            block,
+            list,
             start: 0,
-            len,
             gate: &gate,
             keep,
         };
-        dispatch::run(program, crossing.instructions)
+        crossing.simd.run(program)
     });
     lengths.fold(f64::INFINITY, f64::min)
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use geobench_window::Window;
 use geobench_window::trimming::KeptWindows;
 
-use crate::engine::store::{COLUMNS, Line, NO_LIST, WindowStore};
+use crate::engine::store::{Block, COLUMNS, Columns, NO_LIST, WindowStore};
 use crate::engine::surface::{half_edge, parts};
 
 /// From which side of the face below its half-edge a window came.
@@ -153,12 +153,12 @@ impl Front {
         self.store.windows_at(list, places)
     }
 
-    /// The blocks of the lists on `h`, in order, and their lengths.
+    /// The windows of the lists on `h`, in order.
     #[inline]
-    pub(crate) fn lists(&self, h: u32) -> [(&[Line], usize); 2] {
+    pub(crate) fn lists(&self, h: u32) -> [Columns<'_>; 2] {
         let (face, corner) = parts(h);
         let lists = self.places[face].lists[corner];
-        lists.map(|list| (self.store.read(list), self.store.len(list)))
+        lists.map(|list| self.store.columns(list))
     }
 
     /// The list of those that came to `h` as left children, or of all that have been put in order.
@@ -262,14 +262,14 @@ impl Front {
 
     /// The blocks of two different lists; none of [`NO_LIST`].
     #[inline]
-    pub(crate) fn blocks(&mut self, lists: [u32; 2]) -> [&mut [Line]; 2] {
+    pub(crate) fn blocks(&mut self, lists: [u32; 2]) -> [Block<'_>; 2] {
         self.store.blocks(lists)
     }
 
-    /// The block of a list and the line behind it.
+    /// The windows of a list.
     #[inline]
-    pub(crate) fn block_and_line_behind(&mut self, list: u32) -> &mut [Line] {
-        self.store.block_and_line_behind(list)
+    pub(crate) fn columns(&self, list: u32) -> Columns<'_> {
+        self.store.columns(list)
     }
 
     /// Asks for what a list that comes to `face` touches.
@@ -289,7 +289,7 @@ mod tests {
 
     fn starts(front: &Front, h: u32) -> Vec<f64> {
         let lists = front.lists(h);
-        let starts = lists.map(|(block, len)| block.iter().flat_map(|line| line.0).take(len));
+        let starts = lists.map(|list| (0..list.len()).map(move |i| list.row(i)[0]));
         starts.into_iter().flatten().collect()
     }
 

@@ -7,11 +7,10 @@ use geobench_window::trimming::KeptWindows;
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution, Window};
 
 use crate::crossing::{Carry, Inspect, Least};
-use crate::engine::dispatch;
 use crate::engine::hand::Hand;
 use crate::engine::kernels::{BestPath, Gate, Target};
 use crate::engine::levels::Levels;
-use crate::engine::prefetch::{line, prefetch};
+use crate::engine::prefetch::prefetch;
 use crate::engine::store::{NO_LIST, admit};
 use crate::engine::surface::{Face, NOBODY, Surface, next, parts, prev};
 use crate::exits::{Crossing, Exits};
@@ -19,7 +18,8 @@ use crate::front::{Arrival, Front};
 use crate::merge::Merge;
 use crate::pruning::Pairs;
 use crate::schedule::{Schedule, Turn};
-use geobench_window::simd::Instructions;
+use geobench_window::prefetch_line;
+use geobench_window::simd::{Instructions, Simd};
 
 /// An algorithm that propagates whole lists of windows, on one mesh: in the order of schedule `S`,
 /// with lists merged by `M`, their windows compared by `P` and sent on by `E`.
@@ -40,7 +40,7 @@ use geobench_window::simd::Instructions;
 #[derive(Clone, Debug)]
 pub struct ListPropagation<S, M, P, E> {
     vertex_count: usize,
-    instructions: Instructions,
+    simd: Simd,
     numbering: Numbering,
     surface: Surface,
     schedule: S,
@@ -67,7 +67,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         let kept = surface.kept.clone();
         Self {
             vertex_count: mesh.vertex_count(),
-            instructions: Instructions::detect(),
+            simd: Simd::new(Instructions::detect()),
             numbering,
             surface,
             schedule: S::new(faces),
@@ -99,7 +99,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     #[must_use]
     pub fn with_instructions(self, instructions: Instructions) -> Self {
         Self {
-            instructions: instructions.or_narrower(),
+            simd: Simd::new(instructions),
             ..self
         }
     }
@@ -177,26 +177,25 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                     window = part;
                 }
                 let (list, len) = self.front.push(target, Arrival::AsRightChild, window);
-                self.close(target, list, len, len + 1, probe);
+                self.close(target, list, len, probe);
             }
         }
         probe.raise(Counter::PeakWindows, self.front.waiting() as u64);
         probe.raise(Counter::PeakWavefront, self.front.waiting() as u64);
     }
 
-    /// All windows for half-edge `h` have come; those in `list` from `start` to `len` are new.
+    /// All windows for half-edge `h` have come; those in `list` from `start` on are new.
     #[inline]
-    fn close<B: Probe>(&mut self, h: u32, list: u32, start: usize, len: usize, probe: &mut B) {
+    fn close<B: Probe>(&mut self, h: u32, list: u32, start: usize, probe: &mut B) {
         if !S::BY_VERTEX && !self.front.contains(parts(h).0) {
             let gate = self.surface.gate(h, [f64::INFINITY; 2]);
             let program = Least {
-                block: self.front.block_and_line_behind(list),
+                list: self.front.columns(list),
                 start,
-                len,
                 gate: &gate,
                 keep: &mut self.hand.keep,
             };
-            let offer = dispatch::run(program, self.instructions);
+            let offer = self.simd.run(program);
             self.schedule.wait(parts(h).0 as u32, offer, probe);
         }
         self.front.make_ready(h);
@@ -214,9 +213,9 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         };
         probe.enter(Phase::Pruning);
         let lists = self.front.lists(h);
-        let arrived = lists[0].1 + lists[1].1;
+        let arrived = lists[0].len() + lists[1].len();
         let program = Inspect::<P>::new(lists, &mut self.hand, &self.surface, h, &gate);
-        let found = dispatch::run(program, self.instructions);
+        let found = self.simd.run(program);
         self.front.clear(h);
         probe.enter(Phase::Propagation);
         // Comparisons may make several windows of one.
@@ -247,7 +246,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         if self.hand.len > 0 {
             self.offer(apex, found.distance, probe);
             let size = gate.l + found.distance;
-            let best = BestPath::of(self.hand.block(), found.best, gate.apex, size);
+            let best = BestPath::of(self.hand.columns(), found.best, gate.apex, size);
             self.send_children(h, &face, gate, best, found.distance, found.bound, probe);
         }
         if B::COUNTS {
@@ -298,7 +297,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 distance,
                 front: &self.front,
                 surface: &self.surface,
-                instructions: self.instructions,
+                simd: self.simd,
             });
             let blocks = self.front.blocks(lists);
             let mut targets = blocks.map(|block| Target {
@@ -311,7 +310,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 targets[side].open = exits[side] != NOBODY;
             }
             let program = Carry::new(&self.hand, &triangle, &rule, self.threshold, &mut targets);
-            let carried = dispatch::run(program, self.instructions);
+            let carried = self.simd.run(program);
             (carried, targets.map(|target| target.len))
         };
         probe.enter(Phase::Management);
@@ -350,7 +349,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             if alone[side] {
                 self.close_late(exit, probe);
             } else {
-                self.close(exit, list, before[side], after[side], probe);
+                self.close(exit, list, before[side], probe);
             }
         }
         let children = after[0] + after[1] - before[0] - before[1] + carried.tiny;
@@ -368,9 +367,8 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
 
     /// Windows have been put into their places in the list on `h`, which waits.
     fn close_late<B: Probe>(&mut self, h: u32, probe: &mut B) {
-        let [(_, len), _] = self.front.lists(h);
         let list = self.front.first(h);
-        self.close(h, list, 0, len, probe);
+        self.close(h, list, 0, probe);
     }
 
     /// Asks for what the next lists will touch.
@@ -379,8 +377,8 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         if let Some(h) = self.front.upcoming(6) {
             let f = parts(h).0;
             if let Some(face) = self.surface.faces.get(f) {
-                line(face);
-                line(&face.apex_x);
+                prefetch_line(face);
+                prefetch_line(&face.apex_x);
             }
             self.front.prefetch(f);
         }

@@ -1,7 +1,5 @@
 //! Which windows of a list are compared with each other.
 
-// They call kernels, for whose instructions `dispatch` vouches.
-#![allow(unsafe_code)]
 // Kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
 // The engine is private, so that other crates cannot implement the trait here.
@@ -11,20 +9,16 @@ use geobench_window::Window;
 
 use crate::engine::hand::Hand;
 use crate::engine::kernels::settle;
-use crate::engine::lanes::Lanes;
 use crate::engine::surface::Surface;
 use crate::pairs::{Edge, Verdict, check_pair};
 use crate::trim::trim_pair;
+use geobench_window::simd::Lanes;
 
 /// Which windows of a list are compared before it crosses its face, and how.
 pub trait Pairs: Send {
     /// Cuts or drops windows of `hand`, the list on half-edge `h` of `surface`.
-    ///
-    /// # Safety
-    ///
-    /// The processor must know the instructions of `L`.
     #[doc(hidden)]
-    unsafe fn prune<L: Lanes>(hand: &mut Hand, surface: &Surface, h: u32);
+    fn prune<L: Lanes>(simd: L::Token, hand: &mut Hand, surface: &Surface, h: u32);
 }
 
 /// Neighbours in the list: rules 2 and 3 (Qin et al. 2016, sections 4.2 and 4.3). A window is
@@ -35,21 +29,17 @@ pub struct Neighbours;
 
 impl Pairs for Neighbours {
     #[inline(always)]
-    unsafe fn prune<L: Lanes>(hand: &mut Hand, surface: &Surface, h: u32) {
-        // SAFETY: promised by the caller.
-        unsafe { settle_neighbours::<L, false>(hand, surface, h) };
+    fn prune<L: Lanes>(simd: L::Token, hand: &mut Hand, surface: &Surface, h: u32) {
+        settle_neighbours::<L, false>(simd, hand, surface, h);
     }
 }
 
 /// Compares neighbours until all of them stay, and cuts them at their tie points if `TRIM` says so.
 /// Returns whether that has come to an end; it has not if a window falls to pieces or loses its
 /// place.
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`.
 #[inline(always)]
-unsafe fn settle_neighbours<L: Lanes, const TRIM: bool>(
+fn settle_neighbours<L: Lanes, const TRIM: bool>(
+    simd: L::Token,
     hand: &mut Hand,
     surface: &Surface,
     h: u32,
@@ -60,9 +50,7 @@ unsafe fn settle_neighbours<L: Lanes, const TRIM: bool>(
     }
     let l = surface.length(h);
     let (block, cuts, again) = hand.parts();
-    // SAFETY: promised by the caller.
-    let (len, settled) =
-        unsafe { settle::<L, TRIM>(block, len, l, || surface.behind(h), cuts, again) };
+    let (len, settled) = settle::<L, TRIM>(simd, block, len, l, || surface.behind(h), cuts, again);
     hand.len = len;
     settled
 }
@@ -73,7 +61,7 @@ pub struct NoPairs;
 
 impl Pairs for NoPairs {
     #[inline(always)]
-    unsafe fn prune<L: Lanes>(_: &mut Hand, _: &Surface, _: u32) {}
+    fn prune<L: Lanes>(_: L::Token, _: &mut Hand, _: &Surface, _: u32) {}
 }
 
 /// Compares windows one by one: `push` adds each to those that have been checked so far, or drops
@@ -102,7 +90,7 @@ fn one_by_one(
 pub struct AllPairs;
 
 impl Pairs for AllPairs {
-    unsafe fn prune<L: Lanes>(hand: &mut Hand, surface: &Surface, h: u32) {
+    fn prune<L: Lanes>(_: L::Token, hand: &mut Hand, surface: &Surface, h: u32) {
         one_by_one(hand, surface, h, push_to_all);
     }
 }
@@ -130,9 +118,8 @@ pub struct TiePoints;
 
 impl Pairs for TiePoints {
     #[inline(always)]
-    unsafe fn prune<L: Lanes>(hand: &mut Hand, surface: &Surface, h: u32) {
-        // SAFETY: promised by the caller.
-        if !unsafe { settle_neighbours::<L, true>(hand, surface, h) } {
+    fn prune<L: Lanes>(simd: L::Token, hand: &mut Hand, surface: &Surface, h: u32) {
+        if !settle_neighbours::<L, true>(simd, hand, surface, h) {
             one_by_one(hand, surface, h, push_and_trim);
         }
     }
@@ -173,7 +160,7 @@ mod tests {
     use geobench_mesh::{Mesh, Numbering, TriangleSoup};
 
     use super::*;
-    use crate::engine::lanes::Scalar;
+    use geobench_window::simd::Scalar;
 
     fn window(b0: f64, b1: f64, px: f64, py: f64, sigma: f64) -> Window {
         Window {
@@ -195,8 +182,7 @@ mod tests {
         assert_eq!(surface.behind(0), [0.5, -1.0]);
         let mut hand = Hand::new();
         hand.replace(windows);
-        // SAFETY: every processor can count to one.
-        unsafe { P::prune::<Scalar>(&mut hand, &surface, 0) }
+        P::prune::<Scalar>((), &mut hand, &surface, 0);
         hand.iter().collect()
     }
 

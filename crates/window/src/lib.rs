@@ -48,7 +48,7 @@ pub use filter::{VertexFilter, is_beaten_from_ends};
 pub use frame::{Entrance, Exit, Faces, Frame, Outlet, Side};
 pub use passage::Passage;
 pub use phases::{PhaseProbe, PhaseSampler, Phases};
-pub use prefetch::prefetch;
+pub use prefetch::{prefetch, prefetch_line};
 pub use probe::{Count, Phase, Probe};
 pub use solver::{Propagate, Solution, SolveError, Solver, Sources};
 pub use spawn::spawn_window;

@@ -1,6 +1,6 @@
-//! Memory asked for before it is needed.
+//! Cache lines requested before they are needed.
 
-// The instruction has no safe form for all processors; it reads nothing.
+// The instruction has no safe form on all processors; it reads nothing.
 #![allow(unsafe_code)]
 
 /// Bytes of a cache line.
@@ -18,6 +18,13 @@ pub fn prefetch<T>(values: &[T], i: usize) {
         // It may begin in the middle of a line, and end in one more.
         ask(value.wrapping_add(size - 1));
     }
+}
+
+/// Asks for the cache line in which `value` starts.
+#[inline(always)]
+#[allow(clippy::inline_always)] // One instruction.
+pub fn prefetch_line<T>(value: &T) {
+    ask(std::ptr::from_ref(value).cast());
 }
 
 /// Asks for the cache line of an address.

@@ -1,18 +1,14 @@
 //! The kernels on lists that are made up, for the benches of this crate; no part of its interface.
 
-// It calls single kernels, as the solvers do.
-#![allow(unsafe_code)]
+use geobench_window::simd::{Instructions, Lanes, Program, Simd};
 
-use super::dispatch::{self, Program};
 use super::kernels::{self, BestPath, Cuts, Gate, Measured, Target, Triangle};
-use super::lanes::Lanes;
 use super::store::{COLUMNS, NO_LIST, WindowStore};
-use geobench_window::simd::Instructions;
 
 /// A list about to cross an equilateral triangle, and room for what comes of it.
 #[derive(Debug)]
 pub struct KernelBench {
-    instructions: Instructions,
+    simd: Simd,
     store: WindowStore,
     lists: [u32; 4],
     windows: Vec<[f64; COLUMNS]>,
@@ -58,7 +54,7 @@ impl KernelBench {
         }
         let height = 0.75_f64.sqrt();
         let mut bench = Self {
-            instructions: instructions.or_narrower(),
+            simd: Simd::new(instructions),
             store,
             lists,
             windows,
@@ -83,14 +79,10 @@ impl KernelBench {
 
     /// Runs a kernel once; returns how many windows come of it.
     pub fn run(&mut self, kernel: Kernel) -> usize {
-        let instructions = self.instructions;
-        dispatch::run(
-            Run {
-                bench: self,
-                kernel,
-            },
-            instructions,
-        )
+        self.simd.run(Run {
+            bench: self,
+            kernel,
+        })
     }
 }
 
@@ -103,7 +95,7 @@ impl Program for Run<'_> {
     type Output = usize;
 
     #[inline(always)]
-    unsafe fn run<L: Lanes>(self) -> usize {
+    fn run<L: Lanes>(self, simd: L::Token) -> usize {
         let bench = self.bench;
         let len = bench.windows.len();
         let [list, copy, left, right] = bench.lists;
@@ -112,16 +104,13 @@ impl Program for Run<'_> {
                 for (i, &window) in bench.windows.iter().enumerate() {
                     bench.store.put(copy, i, window);
                 }
-                let block = bench.store.block_and_line_behind(copy);
-                // SAFETY: promised by the caller.
-                unsafe { kernels::compare::<L>(block, len, bench.gate.l, &mut bench.cuts) }
+                let block = bench.store.padded_block(copy);
+                kernels::compare::<L>(simd, block, len, bench.gate.l, &mut bench.cuts)
             }
             Kernel::Measure => {
-                let block = bench.store.block(list);
-                // SAFETY: promised by the caller.
-                let found = unsafe {
-                    kernels::measure::<L, true>(block, 0, len, &bench.gate, &mut bench.keep)
-                };
+                let list = bench.store.first(list, len);
+                let found =
+                    kernels::measure::<L, true>(simd, list, 0, &bench.gate, &mut bench.keep);
                 bench.found = Some(found);
                 found.kept
             }
@@ -131,25 +120,22 @@ impl Program for Run<'_> {
                 };
                 let [block, left, right] = bench.store.blocks([list, left, right]);
                 let size = bench.gate.l + found.distance;
-                let best = BestPath::of(block, found.best, bench.gate.apex, size);
+                let list = block.columns(len);
+                let best = BestPath::of(list, found.best, bench.gate.apex, size);
                 let [mut left, mut right] = [left, right].map(|block| Target {
                     block,
                     len: 0,
                     open: true,
                 });
-                // SAFETY: promised by the caller; `keep` is of this list, and each target has room
-                // for all of it.
-                unsafe {
-                    kernels::carry::<L, BestPath>(
-                        block,
-                        len,
-                        &bench.keep,
-                        &bench.triangle,
-                        &best,
-                        0.0,
-                        [&mut left, &mut right],
-                    );
-                }
+                kernels::carry::<L, BestPath>(
+                    simd,
+                    list,
+                    &bench.keep,
+                    &bench.triangle,
+                    &best,
+                    0.0,
+                    [&mut left, &mut right],
+                );
                 left.len + right.len
             }
         }

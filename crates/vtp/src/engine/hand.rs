@@ -1,16 +1,19 @@
 //! The list that is about to cross its face.
 
 use geobench_window::Window;
+use geobench_window::simd::{Lanes, Line};
 
 use super::kernels::{Cuts, Gate, Measured, gather, measure};
-use super::lanes::Lanes;
-use super::store::{COLUMNS, Line};
+use super::store::{Block, COLUMNS, Columns, PaddedBlock};
 
 /// A list taken from the half-edge on which it waited, in a block of its own, with what the passes
 /// over it need.
 #[derive(Clone, Debug)]
 pub(crate) struct Hand {
+    /// A block and a line behind it.
     lines: Vec<Line>,
+    /// Lines of a column.
+    column: u32,
     pub(crate) len: usize,
     /// Scratch of the comparison of neighbours.
     cuts: Cuts,
@@ -25,6 +28,7 @@ impl Hand {
     pub(crate) fn new() -> Self {
         Self {
             lines: vec![Line::default(); COLUMNS * 17 + 1],
+            column: 17,
             len: 0,
             cuts: Cuts::default(),
             again: Vec::new(),
@@ -33,31 +37,19 @@ impl Hand {
         }
     }
 
-    /// Takes the windows of `lists`, blocks with their lengths, that pass the vertex filter.
-    ///
-    /// # Safety
-    ///
-    /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
+    /// Takes the windows of `lists` that pass the vertex filter.
     #[inline(always)]
-    pub(crate) unsafe fn take<L: Lanes>(&mut self, lists: [(&[Line], usize); 2], gate: &Gate) {
-        self.make_room(lists[0].1 + lists[1].1);
-        let own = self.lines.len() - 1;
-        // SAFETY: the processor is the caller's business, and there is room.
-        self.len = unsafe { gather::<L>(lists, gate, &mut self.lines[..own]) };
+    pub(crate) fn take<L: Lanes>(&mut self, simd: L::Token, lists: [Columns<'_>; 2], gate: &Gate) {
+        self.make_room(lists[0].len() + lists[1].len());
+        let mut block = Block::new(&mut self.lines, self.column);
+        self.len = gather::<L>(simd, lists, gate, &mut block);
     }
 
     /// Measures all windows.
-    ///
-    /// # Safety
-    ///
-    /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
-    pub(crate) unsafe fn measure<L: Lanes>(&mut self, gate: &Gate) -> Measured {
-        let own = self.lines.len() - 1;
-        // SAFETY: promised by the caller.
-        unsafe { measure::<L, false>(&self.lines[..own], 0, self.len, gate, &mut self.keep) }
+    pub(crate) fn measure<L: Lanes>(&mut self, simd: L::Token, gate: &Gate) -> Measured {
+        let list = Columns::new(&self.lines, self.column, self.len);
+        measure::<L, false>(simd, list, 0, gate, &mut self.keep)
     }
 
     /// Room for `windows`, in columns of an odd number of lines: those of an even number would
@@ -65,35 +57,36 @@ impl Hand {
     #[inline]
     fn make_room(&mut self, windows: usize) {
         let lines = windows.div_ceil(Line::LANES) + 1;
-        if COLUMNS * lines >= self.lines.len() {
-            self.lines
-                .resize(COLUMNS * (2 * lines + 1) + 1, Line::default());
+        if lines > self.column as usize {
+            self.column = 2 * lines as u32 + 1;
+            let all = COLUMNS * self.column as usize + 1;
+            self.lines.resize(all, Line::default());
         }
     }
 
     /// The block with a line behind it, and scratch for the comparison of neighbours.
     #[inline]
-    pub(crate) fn parts(&mut self) -> (&mut [Line], &mut Cuts, &mut Vec<u8>) {
-        (&mut self.lines, &mut self.cuts, &mut self.again)
+    pub(crate) fn parts(&mut self) -> (PaddedBlock<'_>, &mut Cuts, &mut Vec<u8>) {
+        let block = PaddedBlock::new(&mut self.lines, self.column);
+        (block, &mut self.cuts, &mut self.again)
     }
 
-    /// The block.
+    /// The windows.
     #[inline]
-    pub(crate) fn block(&self) -> &[Line] {
-        &self.lines[..self.lines.len() - 1]
+    pub(crate) fn columns(&self) -> Columns<'_> {
+        Columns::new(&self.lines, self.column, self.len)
     }
 
     /// Window number `i`.
     #[inline]
     pub(crate) fn window(&self, i: usize) -> Window {
-        let column = self.lines.len() / COLUMNS;
-        let at = |c: usize| self.lines[c * column + i / Line::LANES].0[i % Line::LANES];
+        let [b0, b1, px, py, sigma] = self.columns().row(i);
         Window {
-            b0: at(0),
-            b1: at(1),
-            px: at(2),
-            py: at(3),
-            sigma: at(4),
+            b0,
+            b1,
+            px,
+            py,
+            sigma,
         }
     }
 
@@ -106,10 +99,9 @@ impl Hand {
     pub(crate) fn replace(&mut self, windows: &[Window]) {
         self.make_room(windows.len());
         self.len = windows.len();
-        let column = self.lines.len() / COLUMNS;
         for (i, w) in windows.iter().enumerate() {
             for (c, x) in [w.b0, w.b1, w.px, w.py, w.sigma].into_iter().enumerate() {
-                self.lines[c * column + i / Line::LANES].0[i % Line::LANES] = x;
+                self.lines[c * self.column as usize + i / Line::LANES].0[i % Line::LANES] = x;
             }
         }
     }

@@ -7,11 +7,9 @@
 #[doc(hidden)]
 pub mod bench_support;
 pub(crate) mod buckets;
-pub(crate) mod dispatch;
 pub(crate) mod face_state;
 pub(crate) mod hand;
 pub(crate) mod kernels;
-pub(crate) mod lanes;
 pub(crate) mod levels;
 pub(crate) mod prefetch;
 pub(crate) mod reunite;

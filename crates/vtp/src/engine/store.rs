@@ -5,22 +5,23 @@
 //! the few thousand windows of a wavefront stay in the same cache lines from the start to the end.
 
 use std::ops::Range;
+use std::slice;
 
 use geobench_window::Window;
+use geobench_window::simd::{self, Line};
 use geobench_window::trimming::KeptWindows;
-
-/// A cache line of a column.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(C, align(64))]
-pub(crate) struct Line(pub(crate) [f64; Line::LANES]);
-
-impl Line {
-    /// Numbers in a line.
-    pub(crate) const LANES: usize = 8;
-}
 
 /// Columns of a block.
 pub(crate) const COLUMNS: usize = 5;
+
+/// The windows of a list, for reading.
+pub(crate) type Columns<'a> = simd::Columns<'a, COLUMNS>;
+
+/// The block of a list, for writing.
+pub(crate) type Block<'a> = simd::Block<'a, COLUMNS>;
+
+/// The block of a list and the line behind it.
+pub(crate) type PaddedBlock<'a> = simd::PaddedBlock<'a, COLUMNS>;
 
 /// The handle of no list.
 pub(crate) const NO_LIST: u32 = 0;
@@ -80,13 +81,6 @@ struct List {
 }
 
 impl List {
-    /// The lines of its block.
-    #[inline]
-    fn lines(self) -> Range<usize> {
-        let start = self.start as usize;
-        start..start + COLUMNS * self.column as usize
-    }
-
     /// Windows for which there is room.
     #[inline]
     fn room(self) -> usize {
@@ -266,24 +260,24 @@ impl WindowStore {
         self.set_len(list, len + more)
     }
 
-    /// The block of `list`.
-    #[inline]
-    pub(crate) fn block(&mut self, list: u32) -> &mut [Line] {
-        let range = self.range(list);
-        &mut self.lines[range]
-    }
-
     /// The block of `list` and the line behind it, which is free or belongs to another block.
     #[inline]
-    pub(crate) fn block_and_line_behind(&mut self, list: u32) -> &mut [Line] {
-        let range = self.range(list);
-        &mut self.lines[range.start..=range.end]
+    pub(crate) fn padded_block(&mut self, list: u32) -> PaddedBlock<'_> {
+        let List { start, column, .. } = self.lists[list as usize];
+        PaddedBlock::new(&mut self.lines[start as usize..], column)
     }
 
-    /// The block of `list`, for reading.
+    /// The windows of `list`.
     #[inline]
-    pub(crate) fn read(&self, list: u32) -> &[Line] {
-        &self.lines[self.range(list)]
+    pub(crate) fn columns(&self, list: u32) -> Columns<'_> {
+        self.first(list, self.len(list))
+    }
+
+    /// The first `len` windows in the block of `list`.
+    #[inline(always)]
+    pub(crate) fn first(&self, list: u32, len: usize) -> Columns<'_> {
+        let List { start, column, .. } = self.lists[list as usize];
+        Columns::new(&self.lines[start as usize..], column, len)
     }
 
     /// The window at place `i` of `list`.
@@ -301,7 +295,7 @@ impl WindowStore {
     /// When a list is there twice.
     #[allow(unsafe_code)] // To compare the ranges of blocks takes a twentieth of a solve.
     #[inline(always)]
-    pub(crate) fn blocks<const N: usize>(&mut self, lists: [u32; N]) -> [&mut [Line]; N] {
+    pub(crate) fn blocks<const N: usize>(&mut self, lists: [u32; N]) -> [Block<'_>; N] {
         // Without a branch on whether there is a list, which is hard to predict.
         let mut twice = false;
         for (i, &list) in lists.iter().enumerate() {
@@ -310,18 +304,15 @@ impl WindowStore {
             }
         }
         assert!(!twice, "a list is there twice");
-        let ranges = lists.map(|list| self.range(list));
+        let lists = lists.map(|list| self.lists[list as usize]);
         let lines = self.lines.as_mut_ptr();
-        // SAFETY: every block lies within `lines`, and `grow` makes it of lines that no other block
-        // has; that of no list is empty.
-        ranges.map(|range| unsafe {
-            std::slice::from_raw_parts_mut(lines.add(range.start), range.len())
+        lists.map(|List { start, column, .. }| {
+            let (start, len) = (start as usize, COLUMNS * column as usize);
+            // SAFETY: every block lies within `lines`, and `grow` makes it of lines that no other
+            // block has; that of no list is empty.
+            let lines = unsafe { slice::from_raw_parts_mut(lines.add(start), len) };
+            Block::new(lines, column)
         })
-    }
-
-    #[inline]
-    fn range(&self, list: u32) -> Range<usize> {
-        self.lists[list as usize].lines()
     }
 
     /// Has `kept` decide on those windows of `list`, on half-edge `h` of a thin face, that stand at
@@ -370,6 +361,8 @@ impl WindowStore {
 
 #[cfg(test)]
 mod tests {
+    use geobench_window::simd::{Lanes, Scalar};
+
     use super::*;
 
     #[test]
@@ -388,9 +381,8 @@ mod tests {
         let mut store = WindowStore::new();
         for round in 0..3 {
             let mut list = store.reserve(NO_LIST, 4);
-            let column = store.block(list).len() / COLUMNS;
-            for c in 0..COLUMNS {
-                store.block(list)[c * column].0 = [c as f64; 8];
+            for i in 0..8 {
+                store.put(list, i, [0.0, 1.0, 2.0, 3.0, 4.0]);
             }
             list = store.set_len(list, 8);
             list = store.reserve(list, 100);
@@ -439,13 +431,18 @@ mod tests {
     fn blocks_of_several_lists_do_not_overlap() {
         let mut store = WindowStore::new();
         let lists = [3, 30, 300].map(|n| store.reserve(NO_LIST, n));
-        for (i, block) in store.blocks(lists).into_iter().enumerate() {
-            block.fill(Line([i as f64; 8]));
+        for (i, mut block) in store.blocks(lists).into_iter().enumerate() {
+            let mut sink = block.append(0);
+            for _ in 0..[3, 30, 300][i] {
+                sink.add(Scalar::mask((), 1), [Scalar::splat((), i as f64); COLUMNS]);
+            }
         }
-        for (i, block) in store.blocks(lists).into_iter().enumerate() {
-            assert!(block.iter().all(|line| line.0 == [i as f64; 8]));
+        for (i, (block, len)) in store.blocks(lists).iter().zip([3, 30, 300]).enumerate() {
+            let columns = block.columns(len);
+            assert!((0..len).all(|row| columns.row(row) == [i as f64; COLUMNS]));
         }
-        assert!(store.blocks([lists[0], NO_LIST, NO_LIST])[1].is_empty());
+        let [block, none, _] = store.blocks([lists[0], NO_LIST, NO_LIST]);
+        assert_eq!((block.columns(3).len(), none.columns(0).len()), (3, 0));
     }
 
     #[test]

@@ -2,9 +2,10 @@
 
 use geobench_mesh::{Mesh, Numbering};
 
-use crate::engine::prefetch::{line, prefetch};
+use crate::engine::prefetch::prefetch;
 use crate::engine::surface::Surface;
 use crate::wave::Field;
+use geobench_window::prefetch_line;
 
 /// A surface that one wave runs over; what changes of a face is in its record.
 #[derive(Clone, Debug)]
@@ -95,15 +96,15 @@ impl Field for Alone {
     #[inline(always)]
     fn prefetch_face(&self, f: usize) {
         if let Some(face) = self.surface.faces.get(f) {
-            line(face);
-            line(&face.apex_x);
+            prefetch_line(face);
+            prefetch_line(&face.apex_x);
         }
     }
 
     #[inline(always)]
     fn prefetch_lists(&self, f: usize) {
         if let Some(face) = self.surface.faces.get(f) {
-            line(face);
+            prefetch_line(face);
         }
     }
 

@@ -1,12 +1,11 @@
 //! One wave on one mesh.
 
 use geobench_mesh::{Mesh, Numbering, VertexId};
+use geobench_window::simd::{Lanes, Program, Simd};
 use geobench_window::{Counter, Probe, Propagate, Solution};
 
 use super::alone::Alone;
 use super::options::Options;
-use crate::engine::dispatch::{self, Program};
-use crate::engine::lanes::Lanes;
 use crate::wave::{Field, Wave};
 
 /// VTP for speed, on one mesh; see [the page](crate::algorithms::vtp_fast).
@@ -81,13 +80,11 @@ struct Turns<'s, P, const REUNITE: bool> {
 impl<P: Probe, const REUNITE: bool> Program for Turns<'_, P, REUNITE> {
     type Output = ();
 
-    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
-    unsafe fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(self, simd: L::Token) {
         let Self { wave, field, probe } = self;
         loop {
-            // SAFETY: promised by the caller.
-            unsafe { wave.cross_all::<L, Alone, P, REUNITE>(field, probe) };
+            wave.cross_all::<L, Alone, P, REUNITE>(simd, field, probe);
             let Some(bucket) = wave.buckets.nearest() else {
                 break;
             };
@@ -119,7 +116,7 @@ impl Propagate for VtpFast {
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
-        let instructions = self.options.instructions;
+        let simd = Simd::new(self.options.instructions);
         let Self { wave, field, .. } = self;
         wave.reset();
         field.reset();
@@ -132,9 +129,9 @@ impl Propagate for VtpFast {
             wave.start_from(field, s, probe);
         }
         if self.reunites {
-            dispatch::run(Turns::<P, true> { wave, field, probe }, instructions);
+            simd.run(Turns::<P, true> { wave, field, probe });
         } else {
-            dispatch::run(Turns::<P, false> { wave, field, probe }, instructions);
+            simd.run(Turns::<P, false> { wave, field, probe });
         }
         Solution::new(self.numbering.restore(&self.field.distances))
     }

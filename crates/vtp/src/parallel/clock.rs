@@ -45,7 +45,6 @@ impl Clock {
 #[allow(unsafe_code)] // A system may forbid it (Linux: `PR_SET_TSC`), and ends the program then.
 #[inline(always)]
 fn now() -> Reading {
-    // SAFETY: every processor of this kind has the counter, and reading it touches no memory.
     unsafe { std::arch::x86_64::_rdtsc() }
 }
 

@@ -19,6 +19,7 @@ mod worker;
 use std::sync::{Mutex, PoisonError};
 
 use geobench_mesh::{Mesh, Numbering, VertexId};
+use geobench_window::simd::{Lanes, Program, Simd};
 use geobench_window::{Count, Counter, Probe, Propagate, Solution, SolveError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -26,11 +27,8 @@ use self::pace::BreakOnPanic;
 use self::region::Regions;
 use self::shared::Shared;
 use self::worker::Worker;
-use crate::engine::dispatch::{self, Program};
-use crate::engine::lanes::Lanes;
 use crate::engine::surface::Surface;
 use crate::fast::Options;
-use geobench_window::simd::Instructions;
 
 /// The most threads of a run.
 const MOST_THREADS: usize = 1024;
@@ -125,14 +123,13 @@ struct Run<'a> {
     shared: &'a Shared,
     numbering: &'a Numbering,
     sources: &'a [u32],
-    instructions: Instructions,
+    simd: Simd,
 }
 
 impl Run<'_> {
     /// The task of `worker`, after which it has filled its share of the distances, in the mesh's
     /// order.
     fn task<P: Probe>(self, worker: &mut Worker, distances: &mut [f64], probe: &mut P) {
-        let instructions = self.instructions;
         if self.shared.reunites {
             let task = Task::<P, true> {
                 run: self,
@@ -140,7 +137,7 @@ impl Run<'_> {
                 distances,
                 probe,
             };
-            dispatch::run(task, instructions);
+            self.simd.run(task);
         } else {
             let task = Task::<P, false> {
                 run: self,
@@ -148,7 +145,7 @@ impl Run<'_> {
                 distances,
                 probe,
             };
-            dispatch::run(task, instructions);
+            self.simd.run(task);
         }
     }
 }
@@ -164,9 +161,8 @@ struct Task<'a, P, const REUNITE: bool> {
 impl<P: Probe, const REUNITE: bool> Program for Task<'_, P, REUNITE> {
     type Output = ();
 
-    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
-    unsafe fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(self, simd: L::Token) {
         let Run {
             shared,
             numbering,
@@ -174,11 +170,8 @@ impl<P: Probe, const REUNITE: bool> Program for Task<'_, P, REUNITE> {
             ..
         } = self.run;
         let _guard = BreakOnPanic(&shared.pace);
-        // SAFETY: promised by the caller.
-        unsafe {
-            self.worker
-                .run::<L, P, REUNITE>(shared, sources, self.probe);
-        }
+        self.worker
+            .run::<L, P, REUNITE>(simd, shared, sources, self.probe);
         self.worker.repair(shared);
         if !shared.pace.meet() {
             return;
@@ -270,7 +263,7 @@ impl Pvtp {
             shared: &self.shared,
             numbering: &self.numbering,
             sources: &sources,
-            instructions: self.options.instructions,
+            simd: Simd::new(self.options.instructions),
         };
         let mut rest = distances.as_mut_slice();
         let mut shares = self.workers.iter_mut().enumerate().map(|(thread, worker)| {

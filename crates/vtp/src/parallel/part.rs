@@ -5,9 +5,10 @@ use std::hint::select_unpredictable;
 use super::jitter::jitter;
 use super::shared::{Distance, Shared};
 use crate::engine::face_state::FaceState;
-use crate::engine::prefetch::{line, prefetch};
+use crate::engine::prefetch::prefetch;
 use crate::engine::surface::Surface;
 use crate::wave::Field;
+use geobench_window::prefetch_line;
 
 /// What a thread keeps of faces and vertices, for itself.
 #[derive(Debug)]
@@ -163,8 +164,8 @@ impl Field for Part<'_> {
     #[inline(always)]
     fn prefetch_face(&self, f: usize) {
         if let Some(face) = self.surface.faces.get(f) {
-            line(face);
-            line(&face.apex_x);
+            prefetch_line(face);
+            prefetch_line(&face.apex_x);
         }
         self.prefetch_lists(f);
     }
@@ -177,7 +178,7 @@ impl Field for Part<'_> {
     #[inline(always)]
     fn prefetch_distance(&self, v: u32) {
         if let Some(distance) = self.distances.get(v as usize) {
-            line(distance);
+            prefetch_line(distance);
         }
     }
 }

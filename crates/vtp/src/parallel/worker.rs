@@ -9,10 +9,10 @@ use super::load::{LIST, Load};
 use super::part::{Own, Part};
 use super::region::Candidate;
 use super::shared::Shared;
-use crate::engine::lanes::Lanes;
 use crate::engine::surface::Surface;
 use crate::fast::Options;
 use crate::wave::{Field, Wave};
+use geobench_window::simd::Lanes;
 
 /// Buckets between two times that a thread looks whether it has too much. From 1 to 4 it makes no
 /// difference.
@@ -58,14 +58,10 @@ impl Worker {
 
     /// All that is this thread's in a run from `sources`; windows that flat vertices have parted
     /// become one again if `REUNITE`.
-    ///
-    /// # Safety
-    ///
-    /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
-    pub(super) unsafe fn run<L: Lanes, P: Probe, const REUNITE: bool>(
+    pub(super) fn run<L: Lanes, P: Probe, const REUNITE: bool>(
         &mut self,
+        simd: L::Token,
         shared: &Shared,
         sources: &[u32],
         probe: &mut P,
@@ -75,8 +71,8 @@ impl Worker {
         }
         loop {
             let part = &mut Part::new(shared, &mut self.own);
-            // SAFETY: promised by the caller.
-            unsafe { self.wave.cross_all::<L, Part<'_>, P, REUNITE>(part, probe) };
+            self.wave
+                .cross_all::<L, Part<'_>, P, REUNITE>(simd, part, probe);
             jitter();
             if self.receive(shared, probe) {
                 continue;

@@ -1,11 +1,11 @@
 //! Lists cross faces.
 
+use geobench_window::simd::{Lanes, Program, Scalar};
 use geobench_window::{Counter, Phase, Probe};
 
 use super::{Field, Improvement, Wave};
-use crate::engine::dispatch::{self, Program};
 use crate::engine::kernels::{self, BestPath, Gate, Measured, Target, Triangle};
-use crate::engine::lanes::{Lanes, Scalar};
+
 use crate::engine::reunite::FEW;
 use crate::engine::store::NO_LIST;
 use crate::engine::surface::{NOBODY, next, parts, prev};
@@ -14,14 +14,10 @@ use crate::precision::extent;
 impl Wave {
     /// Lists cross until none is ready; windows are reunited if `REUNITE`, of which nothing is left
     /// otherwise in the code that runs.
-    ///
-    /// # Safety
-    ///
-    /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
-    pub(crate) unsafe fn cross_all<L: Lanes, F: Field, P: Probe, const REUNITE: bool>(
+    pub(crate) fn cross_all<L: Lanes, F: Field, P: Probe, const REUNITE: bool>(
         &mut self,
+        simd: L::Token,
         field: &mut F,
         probe: &mut P,
     ) {
@@ -37,11 +33,9 @@ impl Wave {
             self.prefetch_beyond(field, place + 3);
             place += 1;
             if !REUNITE || L::COUNT == 1 {
-                // SAFETY: promised by the caller.
-                unsafe { self.cross::<L, F, P, REUNITE>(field, h, probe) };
+                self.cross::<L, F, P, REUNITE>(simd, field, h, probe);
             } else if self.waiting_at(field, h) <= FEW {
-                // SAFETY: every processor can count to one.
-                unsafe { self.cross::<Scalar, F, P, REUNITE>(field, h, probe) };
+                self.cross::<Scalar, F, P, REUNITE>((), field, h, probe);
             } else {
                 let list = List::<F, P, REUNITE> {
                     wave: self,
@@ -49,8 +43,7 @@ impl Wave {
                     h,
                     probe,
                 };
-                // SAFETY: promised by the caller.
-                unsafe { dispatch::run_apart::<L, _>(list) };
+                L::run_apart(simd, list);
             }
         }
         self.ready.clear();
@@ -64,14 +57,10 @@ impl Wave {
     }
 
     /// Takes the list on `h` across its face.
-    ///
-    /// # Safety
-    ///
-    /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
-    unsafe fn cross<L: Lanes, F: Field, P: Probe, const REUNITE: bool>(
+    fn cross<L: Lanes, F: Field, P: Probe, const REUNITE: bool>(
         &mut self,
+        simd: L::Token,
         field: &mut F,
         h: u32,
         probe: &mut P,
@@ -87,19 +76,17 @@ impl Wave {
         let mut len = arrived;
         probe.enter(Phase::Pruning);
         if self.compared.takes(h, len) {
-            let block = self.store.block_and_line_behind(list);
+            let block = self.store.padded_block(list);
             let extent = extent(triangle.l, field.surface().behind(h));
-            // SAFETY: promised by the caller.
-            len = unsafe { kernels::compare::<L>(block, len, extent, &mut self.cuts) };
+            len = kernels::compare::<L>(simd, block, len, extent, &mut self.cuts);
         }
         let gate = Gate {
             l: triangle.l,
             apex: triangle.apex,
             ends: [tail, head].map(|v| field.distance(v)),
         };
-        let block = self.store.block(list);
-        // SAFETY: promised by the caller.
-        let found = unsafe { kernels::measure::<L, true>(block, 0, len, &gate, &mut self.keep) };
+        let waiting = self.store.first(list, len);
+        let found = kernels::measure::<L, true>(simd, waiting, 0, &gate, &mut self.keep);
         probe.enter(Phase::Propagation);
         probe.add(Counter::Filtered, (arrived - found.kept) as u64);
         probe.add(Counter::Parents, found.kept as u64);
@@ -108,7 +95,8 @@ impl Wave {
         }
         if found.kept > 0 {
             let size = gate.l + found.distance;
-            let best = BestPath::of(self.store.block(list), found.best, gate.apex, size);
+            let waiting = self.store.first(list, len);
+            let best = BestPath::of(waiting, found.best, gate.apex, size);
             // The consequences wait: whether a path is the shortest is hard to predict.
             let news = field.offer(apex, found.distance);
             let path = Improvement {
@@ -118,12 +106,9 @@ impl Wave {
                 distance: found.distance,
             };
             self.note(path, news);
-            // SAFETY: promised by the caller.
-            unsafe {
-                self.send::<L, F, P, REUNITE>(
-                    field, list, h, exits, &triangle, &found, &best, probe,
-                );
-            };
+            self.send::<L, F, P, REUNITE>(
+                simd, field, list, h, exits, &triangle, &found, &best, probe,
+            );
         }
         probe.enter(Phase::Management);
         self.store.set_len(list, 0);
@@ -135,15 +120,11 @@ impl Wave {
 
     /// Sends what `found` counted in the `list` on `h` across its face, which is `triangle`, into
     /// the lists behind its two exits.
-    ///
-    /// # Safety
-    ///
-    /// The processor must know the instructions of `L`.
-    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[allow(clippy::too_many_arguments)] // All of what the caller has found out.
     #[inline(always)]
-    unsafe fn send<L: Lanes, F: Field, P: Probe, const REUNITE: bool>(
+    fn send<L: Lanes, F: Field, P: Probe, const REUNITE: bool>(
         &mut self,
+        simd: L::Token,
         field: &mut F,
         list: u32,
         h: u32,
@@ -172,18 +153,15 @@ impl Wave {
             len: before[1],
             open: lists[1] != NO_LIST,
         };
-        // SAFETY: promised by the caller; `keep` and the bounds are of this list.
-        let carried = unsafe {
-            kernels::carry::<L, BestPath>(
-                block,
-                found.len,
-                &self.keep,
-                triangle,
-                best,
-                0.0,
-                [&mut left, &mut right],
-            )
-        };
+        let carried = kernels::carry::<L, BestPath>(
+            simd,
+            block.columns(found.len),
+            &self.keep,
+            triangle,
+            best,
+            0.0,
+            [&mut left, &mut right],
+        );
         let mut after = [left.len, right.len];
         let children = after[0] + after[1] - before[0] - before[1];
         probe.enter(Phase::Management);
@@ -260,13 +238,9 @@ struct List<'a, F, P, const REUNITE: bool> {
 impl<F: Field, P: Probe, const REUNITE: bool> Program for List<'_, F, P, REUNITE> {
     type Output = ();
 
-    #[allow(unsafe_code)] // For a processor with the instructions of `L`, which only the caller knows.
     #[inline(always)]
-    unsafe fn run<L: Lanes>(self) {
-        // SAFETY: promised by the caller.
-        unsafe {
-            self.wave
-                .cross::<L, F, P, REUNITE>(self.field, self.h, self.probe);
-        }
+    fn run<L: Lanes>(self, simd: L::Token) {
+        self.wave
+            .cross::<L, F, P, REUNITE>(simd, self.field, self.h, self.probe);
     }
 }

@@ -7,10 +7,9 @@
 //! AVX2, for four. A crossing one by one takes 600 instructions for each window, most of them here;
 //! [`Crossings`] takes a sixth of that. The formulas are those of [`Passage`](crate::Passage).
 //!
-//! Both programs do the same operations in the same order on numbers of the same precision, so that
+//! All instruction sets do the same operations in the same order on numbers of the same precision, so that
 //! results do not depend on the processor.
 
-mod dispatch;
 mod offspring;
 
 use geobench_mesh::{HalfEdgeId, VertexId};
@@ -18,7 +17,7 @@ use geobench_mesh::{HalfEdgeId, VertexId};
 use self::offspring::{Edge, measure};
 use crate::frame::{Faces, HalfEdge, Outlet};
 use crate::passage::entry;
-use crate::simd::Instructions;
+use crate::simd::{Instructions, Lanes, Program, Simd};
 use crate::window::{Window, greater, less, norm};
 
 pub use self::offspring::Offspring;
@@ -34,7 +33,7 @@ type Row = [f64; LANES];
 #[repr(align(64))]
 pub struct Crossings {
     len: usize,
-    program: dispatch::Program,
+    simd: Simd,
     /// The half-edges through which the windows come.
     entrances: [HalfEdgeId; LANES],
     outlets: [Outlet; LANES],
@@ -81,7 +80,8 @@ impl Crossings {
     pub fn new(instructions: Instructions) -> Self {
         Self {
             len: 0,
-            program: dispatch::Program::new(instructions),
+            // AVX-512 is of no use here.
+            simd: Simd::new(instructions.min(Instructions::Avx2)),
             entrances: [HalfEdgeId::new(0); LANES],
             outlets: [Outlet::NONE; LANES],
             apices: [VertexId::new(0); LANES],
@@ -128,7 +128,11 @@ impl Crossings {
     #[inline]
     pub fn cross(&mut self, faces: &Faces) {
         // What lies in lanes without a window is crossed as well, and never asked for.
-        self.program.run(self, faces);
+        let simd = self.simd;
+        simd.run(CrossAll {
+            crossings: self,
+            faces,
+        });
     }
 
     /// Whether window `lane` sees the apex and has rays on both sides of it.
@@ -313,6 +317,22 @@ impl Crossings {
                 row[i] = limit;
             }
         }
+    }
+}
+
+/// All windows cross, compiled for an instruction set by the compiler's own vectorizer.
+struct CrossAll<'a> {
+    crossings: &'a mut Crossings,
+    faces: &'a Faces,
+}
+
+impl Program for CrossAll<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
+    fn run<L: Lanes>(self, _: L::Token) {
+        self.crossings.run(self.faces);
     }
 }
 

@@ -1,5 +1,58 @@
-//! Vector instructions: their names and their detection at run time.
+//! Vector instructions: detection at run time, and generic code over several numbers at once.
+//!
+//! A [`Program`] is written once, generic over [`Lanes`], and compiled for every instruction set.
+//! [`Simd`] is the proof that the processor has a set; it is made by detection, and its
+//! [`run`](Simd::run) hands the program a zero-sized *token* ([`Lanes::Token`]), without which no
+//! vector exists. [`Columns`], [`Block`], [`InPlace`] and [`Scratch`] are bounded views of structures of arrays.
+//! So only the files of this module have unsafe code.
+//!
+//! All operations round as IEEE 754 says and none is fused: every set gives the same bits.
+//!
+//! ```
+//! use geobench_window::simd::{Columns, Instructions, Lanes, Line, Program, Simd};
+//!
+//! /// The least of x + y.
+//! struct LeastSum<'a>(Columns<'a, 2>);
+//!
+//! impl Program for LeastSum<'_> {
+//!     type Output = f64;
+//!
+//!     #[inline(always)]
+//!     fn run<L: Lanes>(self, simd: L::Token) -> f64 {
+//!         let infinite = L::splat(simd, f64::INFINITY);
+//!         let mut least = infinite;
+//!         for register in 0..self.0.registers::<L>() {
+//!             let [x, y] = self.0.load::<L>(simd, register);
+//!             let listed = self.0.listed::<L>(simd, register);
+//!             least = least.min(L::select(listed, x + y, infinite));
+//!         }
+//!         least.least()
+//!     }
+//! }
+//!
+//! let (x, y) = (Line([5.0, 3.0, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0]), Line([0.5; 8]));
+//! for instructions in Instructions::ALL {
+//!     let lines = [x, y];
+//!     let least = LeastSum(Columns::new(&lines, 1, 3));
+//!     assert_eq!(Simd::new(instructions).run(least), 3.5);
+//! }
+//! ```
 
+// Generic code must be inlined into the functions that are compiled for an instruction set.
+#![allow(clippy::inline_always)]
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod columns;
+mod dispatch;
 mod instructions;
+mod lanes;
+mod scalar;
 
+pub use columns::{Block, Columns, InPlace, Line, PaddedBlock, Scratch, Sink};
+pub use dispatch::{Program, Simd};
 pub use instructions::{Instructions, UnknownInstructions};
+pub use lanes::{LaneMask, Lanes};
+pub use scalar::Scalar;

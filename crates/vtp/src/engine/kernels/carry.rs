@@ -1,9 +1,10 @@
 //! Last pass over a list: its windows cross the face, each through the exits that a rule leaves it.
 
-use super::columns::{Columns, Sink, Windows};
+use geobench_window::simd::{LaneMask, Lanes};
+
+use super::columns::Windows;
 use super::exits::{Rays, Rule, Sides};
-use crate::engine::lanes::{LaneMask, Lanes};
-use crate::engine::store::Line;
+use crate::engine::store::{Block, Columns};
 
 /// Products of two divisors within these bounds can be inverted without loss.
 const INVERTIBLE: [f64; 2] = [1e-280, 1e280];
@@ -39,7 +40,7 @@ impl Triangle {
 #[derive(Debug)]
 pub(crate) struct Target<'a> {
     /// Its block, with room for all the windows that may come.
-    pub(crate) block: &'a mut [Line],
+    pub(crate) block: Block<'a>,
     /// Windows that it has; afterwards those that it has then.
     pub(crate) len: usize,
     /// Whether there is anything behind the exit.
@@ -55,134 +56,137 @@ pub(crate) struct Carried {
     pub(crate) tiny: usize,
 }
 
-/// Takes those of the first `len` windows of `block` for which `keep` has bits across `triangle`,
-/// as `rule` lets them, and adds those that arrive and are no narrower than `threshold` to the
-/// targets behind AC and CB.
+/// Takes those windows of `list` for which `keep` has bits across `triangle`, as `rule` lets them,
+/// and adds those that arrive and are no narrower than `threshold` to the targets behind AC and CB.
+/// `keep` comes from [`measure`](super::measure()), and the targets have room for its bounds.
 ///
 /// With e, D and m(s) as in [`measure`](super::measure()), the ray through abscissa s divides AC as
 /// n : |m(s)| with n = -py·s, and BC as n : |m(s)| with n = -py·(l - s), from the ends that they
 /// share with the half-edge. Neither part is negative, so their sum loses no digits, however close
 /// the source is to the half-edge. Each end of a window leaves through one exit, so both ends take
 /// two divisions, which are made as one: 1/(d₀d₁).
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`; `keep` must come from
-/// [`measure`](super::measure()) for the same block, and the targets have room for its bounds.
 #[inline(always)]
+#[allow(clippy::needless_range_loop)] // As in `geobench_window::simd`, without iterators.
 #[allow(clippy::too_many_arguments)] // The parts of one crossing, which its callers hold apart.
 #[allow(clippy::too_many_lines)] // One straight line of arithmetic, which parts would not make clearer.
-pub(crate) unsafe fn carry<L: Lanes, R: Rule>(
-    block: &[Line],
-    len: usize,
+pub(crate) fn carry<L: Lanes, R: Rule>(
+    simd: L::Token,
+    list: Columns<'_>,
     keep: &[u8],
     triangle: &Triangle,
     rule: &R,
     threshold: f64,
     [left, right]: [&mut Target<'_>; 2],
 ) -> Carried {
-    let columns = Columns::new(block);
-    let mut to_left = Sink::new(left.block, left.len);
-    let mut to_right = Sink::new(right.block, right.len);
+    let mut to_left = left.block.append(left.len);
+    let mut to_right = right.block.append(right.len);
     let mut carried = Carried::default();
-    // SAFETY: the caller vouches for the processor, for `block` and for room in the targets.
-    unsafe {
-        let (zero, threshold) = (L::splat(0.0), L::splat(threshold));
-        let open_left = L::Mask::from_bits(if left.open { u8::MAX } else { 0 });
-        let open_right = L::Mask::from_bits(if right.open { u8::MAX } else { 0 });
-        let (cx, cy) = (L::splat(triangle.apex[0]), L::splat(triangle.apex[1]));
-        let (la, lb) = (L::splat(triangle.exits[0]), L::splat(triangle.exits[1]));
-        let l = L::splat(triangle.l);
-        for (register, &kept) in keep[..len.div_ceil(L::COUNT)].iter().enumerate() {
-            let windows = columns.load::<L>(register * L::COUNT);
-            let Windows {
-                b0,
-                b1,
-                px,
-                py,
-                sigma,
-            } = windows;
-            let kept = L::Mask::from_bits(kept);
-            let e = cy - py;
-            let d = cy * px - cx * py;
-            let (m0, m1) = (b0 * e - d, b1 * e - d);
-            let starts_left = m0.lt(zero);
-            let ends_left = m1.lt(zero);
-            let Sides { tried, cut, limits } = rule.sides(&Rays {
+    let (zero, threshold) = (L::splat(simd, 0.0), L::splat(simd, threshold));
+    let open_left = L::mask(simd, if left.open { u8::MAX } else { 0 });
+    let open_right = L::mask(simd, if right.open { u8::MAX } else { 0 });
+    let (cx, cy) = (
+        L::splat(simd, triangle.apex[0]),
+        L::splat(simd, triangle.apex[1]),
+    );
+    let (la, lb) = (
+        L::splat(simd, triangle.exits[0]),
+        L::splat(simd, triangle.exits[1]),
+    );
+    let l = L::splat(simd, triangle.l);
+    let registers = list.registers::<L>();
+    let keep = &keep[..registers];
+    for register in 0..registers {
+        let windows = Windows::new(list.load::<L>(simd, register));
+        let Windows {
+            b0,
+            b1,
+            px,
+            py,
+            sigma,
+        } = windows;
+        let kept = L::mask(simd, keep[register]);
+        let e = cy - py;
+        let d = cy * px - cx * py;
+        let (m0, m1) = (b0 * e - d, b1 * e - d);
+        let starts_left = m0.lt(zero);
+        let ends_left = m1.lt(zero);
+        let Sides { tried, cut, limits } = rule.sides(
+            simd,
+            &Rays {
                 windows,
                 kept,
                 e,
                 d,
-            });
-            let tried = [tried[0] & open_left, tried[1] & open_right];
-            carried.tried += tried[0].count() + tried[1].count();
-            let go_left = tried[0] & starts_left;
-            let go_right = tried[1] & zero.lt(m1);
-            let (cut_left, cut_right) = (go_left & cut[0], go_right & cut[1]);
-            // Where both ends arrive, each at its own exit.
-            let depth = zero - py;
-            let (from_corner0, from_corner1) = (
-                depth * L::select(starts_left, b0, l - b0),
-                depth * L::select(ends_left, b1, l - b1),
+            },
+        );
+        let tried = [tried[0] & open_left, tried[1] & open_right];
+        carried.tried += tried[0].count() + tried[1].count();
+        let go_left = tried[0] & starts_left;
+        let go_right = tried[1] & zero.lt(m1);
+        let (cut_left, cut_right) = (go_left & cut[0], go_right & cut[1]);
+        // Where both ends arrive, each at its own exit.
+        let depth = zero - py;
+        let (from_corner0, from_corner1) = (
+            depth * L::select(starts_left, b0, l - b0),
+            depth * L::select(ends_left, b1, l - b1),
+        );
+        let (from_apex0, from_apex1) = (m0.abs(), m1.abs());
+        let n0 = L::select(starts_left, la * from_corner0, lb * from_apex0);
+        let d0 = from_corner0 + from_apex0;
+        let n1 = L::select(ends_left, la * from_corner1, lb * from_apex1);
+        let d1 = from_corner1 + from_apex1;
+        let [q0, q1] = quotients::<L>(simd, [n0, n1], [d0, d1], go_left | go_right);
+        let left_start = q0.max(zero);
+        let mut left_end = L::select(ends_left, q1.min(la), la);
+        let mut right_start = L::select(starts_left, zero, q0.max(zero));
+        let right_end = q1.min(lb);
+        if (cut_left | cut_right).any() {
+            let [s, t] = limits;
+            let (n, m) = (depth * s, (s * e - d).abs());
+            let cut = (la * n / (n + m)).min(la);
+            left_end = L::select(cut_left, cut, left_end);
+            let (n, m) = (depth * (l - t), (t * e - d).abs());
+            let cut = (lb * m / (n + m)).max(zero);
+            right_start = L::select(cut_right, cut, right_start);
+        }
+        if go_left.any() {
+            let (ux, uy) = (
+                L::splat(simd, triangle.directions[0][0]),
+                L::splat(simd, triangle.directions[0][1]),
             );
-            let (from_apex0, from_apex1) = (m0.abs(), m1.abs());
-            let n0 = L::select(starts_left, la * from_corner0, lb * from_apex0);
-            let d0 = from_corner0 + from_apex0;
-            let n1 = L::select(ends_left, la * from_corner1, lb * from_apex1);
-            let d1 = from_corner1 + from_apex1;
-            let [q0, q1] = quotients::<L>([n0, n1], [d0, d1], go_left | go_right);
-            let left_start = q0.max(zero);
-            let mut left_end = L::select(ends_left, q1.min(la), la);
-            let mut right_start = L::select(starts_left, zero, q0.max(zero));
-            let right_end = q1.min(lb);
-            if (cut_left | cut_right).any() {
-                let [s, t] = limits;
-                let (n, m) = (depth * s, (s * e - d).abs());
-                let cut = (la * n / (n + m)).min(la);
-                left_end = L::select(cut_left, cut, left_end);
-                let (n, m) = (depth * (l - t), (t * e - d).abs());
-                let cut = (lb * m / (n + m)).max(zero);
-                right_start = L::select(cut_right, cut, right_start);
-            }
-            if go_left.any() {
-                let (ux, uy) = (
-                    L::splat(triangle.directions[0][0]),
-                    L::splat(triangle.directions[0][1]),
-                );
-                let children = Windows {
-                    b0: left_start,
-                    b1: left_end,
-                    px: ux * px + uy * py,
-                    py: (ux * py - uy * px).minus_abs(),
-                    sigma,
-                };
-                let arrive = go_left & left_start.lt(left_end);
-                let tiny = arrive & (left_end - left_start).lt(threshold);
-                carried.tiny += tiny.count();
-                to_left.add(arrive & !tiny, &children);
-            }
-            if go_right.any() {
-                let (vx, vy) = (
-                    L::splat(triangle.directions[1][0]),
-                    L::splat(triangle.directions[1][1]),
-                );
-                let (x, y) = (px - cx, py - cy);
-                let children = Windows {
-                    b0: right_start,
-                    b1: right_end,
-                    px: vx * x + vy * y,
-                    py: (vx * y - vy * x).minus_abs(),
-                    sigma,
-                };
-                let arrive = go_right & right_start.lt(right_end);
-                let tiny = arrive & (right_end - right_start).lt(threshold);
-                carried.tiny += tiny.count();
-                to_right.add(arrive & !tiny, &children);
-            }
+            let children = Windows {
+                b0: left_start,
+                b1: left_end,
+                px: ux * px + uy * py,
+                py: (ux * py - uy * px).minus_abs(),
+                sigma,
+            };
+            let arrive = go_left & left_start.lt(left_end);
+            let tiny = arrive & (left_end - left_start).lt(threshold);
+            carried.tiny += tiny.count();
+            to_left.add(arrive & !tiny, children.rows());
+        }
+        if go_right.any() {
+            let (vx, vy) = (
+                L::splat(simd, triangle.directions[1][0]),
+                L::splat(simd, triangle.directions[1][1]),
+            );
+            let (x, y) = (px - cx, py - cy);
+            let children = Windows {
+                b0: right_start,
+                b1: right_end,
+                px: vx * x + vy * y,
+                py: (vx * y - vy * x).minus_abs(),
+                sigma,
+            };
+            let arrive = go_right & right_start.lt(right_end);
+            let tiny = arrive & (right_end - right_start).lt(threshold);
+            carried.tiny += tiny.count();
+            to_right.add(arrive & !tiny, children.rows());
         }
     }
-    left.len = to_left.len();
-    right.len = to_right.len();
+    let lens = [to_left.len(), to_right.len()];
+    [left.len, right.len] = lens;
     carried
 }
 
@@ -190,18 +194,12 @@ pub(crate) unsafe fn carry<L: Lanes, R: Rule>(
 ///
 /// The product of two quotients' divisors leaves the range of f64 only in faces without area; there
 /// each gets a division of its own. `wanted` are the lanes that matter.
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`.
 #[inline(always)]
-unsafe fn quotients<L: Lanes>(n: [L; 2], d: [L; 2], wanted: L::Mask) -> [L; 2] {
+fn quotients<L: Lanes>(simd: L::Token, n: [L; 2], d: [L; 2], wanted: L::Mask) -> [L; 2] {
     let product = d[0] * d[1];
-    // SAFETY: promised by the caller.
-    let (one, least, most) = unsafe {
-        let [least, most] = INVERTIBLE;
-        (L::splat(1.0), L::splat(least), L::splat(most))
-    };
+    let one = L::splat(simd, 1.0);
+    let [least, most] = INVERTIBLE;
+    let (least, most) = (L::splat(simd, least), L::splat(simd, most));
     let inverse = one / product;
     let quotients = [n[0] * d[1] * inverse, n[1] * d[0] * inverse];
     let invertible = least.lt(product) & product.lt(most);

@@ -1,142 +1,119 @@
 //! Rules 2 and 3 on a whole list at once.
 
-use super::columns::{Sink, Windows, within};
-use crate::engine::lanes::{LaneMask, Lanes};
-use crate::engine::store::Line;
+use geobench_window::simd::{LaneMask, Lanes, Line, Scratch};
+
+use super::columns::Windows;
+use crate::engine::store::PaddedBlock;
 use crate::precision::{CLEARANCE, WINS};
 
-/// What neighbours leave of the intervals, kept from run to run.
+/// Scratch of the comparison of neighbours, kept from list to list: the ends of what neighbours
+/// leave of intervals.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cuts {
-    /// Left and right ends after the comparison with the right neighbour, then after that with the
-    /// left one.
-    ends: [Vec<f64>; 4],
+    /// After the comparison with the right neighbour.
+    by_right: Vec<Line>,
+    /// After that with the left one.
+    by_left: Vec<Line>,
 }
 
 impl Cuts {
-    /// Room for a list of `len` and what whole registers overrun.
+    /// For a list of `len`.
     #[inline(always)]
-    pub(super) fn resize(&mut self, len: usize) {
-        let len = len + 2 * Line::LANES;
-        for ends in &mut self.ends {
-            if ends.len() < len {
-                ends.resize(len.next_power_of_two(), 0.0);
-            }
+    pub(super) fn of(&mut self, len: usize) -> ListCuts<'_> {
+        let lines = 2 * (len / Line::LANES + 2);
+        if self.by_left.len() < lines {
+            self.by_right.resize(2 * lines, Line::default());
+            self.by_left.resize(2 * lines, Line::default());
+        }
+        ListCuts {
+            by_right: Scratch::new(&mut self.by_right, len),
+            by_left: Scratch::new(&mut self.by_left, len),
         }
     }
+}
 
-    /// Notes what is left of the windows from number `i` on, compared with their right neighbours,
-    /// and of these.
-    ///
-    /// # Safety
-    ///
-    /// The processor must know the instructions of `L`, and there must be room for a list that
-    /// long.
+/// The scratch for one list.
+pub(super) struct ListCuts<'a> {
+    by_right: Scratch<'a, 2>,
+    by_left: Scratch<'a, 2>,
+}
+
+impl ListCuts<'_> {
+    /// Notes what is left of the windows of a register, compared with their right neighbours, and
+    /// of these.
     #[inline(always)]
-    pub(super) unsafe fn note<L: Lanes>(&mut self, i: usize, [of_a, of_b]: [[L; 2]; 2]) {
-        let [b0_first, b1_first, b0_second, b1_second] = &mut self.ends;
-        // SAFETY: promised by the caller.
-        unsafe {
-            of_a[0].store(b0_first.as_mut_ptr().add(i));
-            of_a[1].store(b1_first.as_mut_ptr().add(i));
-            of_b[0].store(b0_second.as_mut_ptr().add(i + 1));
-            of_b[1].store(b1_second.as_mut_ptr().add(i + 1));
-        }
+    pub(super) fn note<L: Lanes>(&mut self, register: usize, [of_a, of_b]: [[L; 2]; 2]) {
+        self.by_right.store(register, of_a);
+        self.by_left.store_next(register, of_b);
     }
 
     /// The first window has no left neighbour.
     #[inline(always)]
     pub(super) fn open(&mut self) {
-        self.ends[2][0] = f64::NEG_INFINITY;
-        self.ends[3][0] = f64::INFINITY;
+        self.by_left.set_row(0, [f64::NEG_INFINITY, f64::INFINITY]);
     }
 
-    /// What both neighbours have left of the windows from number `i` on.
-    ///
-    /// # Safety
-    ///
-    /// As for [`note`](Self::note).
+    /// What both neighbours have left of the windows of a register.
     #[inline(always)]
-    pub(super) unsafe fn left<L: Lanes>(&self, i: usize) -> [L; 2] {
-        let [b0_first, b1_first, b0_second, b1_second] = &self.ends;
-        // SAFETY: promised by the caller.
-        unsafe {
-            [
-                L::load(b0_first.as_ptr().add(i)).max(L::load(b0_second.as_ptr().add(i))),
-                L::load(b1_first.as_ptr().add(i)).min(L::load(b1_second.as_ptr().add(i))),
-            ]
-        }
+    pub(super) fn left<L: Lanes>(&self, simd: L::Token, register: usize) -> [L; 2] {
+        let by_right = self.by_right.load::<L>(simd, register);
+        let by_left = self.by_left.load::<L>(simd, register);
+        [by_right[0].max(by_left[0]), by_right[1].min(by_left[1])]
     }
 }
 
-/// Compares neighbours among the first `len` windows of `block`, which is followed by a line that
-/// may be read and whose edge has this [`extent`](crate::precision::extent); cuts what each loses,
-/// drops who has lost all, and returns how many are left.
+/// Compares neighbours among the first `len` windows of `block`, on an edge with this [`extent`](crate::precision::extent); cuts what each loses,
+/// drops windows that have lost all, and returns how many are left.
 ///
 /// As [`check_pair`](crate::pairs::check_pair) for windows that overlap, but all comparisons are
 /// made with the windows as they came: a ray that is cut crosses a real path that is shorter, and
 /// that stays true when the winner is cut elsewhere. So the comparisons need no order, and whole
 /// registers of neighbours are compared at once. Windows apart are not compared (cases 3 and 6),
 /// which saves next to nothing.
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`.
 #[inline(always)]
-pub(crate) unsafe fn compare<L: Lanes>(
-    block: &mut [Line],
+pub(crate) fn compare<L: Lanes>(
+    simd: L::Token,
+    mut block: PaddedBlock<'_>,
     len: usize,
     extent: f64,
     cuts: &mut Cuts,
 ) -> usize {
-    cuts.resize(len);
-    // The last line is only for reading behind the block.
-    let own = block.len() - 1;
-    let mut rest = Sink::new(&mut block[..own], 0);
-    let columns = rest.columns();
-    // SAFETY: the caller vouches for the processor. Windows are read up to one behind the line in
-    // which the last one lies, and the scratch is longer than that.
-    unsafe {
-        let mut i = 0;
-        while i < len {
-            let a = columns.load::<L>(i);
-            let b = columns.load::<L>(i + 1);
-            let pairs = within::<L>(i, len - 1);
-            cuts.note(i, losses::<L>(&a, &b, pairs, extent).0);
-            i += L::COUNT;
-        }
-        cuts.open();
-        let mut i = 0;
-        while i < len {
-            // Read before anything is written: `rest` never overtakes.
-            let w = columns.load::<L>(i);
-            let [b0, b1] = cuts.left::<L>(i);
-            let alive = b0.lt(b1) & within::<L>(i, len);
-            rest.add(alive, &Windows { b0, b1, ..w });
-            i += L::COUNT;
-        }
-        rest.len()
+    let mut list = block.in_place(len);
+    let mut cuts = cuts.of(len);
+    let registers = list.registers::<L>();
+    for register in 0..registers {
+        let a = Windows::new(list.load::<L>(simd, register));
+        let b = Windows::new(list.load_next::<L>(simd, register));
+        let pairs = list.with_next::<L>(simd, register);
+        let (left, _) = losses::<L>(simd, &a, &b, pairs, extent);
+        cuts.note::<L>(register, left);
     }
+    cuts.open();
+    for register in 0..registers {
+        // Read before anything is written: fewer windows are kept than have been read.
+        let w = Windows::new(list.load::<L>(simd, register));
+        let [b0, b1] = cuts.left::<L>(simd, register);
+        let alive = b0.lt(b1) & list.listed::<L>(simd, register);
+        list.keep(alive, Windows { b0, b1, ..w }.rows());
+    }
+    list.kept()
 }
 
 /// What is left of the intervals of `a` and of `b` after each of `pairs` has been compared, and
 /// which of these do not meet.
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`.
 #[inline(always)]
-pub(super) unsafe fn losses<L: Lanes>(
+pub(super) fn losses<L: Lanes>(
+    simd: L::Token,
     a: &Windows<L>,
     b: &Windows<L>,
     pairs: L::Mask,
     extent: f64,
 ) -> ([[L; 2]; 2], L::Mask) {
-    // SAFETY: promised by the caller.
-    let (zero, wins, clearance, blur) = unsafe {
-        let blur = L::splat(CLEARANCE * extent);
-        (L::splat(0.0), L::splat(WINS), L::splat(CLEARANCE), blur)
-    };
+    let (zero, wins) = (L::splat(simd, 0.0), L::splat(simd, WINS));
+    let (clearance, blur) = (
+        L::splat(simd, CLEARANCE),
+        L::splat(simd, CLEARANCE * extent),
+    );
     let (mut of_a, mut of_b) = ([a.b0, a.b1], [b.b0, b.b1]);
     let (lo, hi) = (a.b0.max(b.b0), a.b1.min(b.b1));
     let overlap = pairs & lo.le(hi);

@@ -1,9 +1,9 @@
 //! Through which exits of its face a window may leave.
 
 use super::columns::Windows;
-use crate::engine::lanes::{LaneMask, Lanes};
-use crate::engine::store::Line;
+use crate::engine::store::Columns;
 use crate::precision::{CLEARANCE, MARGIN, RESOLUTION, WINS};
+use geobench_window::simd::{LaneMask, Lanes};
 
 /// By how far, as a fraction of the half-edge and of the best path, rays of a source close to the
 /// edge must lie beyond that path before rule 1 cuts them.
@@ -67,11 +67,7 @@ impl<L: Lanes> Sides<L> {
 /// Says which rays may leave where.
 pub(crate) trait Rule {
     /// What is left of `rays`, besides that each leaves where it leads.
-    ///
-    /// # Safety
-    ///
-    /// The processor must know the instructions of `L`.
-    unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L>;
+    fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L>;
 }
 
 /// None: every ray leaves where it leads.
@@ -80,9 +76,8 @@ pub struct Free;
 
 impl Rule for Free {
     #[inline(always)]
-    unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L> {
-        // SAFETY: promised by the caller.
-        let (none, zero) = unsafe { (L::Mask::from_bits(0), L::splat(0.0)) };
+    fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L> {
+        let (none, zero) = (L::mask(simd, 0), L::splat(simd, 0.0));
         Sides {
             tried: [rays.kept; 2],
             cut: [none; 2],
@@ -134,12 +129,10 @@ impl BestPath {
         }
     }
 
-    /// The path of window `i` of `block` to `apex`; `size` as for [`new`](Self::new).
+    /// The path of window `i` of `list` to `apex`; `size` as for [`new`](Self::new).
     #[inline(always)]
-    pub(crate) fn of(block: &[Line], i: usize, apex: [f64; 2], size: f64) -> Self {
-        let column = block.len() / crate::engine::store::COLUMNS;
-        let at = |c: usize| block[c * column + i / Line::LANES].0[i % Line::LANES];
-        let [b0, b1, px, py] = [at(0), at(1), at(2), at(3)];
+    pub(crate) fn of(list: Columns<'_>, i: usize, apex: [f64; 2], size: f64) -> Self {
+        let [b0, b1, px, py, _] = list.row(i);
         let sp = (apex[1] * px - apex[0] * py) / (apex[1] - py);
         let entry = if sp < b0 {
             b0
@@ -154,12 +147,10 @@ impl BestPath {
 
 impl Rule for BestPath {
     #[inline(always)]
-    unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L> {
+    fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L> {
         let Windows { b0, b1, py, .. } = rays.windows;
-        // SAFETY: promised by the caller.
-        let (entry, slack) = unsafe { (L::splat(self.entry), L::splat(self.slack)) };
-        // SAFETY: promised by the caller.
-        let (least, close) = unsafe { (L::splat(self.least_slack), L::splat(self.close)) };
+        let (entry, slack) = (L::splat(simd, self.entry), L::splat(simd, self.slack));
+        let (least, close) = (L::splat(simd, self.least_slack), L::splat(simd, self.close));
         let slack = L::select(py.lt(close), least, slack);
         let (before, behind) = (entry - slack, entry + slack);
         let mut left = rays.kept & b0.lt(behind);
@@ -167,8 +158,7 @@ impl Rule for BestPath {
         let mut cut_left = left & behind.lt(b1) & (behind * rays.e).lt(rays.d);
         let mut cut_right = right & b0.lt(before) & rays.d.lt(before * rays.e);
         if (cut_left | cut_right).any() {
-            // SAFETY: promised by the caller.
-            let [crossed_left, crossed_right] = unsafe { crossed::<L>(&rays.windows, self) };
+            let [crossed_left, crossed_right] = crossed::<L>(simd, &rays.windows, self);
             left = left & !(cut_left & crossed_left);
             right = right & !(cut_right & crossed_right);
             cut_left = cut_left & left;
@@ -185,23 +175,16 @@ impl Rule for BestPath {
 /// Where the best path has, beyond doubt, crossed all rays of a window left of its entry, and all
 /// right of it: its source lies beyond the outer ray, and the window's source on the other side of
 /// it.
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`.
 #[inline(always)]
-unsafe fn crossed<L: Lanes>(w: &Windows<L>, best: &BestPath) -> [L::Mask; 2] {
+fn crossed<L: Lanes>(simd: L::Token, w: &Windows<L>, best: &BestPath) -> [L::Mask; 2] {
     let Windows { b0, b1, px, py, .. } = *w;
-    // SAFETY: promised by the caller.
-    let (qx, qy, s, clearance, zero) = unsafe {
-        (
-            L::splat(best.source[0]),
-            L::splat(best.source[1]),
-            L::splat(best.entry),
-            L::splat(CLEARANCE),
-            L::splat(0.0),
-        )
-    };
+    let (qx, qy, s, clearance, zero) = (
+        L::splat(simd, best.source[0]),
+        L::splat(simd, best.source[1]),
+        L::splat(simd, best.entry),
+        L::splat(simd, CLEARANCE),
+        L::splat(simd, 0.0),
+    );
     let (dx, dy) = (qx - px, qy - py);
     let size = clearance * (px.abs() + py.abs() + qx.abs() + qy.abs());
     // Twice the area of the window's source, its end x on the edge, and the best source; the sign
@@ -238,7 +221,7 @@ pub struct Reach {
 
 impl Rule for Reach {
     #[inline(always)]
-    unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L> {
+    fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L> {
         let Windows {
             b0,
             b1,
@@ -246,22 +229,19 @@ impl Rule for Reach {
             py,
             sigma,
         } = rays.windows;
-        // SAFETY: promised by the caller.
-        unsafe {
-            let margin = L::splat(WINS);
-            let py2 = py * py;
-            let (x0, x1) = (b0 - px, b1 - px);
-            let to_tail = (sigma + (x0 * x0 + py2).sqrt() + b0) * margin;
-            let to_head = (sigma + (x1 * x1 + py2).sqrt() + (L::splat(self.l) - b1)) * margin;
-            let none = L::Mask::from_bits(0);
-            Sides {
-                tried: [
-                    rays.kept & to_tail.le(L::splat(self.tail)),
-                    rays.kept & to_head.le(L::splat(self.head)),
-                ],
-                cut: [none; 2],
-                limits: [b0; 2],
-            }
+        let margin = L::splat(simd, WINS);
+        let py2 = py * py;
+        let (x0, x1) = (b0 - px, b1 - px);
+        let to_tail = (sigma + (x0 * x0 + py2).sqrt() + b0) * margin;
+        let to_head = (sigma + (x1 * x1 + py2).sqrt() + (L::splat(simd, self.l) - b1)) * margin;
+        let none = L::mask(simd, 0);
+        Sides {
+            tried: [
+                rays.kept & to_tail.le(L::splat(simd, self.tail)),
+                rays.kept & to_head.le(L::splat(simd, self.head)),
+            ],
+            cut: [none; 2],
+            limits: [b0; 2],
         }
     }
 }
@@ -269,9 +249,8 @@ impl Rule for Reach {
 /// Two rules.
 impl<A: Rule, B: Rule> Rule for (A, B) {
     #[inline(always)]
-    unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L> {
-        // SAFETY: promised by the caller.
-        unsafe { self.0.sides(rays).and(self.1.sides(rays)) }
+    fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L> {
+        self.0.sides(simd, rays).and(self.1.sides(simd, rays))
     }
 }
 
@@ -287,35 +266,31 @@ pub struct EveryBetterPath<'a> {
 
 impl Rule for EveryBetterPath<'_> {
     #[inline(always)]
-    unsafe fn sides<L: Lanes>(&self, rays: &Rays<L>) -> Sides<L> {
-        // SAFETY: promised by the caller.
-        unsafe {
-            let own = to_apex(rays, self.apex) * L::splat(WINS);
-            let mut sides = Free.sides(rays);
-            for (path, length) in self.paths {
-                let longer = rays.kept & L::splat(*length).lt(own);
-                if longer.any() {
-                    let of_path = path.sides(&Rays {
+    fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L> {
+        let own = to_apex(simd, rays, self.apex) * L::splat(simd, WINS);
+        let mut sides = Free.sides(simd, rays);
+        for (path, length) in self.paths {
+            let longer = rays.kept & L::splat(simd, *length).lt(own);
+            if longer.any() {
+                let of_path = path.sides(
+                    simd,
+                    &Rays {
                         kept: longer,
                         ..*rays
-                    });
-                    let tried = [of_path.tried[0] | !longer, of_path.tried[1] | !longer];
-                    sides = sides.and(Sides { tried, ..of_path });
-                }
+                    },
+                );
+                let tried = [of_path.tried[0] | !longer, of_path.tried[1] | !longer];
+                sides = sides.and(Sides { tried, ..of_path });
             }
-            sides
         }
+        sides
     }
 }
 
 /// The lengths of the shortest paths of windows to the apex: straight where they see it, else
 /// bent at the end of the interval that is nearest to the straight ray.
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`.
 #[inline(always)]
-unsafe fn to_apex<L: Lanes>(rays: &Rays<L>, apex: [f64; 2]) -> L {
+fn to_apex<L: Lanes>(simd: L::Token, rays: &Rays<L>, apex: [f64; 2]) -> L {
     let Windows {
         b0,
         b1,
@@ -323,24 +298,21 @@ unsafe fn to_apex<L: Lanes>(rays: &Rays<L>, apex: [f64; 2]) -> L {
         py,
         sigma,
     } = rays.windows;
-    // SAFETY: promised by the caller.
-    unsafe {
-        let (cx, cy) = (L::splat(apex[0]), L::splat(apex[1]));
-        let passes_left = rays.d.lt(b0 * rays.e);
-        let passes_right = (b1 * rays.e).lt(rays.d);
-        let bend = L::select(passes_left, b0, b1);
-        let (x, beside) = (bend - px, cx - bend);
-        let bent = (x * x + py * py).sqrt() + (beside * beside + cy * cy).sqrt();
-        let across = cx - px;
-        let straight = (across * across + rays.e * rays.e).sqrt();
-        sigma + L::select(passes_left | passes_right, bent, straight)
-    }
+    let (cx, cy) = (L::splat(simd, apex[0]), L::splat(simd, apex[1]));
+    let passes_left = rays.d.lt(b0 * rays.e);
+    let passes_right = (b1 * rays.e).lt(rays.d);
+    let bend = L::select(passes_left, b0, b1);
+    let (x, beside) = (bend - px, cx - bend);
+    let bent = (x * x + py * py).sqrt() + (beside * beside + cy * cy).sqrt();
+    let across = cx - px;
+    let straight = (across * across + rays.e * rays.e).sqrt();
+    sigma + L::select(passes_left | passes_right, bent, straight)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::lanes::Scalar;
+    use geobench_window::simd::Scalar;
 
     /// The limits within which one window may go on to the left and to the right.
     #[derive(Debug, PartialEq)]
@@ -359,10 +331,7 @@ mod tests {
 
     /// What `rule` leaves of a window whose ray to the apex enters at `sp`.
     fn sides(rule: &impl Rule, window: [f64; 5], sp: f64) -> Open {
-        let lane = |x: f64| -> Scalar {
-            // SAFETY: every processor can count to one.
-            unsafe { Scalar::splat(x) }
-        };
+        let lane = |x: f64| Scalar::splat((), x);
         let [b0, b1, px, py, sigma] = window.map(lane);
         let windows = Windows {
             b0,
@@ -371,15 +340,15 @@ mod tests {
             py,
             sigma,
         };
-        // SAFETY: as above.
-        let sides = unsafe {
-            rule.sides(&Rays {
+        let sides = rule.sides(
+            (),
+            &Rays {
                 windows,
-                kept: LaneMask::from_bits(1),
+                kept: Scalar::mask((), 1),
                 e: lane(1.0),
                 d: lane(sp),
-            })
-        };
+            },
+        );
         let limit = |side: usize, natural: f64| {
             let limit = if sides.cut[side].any() {
                 sides.limits[side].least()

@@ -1,8 +1,9 @@
 //! The vertex filter, and lists brought together under it.
 
-use super::columns::{Columns, Sink, Windows, within};
-use crate::engine::lanes::{LaneMask, Lanes};
-use crate::engine::store::Line;
+use geobench_window::simd::{LaneMask, Lanes};
+
+use super::columns::Windows;
+use crate::engine::store::{Block, Columns};
 use crate::precision::MARGIN;
 
 /// What a path through a vertex and the edge are multiplied by before they are compared with a
@@ -32,13 +33,10 @@ impl<L: Lanes> Filter<L> {
     ///
     /// The processor must know the instructions of `L`.
     #[inline(always)]
-    pub(super) unsafe fn new(gate: &Gate) -> Self {
-        // SAFETY: promised by the caller.
-        unsafe {
-            Self {
-                tail: L::splat((gate.ends[0] + gate.l) * LOSES - gate.l),
-                head: L::splat((gate.ends[1] + gate.l) * LOSES),
-            }
+    pub(super) fn new(simd: L::Token, gate: &Gate) -> Self {
+        Self {
+            tail: L::splat(simd, (gate.ends[0] + gate.l) * LOSES - gate.l),
+            head: L::splat(simd, (gate.ends[1] + gate.l) * LOSES),
         }
     }
 
@@ -62,34 +60,25 @@ pub(super) fn squares<L: Lanes>(w: &Windows<L>) -> [L; 2] {
     [x0 * x0 + py2, x1 * x1 + py2]
 }
 
-/// Writes the windows of `lists`, blocks with their lengths, that pass the filter into `hand`, one
-/// list behind the other, and returns how many there are.
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`; `hand` must have room for all windows.
+/// Writes the windows of `lists` that pass the filter into `hand`, one list behind the other, and
+/// returns how many there are.
 #[inline(always)]
-pub(crate) unsafe fn gather<L: Lanes>(
-    lists: [(&[Line], usize); 2],
+pub(crate) fn gather<L: Lanes>(
+    simd: L::Token,
+    lists: [Columns<'_>; 2],
     gate: &Gate,
-    hand: &mut [Line],
+    hand: &mut Block<'_>,
 ) -> usize {
-    let mut rest = Sink::new(hand, 0);
-    // SAFETY: promised by the caller; windows are read up to the end of the line in which the last
-    // one lies.
-    unsafe {
-        let zero = L::splat(0.0);
-        let filter = Filter::<L>::new(gate);
-        for (block, len) in lists {
-            let columns = Columns::new(block);
-            let mut i = 0;
-            while i < len {
-                let w = columns.load::<L>(i);
-                let passed = filter.passes(&w, squares(&w), zero) & within::<L>(i, len);
-                if passed.any() {
-                    rest.add(passed, &w);
-                }
-                i += L::COUNT;
+    let mut rest = hand.append(0);
+    let zero = L::splat(simd, 0.0);
+    let filter = Filter::<L>::new(simd, gate);
+    for list in lists {
+        for register in 0..list.registers::<L>() {
+            let w = Windows::new(list.load::<L>(simd, register));
+            let listed = list.listed::<L>(simd, register);
+            let passed = filter.passes(&w, squares(&w), zero) & listed;
+            if passed.any() {
+                rest.add(passed, w.rows());
             }
         }
     }

@@ -1,10 +1,11 @@
 //! Pass over a list that is about to cross its face: the vertex filter, if that has not been
 //! applied yet, and the shortest path to the apex.
 
-use super::columns::{Columns, Windows, within};
+use geobench_window::simd::{LaneMask, Lanes};
+
+use super::columns::Windows;
 use super::filter::{Filter, Gate, squares};
-use crate::engine::lanes::{LaneMask, Lanes};
-use crate::engine::store::Line;
+use crate::engine::store::Columns;
 
 /// What the pass found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,35 +22,30 @@ pub(crate) struct Measured {
     pub(crate) bound: [usize; 2],
 }
 
-/// Measures the windows of `block` from `start` to `len`, those that pass the vertex filter if
-/// `FILTER` says so; leaves in `keep` a bit for each window, a byte for each register, whether it
-/// is left.
+/// Measures the windows of `list` from `start` on, those that pass the vertex filter if `FILTER`;
+/// leaves in `keep` a bit for each window, a byte for each register, whether it is left.
 ///
 /// With e = cy - py and D = cy·px - cx·py, a ray through abscissa s leaves to the left if m(s) =
 /// s·e - D < 0: the sides of both ends of a window take no division. It offers the apex C σ + |pC|
 /// if it sees it, else σ + |p s| + |s C| with s its end nearest to the ray to C.
 ///
 /// All paths are measured, and each lane keeps its shortest until the end. Two square roots take
-/// less time than a branch on whether a path is the shortest so far, which is foreseen badly: 8 %
+/// less time than a branch on whether a path is the shortest so far, which is hard to predict: 8 %
 /// of a solve one window at a time, 4 % four at a time, nothing eight at a time.
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`; if `start` is not 0 a line behind the block
-/// must be readable and belong to it.
 #[inline(always)]
-pub(crate) unsafe fn measure<L: Lanes, const FILTER: bool>(
-    block: &[Line],
+#[allow(clippy::needless_range_loop)] // As in `geobench_window::simd`, without iterators.
+pub(crate) fn measure<L: Lanes, const FILTER: bool>(
+    simd: L::Token,
+    list: Columns<'_>,
     start: usize,
-    len: usize,
     gate: &Gate,
     keep: &mut Vec<u8>,
 ) -> Measured {
+    let len = list.len();
     // A byte for each register, whatever its size.
     if keep.len() < len {
         keep.resize(len.next_power_of_two(), 0);
     }
-    let columns = Columns::new(block);
     let mut found = Measured {
         len,
         distance: f64::INFINITY,
@@ -57,85 +53,84 @@ pub(crate) unsafe fn measure<L: Lanes, const FILTER: bool>(
         kept: 0,
         bound: [0; 2],
     };
-    // SAFETY: the caller vouches for the processor; windows are read up to the end of the line in
-    // which the last one lies, and there are no more registers than windows.
-    unsafe {
-        let zero = L::splat(0.0);
-        let filter = Filter::<L>::new(gate);
-        let (cx, cy) = (L::splat(gate.apex[0]), L::splat(gate.apex[1]));
-        let cy2 = cy * cy;
-        let nothing = L::splat(f64::INFINITY);
-        // The shortest path in each lane, and the number of the first window in its register.
-        let (mut shortest, mut register) = (nothing, zero);
-        let mut i = start;
-        while i < len {
-            let windows = columns.load::<L>(i);
-            let [r0, r1] = squares(&windows);
-            let mut kept = within::<L>(i, len);
-            if FILTER {
-                kept = filter.passes(&windows, [r0, r1], zero) & kept;
-            }
-            *keep.get_unchecked_mut((i - start) / L::COUNT) = kept.bits();
-            let Windows {
-                b0,
-                b1,
-                px,
-                py,
-                sigma,
-            } = windows;
-            // On which side of the apex its ends pass.
-            let e = cy - py;
-            let d = cy * px - cx * py;
-            let only_right = zero.lt(b0 * e - d);
-            let only_left = (b1 * e - d).lt(zero);
-            found.kept += kept.count();
-            found.bound[0] += (kept & !only_right).count();
-            found.bound[1] += (kept & !only_left).count();
-            if kept.any() {
-                let to_apex = cx - px;
-                let seen = to_apex * to_apex + e * e;
-                let r = L::select(only_right, r0, L::select(only_left, r1, seen));
-                let bend = L::select(only_right, b0, b1);
-                let beside = cx - bend;
-                let w = L::select(only_right | only_left, beside * beside + cy2, zero);
-                let path = L::select(kept, sigma + r.sqrt() + w.sqrt(), nothing);
-                let shorter = path.lt(shortest);
-                shortest = L::select(shorter, path, shortest);
-                register = L::select(shorter, L::splat(i as f64), register);
-            }
-            i += L::COUNT;
+    let first = start / L::COUNT;
+    let registers = list.registers::<L>();
+    let keep = &mut keep[..registers];
+    let zero = L::splat(simd, 0.0);
+    let filter = Filter::<L>::new(simd, gate);
+    let (cx, cy) = (L::splat(simd, gate.apex[0]), L::splat(simd, gate.apex[1]));
+    let cy2 = cy * cy;
+    let nothing = L::splat(simd, f64::INFINITY);
+    // The shortest path in each lane, and the number of the first window in its register.
+    let (mut shortest, mut place) = (nothing, zero);
+    for register in first..registers {
+        let windows = Windows::new(list.load::<L>(simd, register));
+        let [r0, r1] = squares(&windows);
+        let mut kept = list.listed::<L>(simd, register);
+        if register * L::COUNT < start {
+            kept = kept & !L::within(simd, register * L::COUNT, start);
         }
-        found.distance = shortest.least();
-        let least = shortest.le(L::splat(found.distance));
-        found.best = if len <= start + L::COUNT {
-            start + least.bits().trailing_zeros() as usize
-        } else {
-            let numbers = L::select(least, register + L::places(), nothing);
-            #[allow(clippy::cast_sign_loss)] // Numbers of windows.
-            let first = numbers.least() as u32;
-            first as usize
-        };
+        if FILTER {
+            kept = filter.passes(&windows, [r0, r1], zero) & kept;
+        }
+        keep[register] = kept.bits();
+        let Windows {
+            b0,
+            b1,
+            px,
+            py,
+            sigma,
+        } = windows;
+        // On which side of the apex its ends pass.
+        let e = cy - py;
+        let d = cy * px - cx * py;
+        let only_right = zero.lt(b0 * e - d);
+        let only_left = (b1 * e - d).lt(zero);
+        found.kept += kept.count();
+        found.bound[0] += (kept & !only_right).count();
+        found.bound[1] += (kept & !only_left).count();
+        if kept.any() {
+            let to_apex = cx - px;
+            let seen = to_apex * to_apex + e * e;
+            let r = L::select(only_right, r0, L::select(only_left, r1, seen));
+            let bend = L::select(only_right, b0, b1);
+            let beside = cx - bend;
+            let w = L::select(only_right | only_left, beside * beside + cy2, zero);
+            let path = L::select(kept, sigma + r.sqrt() + w.sqrt(), nothing);
+            let shorter = path.lt(shortest);
+            shortest = L::select(shorter, path, shortest);
+            let here = L::splat(simd, (register * L::COUNT) as f64);
+            place = L::select(shorter, here, place);
+        }
     }
+    found.distance = shortest.least();
+    let least = shortest.le(L::splat(simd, found.distance));
+    found.best = if registers <= first + 1 {
+        first * L::COUNT + least.bits().trailing_zeros() as usize
+    } else {
+        let numbers = L::select(least, place + L::places(simd), nothing);
+        #[allow(clippy::cast_sign_loss)] // Numbers of windows.
+        let best = numbers.least() as u32;
+        best as usize
+    };
     found
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::dispatch::{self, Program};
     use crate::engine::store::{NO_LIST, WindowStore};
-    use geobench_window::simd::Instructions;
+    use geobench_window::simd::{Instructions, Program, Simd};
 
     /// Measures a whole list.
-    struct Whole<'a>(&'a [Line], usize, &'a Gate);
+    struct Whole<'a>(Columns<'a>, &'a Gate);
 
     impl Program for Whole<'_> {
         type Output = Measured;
 
         #[inline(always)]
-        unsafe fn run<L: Lanes>(self) -> Measured {
-            // SAFETY: promised by the caller.
-            unsafe { measure::<L, true>(self.0, 0, self.1, self.2, &mut Vec::new()) }
+        fn run<L: Lanes>(self, simd: L::Token) -> Measured {
+            measure::<L, true>(simd, self.0, 0, self.1, &mut Vec::new())
         }
     }
 
@@ -151,8 +146,8 @@ mod tests {
         for (i, length) in lengths.iter().enumerate() {
             store.put(list, i, [0.4, 0.6, 0.5, -0.5, length - 1.0]);
         }
-        let whole = Whole(store.block(list), lengths.len(), &gate);
-        dispatch::run(whole, instructions)
+        store.set_len(list, lengths.len());
+        Simd::new(instructions).run(Whole(store.columns(list), &gate))
     }
 
     #[test]

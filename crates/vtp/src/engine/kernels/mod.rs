@@ -1,4 +1,4 @@
-//! The passes over a list of windows, written once over [`Lanes`](super::lanes::Lanes).
+//! The passes over a list of windows, written once over [`Lanes`](geobench_window::simd::Lanes).
 //!
 //! | kernel | what it does | rules |
 //! |---|---|---|
@@ -7,10 +7,6 @@
 //! | [`settle()`] | the same until all neighbours stay | 2 and 3 |
 //! | [`measure()`] | counts who goes where, finds the shortest path to the apex | vertex filter, if asked |
 //! | [`carry()`] | takes the windows across the face | 1 and others, see [`exits`] |
-
-// They are made of the instructions of one processor, which `lanes` offers to those who vouch for
-// it.
-#![allow(unsafe_code)]
 
 mod carry;
 mod columns;

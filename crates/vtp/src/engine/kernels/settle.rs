@@ -1,15 +1,15 @@
 //! Rules 2 and 3 as the paper has them: neighbours are compared until all of them stay.
 
-use super::columns::{Sink, Windows, within};
+use geobench_window::simd::{LaneMask, Lanes};
+
+use super::columns::Windows;
 use super::compare::{Cuts, losses, side};
 use super::trim::trim;
-use crate::engine::lanes::{LaneMask, Lanes};
-use crate::engine::store::Line;
+use crate::engine::store::PaddedBlock;
 use crate::pairs::{BLURRED, INSIDE};
 use crate::precision::{CLEARANCE, WINS, extent};
 
-/// Compares neighbours among the first `len` windows of `block`, which is followed by a line that
-/// may be read; cuts what each loses, drops who has lost all, compares those who thereby become
+/// Compares neighbours among the first `len` windows of `block`; cuts what each loses, drops who has lost all, compares those who thereby become
 /// neighbours, and so on. Returns how many are left, and whether they have settled.
 ///
 /// If `TRIM` says so, neighbours also give up the stretches of their overlap on which the other is
@@ -23,13 +23,11 @@ use crate::precision::{CLEARANCE, WINS, extent};
 /// first one has left it. Here all pairs of a round meet as they came, registers at a time: a ray
 /// that is cut crosses a real path that is shorter, and that stays true when the winner is cut
 /// elsewhere. Which windows are compared is the same.
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`.
 #[inline(always)]
-pub(crate) unsafe fn settle<L: Lanes, const TRIM: bool>(
-    block: &mut [Line],
+#[allow(clippy::needless_range_loop)] // As in `geobench_window::simd`, without iterators.
+pub(crate) fn settle<L: Lanes, const TRIM: bool>(
+    simd: L::Token,
+    mut block: PaddedBlock<'_>,
     mut len: usize,
     l: f64,
     behind: impl Fn() -> [f64; 2],
@@ -39,63 +37,53 @@ pub(crate) unsafe fn settle<L: Lanes, const TRIM: bool>(
     if len < 2 {
         return (len, true);
     }
-    cuts.resize(len);
     let behind = behind();
     let extent = extent(l, behind);
     // A bit for each window that is to be compared with the next one, a byte for each register.
-    let registers = len.div_ceil(L::COUNT);
     again.clear();
-    again.resize(registers, u8::MAX);
-    // The last line is only for reading behind the block.
-    let own = block.len() - 1;
+    again.resize(len.div_ceil(L::COUNT), u8::MAX);
     loop {
-        let mut rest = Sink::new(&mut block[..own], 0);
-        let columns = rest.columns();
+        let mut list = block.in_place(len);
+        let mut cuts = cuts.of(len);
+        let registers = list.registers::<L>();
         let mut died = false;
-        // SAFETY: the caller vouches for the processor. Windows are read up to one behind the line
-        // in which the last one lies, and the scratch is longer than that.
-        unsafe {
-            let mut i = 0;
-            while i < len {
-                let a = columns.load::<L>(i);
-                let b = columns.load::<L>(i + 1);
-                let pairs = within::<L>(i, len - 1) & L::Mask::from_bits(again[i / L::COUNT]);
-                let left = if pairs.any() {
-                    let (left, apart) = losses::<L>(&a, &b, pairs, extent);
-                    let left = crossings::<L>(&a, &b, apart, l, behind, left);
-                    if TRIM {
-                        let (left, anew) = trim::<L>(&a, &b, pairs, l, left);
-                        if anew.any() {
-                            return (len, false);
-                        }
-                        left
-                    } else {
-                        left
+        for register in 0..registers {
+            let a = Windows::new(list.load::<L>(simd, register));
+            let b = Windows::new(list.load_next::<L>(simd, register));
+            let pairs = list.with_next::<L>(simd, register);
+            let pairs = pairs & L::mask(simd, again[register]);
+            let left = if pairs.any() {
+                let (left, apart) = losses::<L>(simd, &a, &b, pairs, extent);
+                let left = crossings::<L>(simd, &a, &b, apart, l, behind, left);
+                if TRIM {
+                    let (left, anew) = trim::<L>(simd, &a, &b, pairs, l, left);
+                    if anew.any() {
+                        return (len, false);
                     }
+                    left
                 } else {
-                    [[a.b0, a.b1], [b.b0, b.b1]]
-                };
-                cuts.note(i, left);
-                i += L::COUNT;
-            }
-            cuts.open();
-            again.fill(0);
-            let mut i = 0;
-            while i < len {
-                // Read before anything is written: `rest` never overtakes.
-                let w = columns.load::<L>(i);
-                let [b0, b1] = cuts.left::<L>(i);
-                let listed = within::<L>(i, len);
-                let alive = b0.lt(b1) & listed;
-                if alive.count() < listed.count() {
-                    died = true;
-                    bring_together::<L>(alive, listed.count(), rest.len(), again);
+                    left
                 }
-                rest.add(alive, &Windows { b0, b1, ..w });
-                i += L::COUNT;
-            }
+            } else {
+                [[a.b0, a.b1], [b.b0, b.b1]]
+            };
+            cuts.note(register, left);
         }
-        len = rest.len();
+        cuts.open();
+        again.fill(0);
+        for register in 0..registers {
+            // Read before anything is written: fewer windows are kept than have been read.
+            let w = Windows::new(list.load::<L>(simd, register));
+            let [b0, b1] = cuts.left::<L>(simd, register);
+            let listed = list.listed::<L>(simd, register);
+            let alive = b0.lt(b1) & listed;
+            if alive.count() < listed.count() {
+                died = true;
+                bring_together::<L>(alive, listed.count(), list.kept(), again);
+            }
+            list.keep(alive, Windows { b0, b1, ..w }.rows());
+        }
+        len = list.kept();
         if !died || len < 2 {
             return (len, true);
         }
@@ -122,12 +110,9 @@ fn bring_together<L: Lanes>(alive: L::Mask, listed: usize, before: usize, again:
 /// to there dies.
 ///
 /// Why all of it may go stands with [`check_pair`](crate::pairs::check_pair), the plain form.
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`.
 #[inline(always)]
-unsafe fn crossings<L: Lanes>(
+fn crossings<L: Lanes>(
+    simd: L::Token,
     a: &Windows<L>,
     b: &Windows<L>,
     apart: L::Mask,
@@ -138,11 +123,8 @@ unsafe fn crossings<L: Lanes>(
     if !apart.any() {
         return left;
     }
-    // SAFETY: promised by the caller.
-    let (zero, clearance, blur) = unsafe {
-        let blur = CLEARANCE * extent(l, behind);
-        (L::splat(0.0), L::splat(CLEARANCE), L::splat(blur))
-    };
+    let (zero, clearance) = (L::splat(simd, 0.0), L::splat(simd, CLEARANCE));
+    let blur = L::splat(simd, CLEARANCE * extent(l, behind));
     let in_order = a.b1.lt(b.b0);
     let (v, u) = (select(in_order, a, b), select(in_order, b, a));
     // Rays to the nearest ends cross below the edge if each source lies beyond the other's ray.
@@ -152,10 +134,8 @@ unsafe fn crossings<L: Lanes>(
     let beyond_right = side(&u, u.b0, [zero - dx, zero - dy], size, zero)[1];
     let crossing = apart & beyond_left & beyond_right;
     if crossing.any() {
-        // SAFETY: promised by the caller.
-        let dead = unsafe { dearer::<L>(&v, &u, crossing, l, behind) };
-        // SAFETY: promised by the caller.
-        let none = unsafe { L::splat(f64::NEG_INFINITY) };
+        let dead = dearer::<L>(simd, &v, &u, crossing, l, behind);
+        let none = L::splat(simd, f64::NEG_INFINITY);
         let a_dies = (in_order & dead[0]) | (!in_order & dead[1]);
         let b_dies = (in_order & dead[1]) | (!in_order & dead[0]);
         left[0][1] = L::select(a_dies, none, left[0][1]);
@@ -177,63 +157,57 @@ fn select<L: Lanes>(mask: L::Mask, yes: &Windows<L>, no: &Windows<L>) -> Windows
 }
 
 /// Which of the left windows `v` and which of the right ones `u` die of each other, among `pairs`.
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`.
 #[inline(always)]
-unsafe fn dearer<L: Lanes>(
+fn dearer<L: Lanes>(
+    simd: L::Token,
     v: &Windows<L>,
     u: &Windows<L>,
     pairs: L::Mask,
     length_of_edge: f64,
     behind: [f64; 2],
 ) -> [L::Mask; 2] {
-    // SAFETY: promised by the caller.
-    unsafe {
-        let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        let rounding = L::splat(CLEARANCE * extent(length_of_edge, behind));
-        let (l, wins) = (L::splat(length_of_edge), L::splat(WINS));
-        let (tx, ty) = (L::splat(behind[0]), L::splat(behind[1]));
-        let (rx, ry) = (v.b1 - v.px, zero - v.py);
-        let (qx, qy) = (u.b0 - u.px, zero - u.py);
-        let (dx, dy) = (u.px - v.px, u.py - v.py);
-        let denominator = rx * qy - ry * qx;
-        let s = (dx * qy - dy * qx) / denominator;
-        let t = (dx * ry - dy * rx) / denominator;
-        let (r2, q2) = (rx * rx + ry * ry, qx * qx + qy * qy);
-        let slenderness = extent(length_of_edge, behind) / -behind[1];
-        let blur = L::splat(INSIDE * slenderness) * (r2 * q2).sqrt() / denominator.abs();
-        // The crossing, and whether it is clearly inside the triangle.
-        let (x, y) = (v.px + s * rx, v.py + s * ry);
-        let depth = y / ty;
-        let leftmost = depth * tx;
-        let rightmost = l + depth * (tx - l);
-        let slack = blur * l;
-        let inside = zero.lt(s)
-            & s.lt(one)
-            & zero.lt(t)
-            & t.lt(one)
-            & blur.lt(L::splat(BLURRED))
-            & blur.lt(depth)
-            & depth.lt(one - blur)
-            & (leftmost + slack).lt(x)
-            & x.lt(rightmost - slack);
-        let (to_left, to_right) = (v.sigma + s * r2.sqrt(), u.sigma + t * q2.sqrt());
-        [
-            pairs & inside & to_right.lt(to_left * wins - rounding),
-            pairs & inside & to_left.lt(to_right * wins - rounding),
-        ]
-    }
+    let (zero, one) = (L::splat(simd, 0.0), L::splat(simd, 1.0));
+    let rounding = L::splat(simd, CLEARANCE * extent(length_of_edge, behind));
+    let (l, wins) = (L::splat(simd, length_of_edge), L::splat(simd, WINS));
+    let (tx, ty) = (L::splat(simd, behind[0]), L::splat(simd, behind[1]));
+    let (rx, ry) = (v.b1 - v.px, zero - v.py);
+    let (qx, qy) = (u.b0 - u.px, zero - u.py);
+    let (dx, dy) = (u.px - v.px, u.py - v.py);
+    let denominator = rx * qy - ry * qx;
+    let s = (dx * qy - dy * qx) / denominator;
+    let t = (dx * ry - dy * rx) / denominator;
+    let (r2, q2) = (rx * rx + ry * ry, qx * qx + qy * qy);
+    let slenderness = extent(length_of_edge, behind) / -behind[1];
+    let blur = L::splat(simd, INSIDE * slenderness) * (r2 * q2).sqrt() / denominator.abs();
+    // The crossing, and whether it is clearly inside the triangle.
+    let (x, y) = (v.px + s * rx, v.py + s * ry);
+    let depth = y / ty;
+    let leftmost = depth * tx;
+    let rightmost = l + depth * (tx - l);
+    let slack = blur * l;
+    let inside = zero.lt(s)
+        & s.lt(one)
+        & zero.lt(t)
+        & t.lt(one)
+        & blur.lt(L::splat(simd, BLURRED))
+        & blur.lt(depth)
+        & depth.lt(one - blur)
+        & (leftmost + slack).lt(x)
+        & x.lt(rightmost - slack);
+    let (to_left, to_right) = (v.sigma + s * r2.sqrt(), u.sigma + t * q2.sqrt());
+    [
+        pairs & inside & to_right.lt(to_left * wins - rounding),
+        pairs & inside & to_left.lt(to_right * wins - rounding),
+    ]
 }
 
 #[cfg(test)]
 mod tests {
     use geobench_window::Window;
+    use geobench_window::simd::{Line, Scalar};
     use proptest::prelude::*;
 
     use super::*;
-    use crate::engine::lanes::Scalar;
     use crate::pairs::{Edge, Verdict, check_pair};
 
     const EDGE: Edge = Edge::new(1.0, [0.4, -0.8]);
@@ -261,17 +235,15 @@ mod tests {
         }
         let (mut cuts, mut again) = (Cuts::default(), Vec::new());
         let behind = || EDGE.behind;
-        // SAFETY: every processor can count to one.
-        let (len, settled) = unsafe {
-            settle::<Scalar, TRIM>(
-                &mut lines,
-                list.len(),
-                EDGE.l,
-                behind,
-                &mut cuts,
-                &mut again,
-            )
-        };
+        let (len, settled) = settle::<Scalar, TRIM>(
+            (),
+            PaddedBlock::new(&mut lines, column as u32),
+            list.len(),
+            EDGE.l,
+            behind,
+            &mut cuts,
+            &mut again,
+        );
         let at = |c: usize, i: usize| lines[c * column + i / Line::LANES].0[i % Line::LANES];
         let window = |i| Window {
             b0: at(0, i),

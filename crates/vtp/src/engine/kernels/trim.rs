@@ -2,9 +2,9 @@
 
 use super::columns::Windows;
 use super::compare::length;
-use crate::engine::lanes::{LaneMask, Lanes};
 use crate::precision::WINS;
 use crate::trim::ON_EDGE;
+use geobench_window::simd::{LaneMask, Lanes};
 
 /// What is `left` of the intervals of neighbours `a` and `b` after each of `pairs` has given up the
 /// stretches of their overlap on which the other is shorter; and the pairs of which one would be
@@ -12,12 +12,9 @@ use crate::trim::ON_EDGE;
 ///
 /// The vector form of [`trim_pair`](crate::trim::trim_pair), with the formulas of
 /// [`geobench_window::tie_points`].
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`.
 #[inline(always)]
-pub(super) unsafe fn trim<L: Lanes>(
+pub(super) fn trim<L: Lanes>(
+    simd: L::Token,
     a: &Windows<L>,
     b: &Windows<L>,
     pairs: L::Mask,
@@ -26,15 +23,16 @@ pub(super) unsafe fn trim<L: Lanes>(
 ) -> ([[L; 2]; 2], L::Mask) {
     let [[a0, a1], [b0, b1]] = left;
     let (lo, hi) = (a0.max(b0), a1.min(b1));
-    // SAFETY: promised by the caller.
-    let (on_edge, margin, half) =
-        unsafe { (L::splat(-ON_EDGE * l), L::splat(WINS), L::splat(0.5)) };
+    let (on_edge, margin, half) = (
+        L::splat(simd, -ON_EDGE * l),
+        L::splat(simd, WINS),
+        L::splat(simd, 0.5),
+    );
     let overlap = pairs & a0.lt(a1) & b0.lt(b1) & lo.lt(hi) & a.py.max(b.py).le(on_edge);
     if !overlap.any() {
         return (left, overlap);
     }
-    // SAFETY: promised by the caller.
-    let ties = unsafe { ties(a, b) };
+    let ties = ties(simd, a, b);
     // A tie elsewhere leaves an empty stretch at the start.
     let t = L::select(lo.lt(ties[0]) & ties[0].lt(hi), ties[0], lo);
     let u = L::select(lo.lt(ties[1]) & ties[1].lt(hi), ties[1], lo);
@@ -91,14 +89,13 @@ fn rest<L: Lanes>(
 }
 
 /// The two abscissae at which windows tie; infinite or NaN where there are fewer.
-///
-/// # Safety
-///
-/// The processor must know the instructions of `L`.
 #[inline(always)]
-unsafe fn ties<L: Lanes>(w0: &Windows<L>, w1: &Windows<L>) -> [L; 2] {
-    // SAFETY: promised by the caller.
-    let (zero, half, none) = unsafe { (L::splat(0.0), L::splat(0.5), L::splat(f64::INFINITY)) };
+fn ties<L: Lanes>(simd: L::Token, w0: &Windows<L>, w1: &Windows<L>) -> [L; 2] {
+    let (zero, half, none) = (
+        L::splat(simd, 0.0),
+        L::splat(simd, 0.5),
+        L::splat(simd, f64::INFINITY),
+    );
     let a = w1.px - w0.px;
     let delta = w1.sigma - w0.sigma;
     let y1 = w1.py;

@@ -1,16 +1,19 @@
-//! One lane: the same kernels on any processor.
+//! One lane: any processor.
+
+// Loads and stores take addresses.
+#![allow(unsafe_code)]
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
-use super::{LaneMask, Lanes};
+use super::lanes::{LaneMask, Lanes};
 
 /// One number.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Scalar(f64);
+pub struct Scalar(f64);
 
 /// One answer.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ScalarMask(bool);
+pub struct ScalarMask(bool);
 
 macro_rules! operator {
     ($($trait:ident $method:ident $symbol:tt)+) => {
@@ -32,34 +35,41 @@ impl Lanes for Scalar {
 
     const STORES_SOME_SLOWLY: bool = false;
 
+    type Token = ();
+
     type Mask = ScalarMask;
 
     #[inline(always)]
-    unsafe fn splat(x: f64) -> Self {
+    fn splat((): (), x: f64) -> Self {
         Self(x)
     }
 
     #[inline(always)]
-    unsafe fn places() -> Self {
+    fn places((): ()) -> Self {
         Self(0.0)
     }
 
     #[inline(always)]
-    unsafe fn load(from: *const f64) -> Self {
-        // SAFETY: promised by the caller.
+    fn mask((): (), bits: u8) -> ScalarMask {
+        ScalarMask(bits & 1 != 0)
+    }
+
+    #[inline(always)]
+    unsafe fn load((): (), from: *const f64) -> Self {
+        // SAFETY: the trait's contract.
         Self(unsafe { from.read() })
     }
 
     #[inline(always)]
     unsafe fn store(self, to: *mut f64) {
-        // SAFETY: promised by the caller.
+        // SAFETY: the trait's contract.
         unsafe { to.write(self.0) }
     }
 
     #[inline(always)]
     unsafe fn store_chosen(self, mask: ScalarMask, to: *mut f64) {
         if mask.0 {
-            // SAFETY: promised by the caller.
+            // SAFETY: the trait's contract.
             unsafe { to.write(self.0) }
         }
     }
@@ -138,11 +148,6 @@ impl Not for ScalarMask {
 }
 
 impl LaneMask for ScalarMask {
-    #[inline(always)]
-    unsafe fn from_bits(bits: u8) -> Self {
-        Self(bits & 1 != 0)
-    }
-
     #[inline(always)]
     fn bits(self) -> u8 {
         u8::from(self.0)

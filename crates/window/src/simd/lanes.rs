@@ -1,62 +1,54 @@
-//! Several numbers in one register: what the kernels are written in.
-//!
-//! A kernel is one generic function over [`Lanes`]; the three implementations make a scalar, an
-//! AVX2 and an AVX-512 program of it. All operations round as IEEE 754 says and none is fused, so
-//! that the three programs give the same bits. The type of a lane stands for the proof that the
-//! processor knows its instructions: values come only out of the unsafe functions here.
+//! Several numbers in one register.
 
-// Vector instructions run only on processors that have them.
+// Loads and stores take addresses; `columns` alone calls them.
 #![allow(unsafe_code)]
-
-#[cfg(target_arch = "x86_64")]
-mod avx2;
-#[cfg(target_arch = "x86_64")]
-mod avx512;
-mod scalar;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
-#[cfg(target_arch = "x86_64")]
-pub(crate) use avx2::Avx2;
-#[cfg(target_arch = "x86_64")]
-pub(crate) use avx512::Avx512;
-pub(crate) use scalar::Scalar;
+use super::dispatch::Program;
 
-/// `COUNT` numbers on which every operation works at once.
-pub(crate) trait Lanes:
+/// `COUNT` numbers on which every operation works at once: 1, 4 or 8.
+#[allow(clippy::return_self_not_must_use)] // They are values like numbers.
+pub trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
-    /// How many.
+    /// The number of lanes, which divides 8.
     const COUNT: usize;
 
     /// Whether storing some lanes takes so much longer than storing all that a branch on it pays,
-    /// though it is foreseen badly.
+    /// though it is hard to predict.
     const STORES_SOME_SLOWLY: bool;
 
-    /// One answer for each lane.
+    /// The proof that the processor has the instructions of this type. Zero-sized; made by
+    /// detection in [`Simd`](super::Simd).
+    type Token: Copy;
+
+    /// One answer per lane.
     type Mask: LaneMask;
 
     /// `x` in every lane.
-    ///
-    /// # Safety
-    ///
-    /// The processor must have the instructions of the type. The same holds for the other unsafe
-    /// functions.
-    unsafe fn splat(x: f64) -> Self;
+    fn splat(simd: Self::Token, x: f64) -> Self;
 
     /// The number of each lane, from 0.
-    ///
-    /// # Safety
-    ///
-    /// As for [`splat`](Self::splat).
-    unsafe fn places() -> Self;
+    fn places(simd: Self::Token) -> Self;
+
+    /// The lanes whose bits are set; the first lane is the lowest bit.
+    fn mask(simd: Self::Token, bits: u8) -> Self::Mask;
+
+    /// The first lanes of a register at place `i` of a list of `len`, those with places below
+    /// `len`.
+    #[inline(always)]
+    fn within(simd: Self::Token, i: usize, len: usize) -> Self::Mask {
+        let left = len - i;
+        Self::mask(simd, if left >= 8 { u8::MAX } else { (1 << left) - 1 })
+    }
 
     /// The `COUNT` numbers from `from` on.
     ///
     /// # Safety
     ///
     /// They must be readable.
-    unsafe fn load(from: *const f64) -> Self;
+    unsafe fn load(simd: Self::Token, from: *const f64) -> Self;
 
     /// Writes all lanes from `to` on.
     ///
@@ -98,19 +90,22 @@ pub(crate) trait Lanes:
 
     /// The least of the lanes, none of which is NaN.
     fn least(self) -> f64;
+
+    /// Runs `program` from within one that was compiled for `Self` as well; in a function of its
+    /// own where registers have 512 bits.
+    ///
+    /// The surrounding code would load constants that the program keeps in such registers again
+    /// and again, and one such instruction slows down all others for a while.
+    #[inline(always)]
+    fn run_apart<T: Program>(simd: Self::Token, program: T) -> T::Output {
+        program.run::<Self>(simd)
+    }
 }
 
-/// One answer for each lane.
-pub(crate) trait LaneMask:
+/// One answer per lane.
+pub trait LaneMask:
     Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
 {
-    /// The lanes whose bits are set; the first lane is the lowest bit.
-    ///
-    /// # Safety
-    ///
-    /// As for [`Lanes::splat`].
-    unsafe fn from_bits(bits: u8) -> Self;
-
     /// A bit for each lane.
     fn bits(self) -> u8;
 

@@ -1,5 +1,8 @@
 //! Four lanes: AVX2.
 
+// Intrinsics are unsafe outside of functions with their features.
+#![allow(unsafe_code)]
+
 use std::arch::x86_64::{
     __m256d, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm_cvtsd_f64, _mm_min_pd, _mm_min_sd,
     _mm_unpackhi_pd, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd,
@@ -11,15 +14,36 @@ use std::arch::x86_64::{
 };
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
-use super::{LaneMask, Lanes};
+use super::instructions::Instructions;
+use super::lanes::{LaneMask, Lanes};
+
+/// The processor has AVX2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Avx2Token(());
+
+impl Avx2Token {
+    /// The proof, if the processor has the instructions.
+    pub(super) fn detect() -> Option<Self> {
+        Instructions::Avx2.is_available().then_some(Self(()))
+    }
+}
+
+/// Intrinsics in a place where a token or a vector exists.
+macro_rules! intrinsics {
+    ($($body:tt)*) => {{
+        // SAFETY: vectors come from tokens, and these from detection, so the processor has AVX2.
+        #[allow(unused_unsafe)]
+        unsafe { $($body)* }
+    }};
+}
 
 /// Four numbers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Avx2(__m256d);
+pub(super) struct Avx2(__m256d);
 
 /// Four answers: all bits of a lane are set, or none.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Mask4(__m256d);
+pub(super) struct Mask4(__m256d);
 
 /// A table of registers, one for each of the sixteen masks.
 #[repr(align(32))]
@@ -67,14 +91,10 @@ const fn lanes() -> [[u32; 8]; 16] {
 }
 
 /// The entry of `table` for a mask.
-///
-/// # Safety
-///
-/// The processor must have AVX.
 #[inline(always)]
-unsafe fn entry(table: &Table, bits: u8) -> __m256i {
+fn entry(_: Avx2Token, table: &Table, bits: u8) -> __m256i {
     let row: *const [u32; 8] = &raw const table.0[usize::from(bits & 15)];
-    // SAFETY: the row has 32 bytes, and the table is aligned to that.
+    // SAFETY: the token; the row has 32 bytes, and the table is aligned to that.
     unsafe { _mm256_load_si256(row.cast()) }
 }
 
@@ -85,8 +105,7 @@ macro_rules! operator {
 
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                // SAFETY: a value of this type exists, so the processor has AVX2.
-                Self(unsafe { $intrinsic(self.0, other.0) })
+                Self(intrinsics!($intrinsic(self.0, other.0)))
             }
         })+
     };
@@ -99,29 +118,34 @@ impl Lanes for Avx2 {
 
     const STORES_SOME_SLOWLY: bool = true;
 
+    type Token = Avx2Token;
+
     type Mask = Mask4;
 
     #[inline(always)]
-    unsafe fn splat(x: f64) -> Self {
-        // SAFETY: promised by the caller.
-        Self(unsafe { _mm256_set1_pd(x) })
+    fn splat(_: Avx2Token, x: f64) -> Self {
+        Self(intrinsics!(_mm256_set1_pd(x)))
     }
 
     #[inline(always)]
-    unsafe fn places() -> Self {
-        // SAFETY: promised by the caller.
-        Self(unsafe { _mm256_set_pd(3.0, 2.0, 1.0, 0.0) })
+    fn places(_: Avx2Token) -> Self {
+        Self(intrinsics!(_mm256_set_pd(3.0, 2.0, 1.0, 0.0)))
     }
 
     #[inline(always)]
-    unsafe fn load(from: *const f64) -> Self {
-        // SAFETY: promised by the caller.
+    fn mask(simd: Avx2Token, bits: u8) -> Mask4 {
+        Mask4(intrinsics!(_mm256_castsi256_pd(entry(simd, &LANES, bits))))
+    }
+
+    #[inline(always)]
+    unsafe fn load(_: Avx2Token, from: *const f64) -> Self {
+        // SAFETY: the token, and the trait's contract.
         Self(unsafe { _mm256_loadu_pd(from) })
     }
 
     #[inline(always)]
     unsafe fn store(self, to: *mut f64) {
-        // SAFETY: promised by the caller.
+        // SAFETY: a vector exists, and the trait's contract.
         unsafe { _mm256_storeu_pd(to, self.0) }
     }
 
@@ -129,65 +153,59 @@ impl Lanes for Avx2 {
     unsafe fn store_chosen(self, mask: Mask4, to: *mut f64) {
         let bits = mask.bits();
         let first = ((1_u32 << bits.count_ones()) - 1) as u8;
-        // SAFETY: promised by the caller; lanes that are not among the first are not written.
+        let simd = Avx2Token(());
+        // SAFETY: a vector exists, and the trait's contract; lanes that are not among the first
+        // are not written.
         unsafe {
-            let front = _mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), entry(&CHOSEN, bits));
-            _mm256_maskstore_pd(to, entry(&LANES, first), _mm256_castps_pd(front));
+            let chosen = entry(simd, &CHOSEN, bits);
+            let front = _mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), chosen);
+            _mm256_maskstore_pd(to, entry(simd, &LANES, first), _mm256_castps_pd(front));
         }
     }
 
     #[inline(always)]
     fn sqrt(self) -> Self {
-        // SAFETY: a value of this type exists, so the processor has AVX2; likewise below.
-        Self(unsafe { _mm256_sqrt_pd(self.0) })
+        Self(intrinsics!(_mm256_sqrt_pd(self.0)))
     }
 
     #[inline(always)]
     fn abs(self) -> Self {
-        // SAFETY: as for `sqrt`.
-        Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+        Self(intrinsics!(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)))
     }
 
     #[inline(always)]
     fn minus_abs(self) -> Self {
-        // SAFETY: as for `sqrt`.
-        Self(unsafe { _mm256_or_pd(_mm256_set1_pd(-0.0), self.0) })
+        Self(intrinsics!(_mm256_or_pd(_mm256_set1_pd(-0.0), self.0)))
     }
 
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        // SAFETY: as for `sqrt`.
-        Self(unsafe { _mm256_min_pd(self.0, other.0) })
+        Self(intrinsics!(_mm256_min_pd(self.0, other.0)))
     }
 
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        // SAFETY: as for `sqrt`.
-        Self(unsafe { _mm256_max_pd(self.0, other.0) })
+        Self(intrinsics!(_mm256_max_pd(self.0, other.0)))
     }
 
     #[inline(always)]
     fn lt(self, other: Self) -> Mask4 {
-        // SAFETY: as for `sqrt`.
-        Mask4(unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) })
+        Mask4(intrinsics!(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0)))
     }
 
     #[inline(always)]
     fn le(self, other: Self) -> Mask4 {
-        // SAFETY: as for `sqrt`.
-        Mask4(unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0) })
+        Mask4(intrinsics!(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)))
     }
 
     #[inline(always)]
     fn select(mask: Mask4, yes: Self, no: Self) -> Self {
-        // SAFETY: as for `sqrt`.
-        Self(unsafe { _mm256_blendv_pd(no.0, yes.0, mask.0) })
+        Self(intrinsics!(_mm256_blendv_pd(no.0, yes.0, mask.0)))
     }
 
     #[inline(always)]
     fn least(self) -> f64 {
-        // SAFETY: as for `sqrt`.
-        unsafe {
+        intrinsics! {
             let two = _mm_min_pd(
                 _mm256_castpd256_pd128(self.0),
                 _mm256_extractf128_pd::<1>(self.0),
@@ -202,8 +220,7 @@ impl BitAnd for Mask4 {
 
     #[inline(always)]
     fn bitand(self, other: Self) -> Self {
-        // SAFETY: a value of this type exists, so the processor has AVX2; likewise below.
-        Self(unsafe { _mm256_and_pd(self.0, other.0) })
+        Self(intrinsics!(_mm256_and_pd(self.0, other.0)))
     }
 }
 
@@ -212,8 +229,7 @@ impl BitOr for Mask4 {
 
     #[inline(always)]
     fn bitor(self, other: Self) -> Self {
-        // SAFETY: as for `bitand`.
-        Self(unsafe { _mm256_or_pd(self.0, other.0) })
+        Self(intrinsics!(_mm256_or_pd(self.0, other.0)))
     }
 }
 
@@ -222,22 +238,17 @@ impl Not for Mask4 {
 
     #[inline(always)]
     fn not(self) -> Self {
-        // SAFETY: as for `bitand`.
-        Self(unsafe { _mm256_xor_pd(self.0, _mm256_castsi256_pd(_mm256_set1_epi64x(-1))) })
+        Self(intrinsics!(_mm256_xor_pd(
+            self.0,
+            _mm256_castsi256_pd(_mm256_set1_epi64x(-1))
+        )))
     }
 }
 
 impl LaneMask for Mask4 {
     #[inline(always)]
-    unsafe fn from_bits(bits: u8) -> Self {
-        // SAFETY: promised by the caller.
-        Self(unsafe { _mm256_castsi256_pd(entry(&LANES, bits)) })
-    }
-
-    #[inline(always)]
     #[allow(clippy::cast_sign_loss)] // The sign is not among the four bits.
     fn bits(self) -> u8 {
-        // SAFETY: as for `bitand`.
-        unsafe { _mm256_movemask_pd(self.0) as u8 }
+        intrinsics!(_mm256_movemask_pd(self.0) as u8)
     }
 }

@@ -1,5 +1,8 @@
 //! Eight lanes: AVX-512 F, DQ and VL.
 
+// Intrinsics are unsafe outside of functions with their features.
+#![allow(unsafe_code)]
+
 use std::arch::x86_64::{
     __m512d, _CMP_LE_OQ, _CMP_LT_OQ, _mm512_abs_pd, _mm512_add_pd, _mm512_castpd_si512,
     _mm512_castsi512_pd, _mm512_cmp_pd_mask, _mm512_div_pd, _mm512_loadu_pd, _mm512_mask_blend_pd,
@@ -9,15 +12,37 @@ use std::arch::x86_64::{
 };
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
-use super::{LaneMask, Lanes};
+use super::dispatch::{Program, run_avx512_apart};
+use super::instructions::Instructions;
+use super::lanes::{LaneMask, Lanes};
+
+/// The processor has AVX-512 F, DQ and VL.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Avx512Token(());
+
+impl Avx512Token {
+    /// The proof, if the processor has the instructions.
+    pub(super) fn detect() -> Option<Self> {
+        Instructions::Avx512.is_available().then_some(Self(()))
+    }
+}
+
+/// Intrinsics in a place where a token or a vector exists.
+macro_rules! intrinsics {
+    ($($body:tt)*) => {{
+        // SAFETY: vectors come from tokens, and these from detection, so the processor has AVX-512.
+        #[allow(unused_unsafe)]
+        unsafe { $($body)* }
+    }};
+}
 
 /// Eight numbers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Avx512(__m512d);
+pub(super) struct Avx512(__m512d);
 
 /// Eight answers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Mask8(u8);
+pub(super) struct Mask8(u8);
 
 macro_rules! operator {
     ($($trait:ident $method:ident $intrinsic:ident)+) => {
@@ -26,8 +51,7 @@ macro_rules! operator {
 
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                // SAFETY: a value of this type exists, so the processor has AVX-512.
-                Self(unsafe { $intrinsic(self.0, other.0) })
+                Self(intrinsics!($intrinsic(self.0, other.0)))
             }
         })+
     };
@@ -40,29 +64,35 @@ impl Lanes for Avx512 {
 
     const STORES_SOME_SLOWLY: bool = false;
 
+    type Token = Avx512Token;
+
     type Mask = Mask8;
 
     #[inline(always)]
-    unsafe fn splat(x: f64) -> Self {
-        // SAFETY: promised by the caller.
-        Self(unsafe { _mm512_set1_pd(x) })
+    fn splat(_: Avx512Token, x: f64) -> Self {
+        Self(intrinsics!(_mm512_set1_pd(x)))
     }
 
     #[inline(always)]
-    unsafe fn places() -> Self {
-        // SAFETY: promised by the caller.
-        Self(unsafe { _mm512_set_pd(7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0, 0.0) })
+    fn places(_: Avx512Token) -> Self {
+        let places = intrinsics!(_mm512_set_pd(7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0, 0.0));
+        Self(places)
     }
 
     #[inline(always)]
-    unsafe fn load(from: *const f64) -> Self {
-        // SAFETY: promised by the caller.
+    fn mask(_: Avx512Token, bits: u8) -> Mask8 {
+        Mask8(bits)
+    }
+
+    #[inline(always)]
+    unsafe fn load(_: Avx512Token, from: *const f64) -> Self {
+        // SAFETY: the token, and the trait's contract.
         Self(unsafe { _mm512_loadu_pd(from) })
     }
 
     #[inline(always)]
     unsafe fn store(self, to: *mut f64) {
-        // SAFETY: promised by the caller.
+        // SAFETY: a vector exists, and the trait's contract.
         unsafe { _mm512_storeu_pd(to, self.0) }
     }
 
@@ -70,26 +100,24 @@ impl Lanes for Avx512 {
     #[inline(always)]
     unsafe fn store_chosen(self, mask: Mask8, to: *mut f64) {
         let first = ((1_u32 << mask.0.count_ones()) - 1) as u8;
-        // SAFETY: promised by the caller; lanes that are not among the first are not written.
+        // SAFETY: a vector exists, and the trait's contract; lanes that are not among the first
+        // are not written.
         unsafe { _mm512_mask_storeu_pd(to, first, _mm512_maskz_compress_pd(mask.0, self.0)) }
     }
 
     #[inline(always)]
     fn sqrt(self) -> Self {
-        // SAFETY: a value of this type exists, so the processor has AVX-512; likewise below.
-        Self(unsafe { _mm512_sqrt_pd(self.0) })
+        Self(intrinsics!(_mm512_sqrt_pd(self.0)))
     }
 
     #[inline(always)]
     fn abs(self) -> Self {
-        // SAFETY: as for `sqrt`.
-        Self(unsafe { _mm512_abs_pd(self.0) })
+        Self(intrinsics!(_mm512_abs_pd(self.0)))
     }
 
     #[inline(always)]
     fn minus_abs(self) -> Self {
-        // SAFETY: as for `sqrt`.
-        Self(unsafe {
+        Self(intrinsics! {
             let sign = _mm512_castpd_si512(_mm512_set1_pd(-0.0));
             _mm512_castsi512_pd(_mm512_or_si512(sign, _mm512_castpd_si512(self.0)))
         })
@@ -97,38 +125,41 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        // SAFETY: as for `sqrt`.
-        Self(unsafe { _mm512_min_pd(self.0, other.0) })
+        Self(intrinsics!(_mm512_min_pd(self.0, other.0)))
     }
 
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        // SAFETY: as for `sqrt`.
-        Self(unsafe { _mm512_max_pd(self.0, other.0) })
+        Self(intrinsics!(_mm512_max_pd(self.0, other.0)))
     }
 
     #[inline(always)]
     fn lt(self, other: Self) -> Mask8 {
-        // SAFETY: as for `sqrt`.
-        Mask8(unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) })
+        Mask8(intrinsics!(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(
+            self.0, other.0
+        )))
     }
 
     #[inline(always)]
     fn le(self, other: Self) -> Mask8 {
-        // SAFETY: as for `sqrt`.
-        Mask8(unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0) })
+        Mask8(intrinsics!(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(
+            self.0, other.0
+        )))
     }
 
     #[inline(always)]
     fn select(mask: Mask8, yes: Self, no: Self) -> Self {
-        // SAFETY: as for `sqrt`.
-        Self(unsafe { _mm512_mask_blend_pd(mask.0, no.0, yes.0) })
+        Self(intrinsics!(_mm512_mask_blend_pd(mask.0, no.0, yes.0)))
     }
 
     #[inline(always)]
     fn least(self) -> f64 {
-        // SAFETY: as for `sqrt`.
-        unsafe { _mm512_reduce_min_pd(self.0) }
+        intrinsics!(_mm512_reduce_min_pd(self.0))
+    }
+
+    #[inline(always)]
+    fn run_apart<T: Program>(simd: Avx512Token, program: T) -> T::Output {
+        run_avx512_apart(program, simd)
     }
 }
 
@@ -160,11 +191,6 @@ impl Not for Mask8 {
 }
 
 impl LaneMask for Mask8 {
-    #[inline(always)]
-    unsafe fn from_bits(bits: u8) -> Self {
-        Self(bits)
-    }
-
     #[inline(always)]
     fn bits(self) -> u8 {
         self.0

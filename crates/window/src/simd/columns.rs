@@ -1,0 +1,548 @@
+//! Bounded views of structures of arrays: blocks of columns, each a whole number of cache lines.
+
+// Registers are loaded and stored by address, within bounds that the views keep.
+#![allow(unsafe_code)]
+// An iterator over registers may not be inlined into code that is compiled for vectors.
+#![allow(clippy::needless_range_loop)]
+
+use std::marker::PhantomData;
+
+use super::lanes::{LaneMask, Lanes};
+
+/// A cache line of a column.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct Line(pub [f64; Line::LANES]);
+
+impl Line {
+    /// Numbers in a line; every register has as many or a divisor of it.
+    pub const LANES: usize = 8;
+}
+
+/// Number of registers that the first `len` numbers of a column take.
+#[inline(always)]
+fn registers<L: Lanes>(len: usize) -> usize {
+    const { assert!(Line::LANES.is_multiple_of(L::COUNT)) };
+    len.div_ceil(L::COUNT)
+}
+
+/// Numbers from one column to the next of `N` columns of `column` lines, which fit into `lines`
+/// lines with `more` behind them.
+#[inline(always)]
+fn stride_of<const N: usize>(lines: usize, column: u32, more: u64) -> usize {
+    // In 64 bits, where nothing overflows.
+    let needed = N as u64 * u64::from(column) + more;
+    assert!(needed <= lines as u64, "the columns do not fit");
+    column as usize * Line::LANES
+}
+
+/// One register of each of `N` columns, `stride` numbers apart, the first one at `from`.
+///
+/// # Safety
+///
+/// All of them must be readable.
+#[inline(always)]
+unsafe fn load<L: Lanes, const N: usize>(
+    simd: L::Token,
+    from: *const f64,
+    stride: usize,
+) -> [L; N] {
+    let mut loaded = [L::splat(simd, 0.0); N];
+    for column in 0..N {
+        // SAFETY: the views below keep these bounds.
+        loaded[column] = unsafe { L::load(simd, from.add(column * stride)) };
+    }
+    loaded
+}
+
+/// Writes the lanes that `mask` chooses to `N` columns, `stride` numbers apart, from `to` on.
+///
+/// # Safety
+///
+/// As many numbers must be writable in each.
+#[inline(always)]
+unsafe fn store<L: Lanes, const N: usize>(
+    to: *mut f64,
+    stride: usize,
+    mask: L::Mask,
+    rows: [L; N],
+) {
+    let all = L::STORES_SOME_SLOWLY && mask.count() == L::COUNT;
+    for column in 0..N {
+        // SAFETY: the views below keep these bounds; all lanes are chosen if `all`.
+        unsafe {
+            let to = to.add(column * stride);
+            if all {
+                rows[column].store(to);
+            } else {
+                rows[column].store_chosen(mask, to);
+            }
+        }
+    }
+}
+
+/// The first `len` rows of a block of `N` columns, for reading.
+#[derive(Clone, Copy, Debug)]
+pub struct Columns<'a, const N: usize> {
+    start: *const f64,
+    /// Numbers from one column to the next, of which `len` are read. There are `N` times as many.
+    stride: usize,
+    len: usize,
+    lines: PhantomData<&'a [Line]>,
+}
+
+impl<'a, const N: usize> Columns<'a, N> {
+    /// The first `len` rows of the block at the start of `lines`, `N` columns of `column` lines.
+    ///
+    /// # Panics
+    ///
+    /// If there are not so many lines, or columns are shorter than `len`.
+    #[inline(always)]
+    pub fn new(lines: &'a [Line], column: u32, len: usize) -> Self {
+        let stride = stride_of::<N>(lines.len(), column, 0);
+        assert!(len <= stride, "columns are shorter than the list");
+        Self {
+            start: lines.as_ptr().cast(),
+            stride,
+            len,
+            lines: PhantomData,
+        }
+    }
+
+    /// Number of rows.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are no rows.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Number of registers that the rows of a column take.
+    #[inline(always)]
+    pub fn registers<L: Lanes>(&self) -> usize {
+        registers::<L>(self.len)
+    }
+
+    /// The lanes of a register that hold rows.
+    #[inline(always)]
+    pub fn listed<L: Lanes>(&self, simd: L::Token, register: usize) -> L::Mask {
+        L::within(simd, register * L::COUNT, self.len)
+    }
+
+    /// One register of each column. Lanes behind the last row hold any number.
+    ///
+    /// # Panics
+    ///
+    /// If the rows do not take so many [registers](Self::registers).
+    #[inline(always)]
+    pub fn load<L: Lanes>(&self, simd: L::Token, register: usize) -> [L; N] {
+        assert!(register < self.registers::<L>());
+        // SAFETY: columns have whole lines, so that each register with a row lies within one.
+        unsafe { load(simd, self.start.add(register * L::COUNT), self.stride) }
+    }
+
+    /// Row `i`.
+    ///
+    /// # Panics
+    ///
+    /// If there are not so many rows.
+    #[inline(always)]
+    pub fn row(&self, i: usize) -> [f64; N] {
+        assert!(i < self.len);
+        // SAFETY: `len` is at most `stride`.
+        std::array::from_fn(|column| unsafe { *self.start.add(column * self.stride + i) })
+    }
+}
+
+/// A block of `N` columns, for writing.
+#[derive(Debug)]
+pub struct Block<'a, const N: usize> {
+    start: *mut f64,
+    /// As in [`Columns`].
+    stride: usize,
+    lines: PhantomData<&'a mut [Line]>,
+}
+
+impl<'a, const N: usize> Block<'a, N> {
+    /// The block at the start of `lines`, `N` columns of `column` lines.
+    ///
+    /// # Panics
+    ///
+    /// If there are not so many lines.
+    #[inline(always)]
+    pub fn new(lines: &'a mut [Line], column: u32) -> Self {
+        Self {
+            stride: stride_of::<N>(lines.len(), column, 0),
+            start: lines.as_mut_ptr().cast(),
+            lines: PhantomData,
+        }
+    }
+
+    /// Adds rows behind the first `len`, which it has.
+    #[inline(always)]
+    pub fn append(&mut self, len: usize) -> Sink<'_, N> {
+        Sink {
+            start: self.start,
+            stride: self.stride,
+            len,
+            block: PhantomData,
+        }
+    }
+
+    /// The first `len` rows, for reading.
+    ///
+    /// # Panics
+    ///
+    /// If columns are shorter than `len`.
+    #[inline(always)]
+    pub fn columns(&self, len: usize) -> Columns<'_, N> {
+        assert!(len <= self.stride, "columns are shorter than the list");
+        Columns {
+            start: self.start,
+            stride: self.stride,
+            len,
+            lines: PhantomData,
+        }
+    }
+}
+
+/// Rows that are added to a [`Block`].
+#[derive(Debug)]
+pub struct Sink<'a, const N: usize> {
+    start: *mut f64,
+    /// As in [`Columns`].
+    stride: usize,
+    len: usize,
+    block: PhantomData<&'a mut [Line]>,
+}
+
+impl<const N: usize> Sink<'_, N> {
+    /// Number of rows.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are no rows.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Adds the rows that `mask` chooses.
+    ///
+    /// # Panics
+    ///
+    /// If there is no room for them.
+    #[inline(always)]
+    pub fn add<L: Lanes>(&mut self, mask: L::Mask, rows: [L; N]) {
+        let len = self.len + mask.count();
+        assert!(len <= self.stride, "no room in a list");
+        // SAFETY: there is room for them in each column.
+        unsafe { store(self.start.add(self.len), self.stride, mask, rows) };
+        self.len = len;
+    }
+}
+
+/// A block of `N` columns with a line behind it that may be read.
+#[derive(Debug)]
+pub struct PaddedBlock<'a, const N: usize> {
+    start: *mut f64,
+    /// As in [`Columns`]; a line follows behind the last column.
+    stride: usize,
+    lines: PhantomData<&'a mut [Line]>,
+}
+
+impl<'a, const N: usize> PaddedBlock<'a, N> {
+    /// The block at the start of `lines`, `N` columns of `column` lines, and one line more.
+    ///
+    /// # Panics
+    ///
+    /// If there are not so many lines.
+    #[inline(always)]
+    pub fn new(lines: &'a mut [Line], column: u32) -> Self {
+        Self {
+            stride: stride_of::<N>(lines.len(), column, 1),
+            start: lines.as_mut_ptr().cast(),
+            lines: PhantomData,
+        }
+    }
+
+    /// The first `len` rows, of which some are dropped.
+    ///
+    /// # Panics
+    ///
+    /// If columns are shorter than `len`.
+    #[inline(always)]
+    pub fn in_place(&mut self, len: usize) -> InPlace<'_, N> {
+        assert!(len <= self.stride, "columns are shorter than the list");
+        InPlace {
+            start: self.start,
+            stride: self.stride,
+            len,
+            kept: 0,
+            block: PhantomData,
+        }
+    }
+}
+
+/// Rows of a [`PaddedBlock`] of which some are dropped: rows are read, and those that stay are
+/// written from the start on.
+#[derive(Debug)]
+pub struct InPlace<'a, const N: usize> {
+    start: *mut f64,
+    /// As in [`Columns`]; a line follows behind the last column.
+    stride: usize,
+    len: usize,
+    kept: usize,
+    block: PhantomData<&'a mut [Line]>,
+}
+
+impl<const N: usize> InPlace<'_, N> {
+    /// Number of registers that the rows of a column take.
+    #[inline(always)]
+    pub fn registers<L: Lanes>(&self) -> usize {
+        registers::<L>(self.len)
+    }
+
+    /// The lanes of a register that hold rows.
+    #[inline(always)]
+    pub fn listed<L: Lanes>(&self, simd: L::Token, register: usize) -> L::Mask {
+        L::within(simd, register * L::COUNT, self.len)
+    }
+
+    /// The lanes of a register that hold rows before the last one.
+    #[inline(always)]
+    pub fn with_next<L: Lanes>(&self, simd: L::Token, register: usize) -> L::Mask {
+        L::within(simd, register * L::COUNT, self.len - 1)
+    }
+
+    /// One register of each column. Lanes behind the last row hold any number.
+    ///
+    /// # Panics
+    ///
+    /// If the rows do not take so many [registers](Self::registers).
+    #[inline(always)]
+    pub fn load<L: Lanes>(&self, simd: L::Token, register: usize) -> [L; N] {
+        assert!(register < self.registers::<L>());
+        // SAFETY: as in `Columns::load`.
+        unsafe { load(simd, self.start.add(register * L::COUNT), self.stride) }
+    }
+
+    /// The same, one row further on.
+    ///
+    /// # Panics
+    ///
+    /// As [`load`](Self::load).
+    #[inline(always)]
+    pub fn load_next<L: Lanes>(&self, simd: L::Token, register: usize) -> [L; N] {
+        assert!(register < self.registers::<L>());
+        // SAFETY: as in `Columns::load`, and there is a line behind the last column.
+        unsafe { load(simd, self.start.add(register * L::COUNT + 1), self.stride) }
+    }
+
+    /// Keeps the rows that `mask` chooses, behind those that have been kept. Rows that have not
+    /// been loaded yet are overwritten if more rows are kept than have been loaded.
+    ///
+    /// # Panics
+    ///
+    /// If there is no room for them.
+    #[inline(always)]
+    pub fn keep<L: Lanes>(&mut self, mask: L::Mask, rows: [L; N]) {
+        let kept = self.kept + mask.count();
+        assert!(kept <= self.stride, "no room in a list");
+        // SAFETY: there is room for them in each column.
+        unsafe { store(self.start.add(self.kept), self.stride, mask, rows) };
+        self.kept = kept;
+    }
+
+    /// Number of rows kept.
+    #[inline(always)]
+    pub fn kept(&self) -> usize {
+        self.kept
+    }
+}
+
+/// A block of `N` columns that are written and read as whole registers.
+#[derive(Debug)]
+pub struct Scratch<'a, const N: usize> {
+    start: *mut f64,
+    /// As in [`Columns`]; columns go on for a line behind `len`.
+    stride: usize,
+    len: usize,
+    lines: PhantomData<&'a mut [Line]>,
+}
+
+impl<'a, const N: usize> Scratch<'a, N> {
+    /// For `len` rows in `lines`, `N` columns of equal length.
+    ///
+    /// # Panics
+    ///
+    /// If columns have no line more than `len` rows.
+    #[inline(always)]
+    pub fn new(lines: &'a mut [Line], len: usize) -> Self {
+        let stride = lines.len() / N * Line::LANES;
+        assert!(
+            len < stride && stride - len >= Line::LANES,
+            "columns are shorter than the list and a line"
+        );
+        Self {
+            start: lines.as_mut_ptr().cast(),
+            stride,
+            len,
+            lines: PhantomData,
+        }
+    }
+
+    /// Writes one register of each column.
+    ///
+    /// # Panics
+    ///
+    /// If the rows do not take so many registers.
+    #[inline(always)]
+    pub fn store<L: Lanes>(&mut self, register: usize, rows: [L; N]) {
+        self.store_at(register, 0, rows);
+    }
+
+    /// The same, one row further on.
+    ///
+    /// # Panics
+    ///
+    /// As [`store`](Self::store).
+    #[inline(always)]
+    pub fn store_next<L: Lanes>(&mut self, register: usize, rows: [L; N]) {
+        self.store_at(register, 1, rows);
+    }
+
+    #[inline(always)]
+    fn store_at<L: Lanes>(&mut self, register: usize, further: usize, rows: [L; N]) {
+        assert!(register < registers::<L>(self.len) && further <= 1);
+        for column in 0..N {
+            let place = column * self.stride + register * L::COUNT + further;
+            // SAFETY: the register starts before row `len`, and columns go on for a line behind it.
+            unsafe { rows[column].store(self.start.add(place)) };
+        }
+    }
+
+    /// One register of each column.
+    ///
+    /// # Panics
+    ///
+    /// As [`store`](Self::store).
+    #[inline(always)]
+    pub fn load<L: Lanes>(&self, simd: L::Token, register: usize) -> [L; N] {
+        assert!(register < registers::<L>(self.len));
+        // SAFETY: as in `store_at`.
+        unsafe { load(simd, self.start.add(register * L::COUNT), self.stride) }
+    }
+
+    /// Writes row `i`.
+    ///
+    /// # Panics
+    ///
+    /// If there are not so many rows.
+    #[inline(always)]
+    pub fn set_row(&mut self, i: usize, row: [f64; N]) {
+        assert!(i < self.len);
+        for column in 0..N {
+            // SAFETY: `len` is less than `stride`.
+            unsafe { *self.start.add(column * self.stride + i) = row[column] };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::{Instructions, Program, Scalar, Simd};
+
+    /// Keeps the rows of a list whose first number is less than their successor's, in place, and
+    /// appends them to `sink`, which they fill.
+    struct KeepRising<'a>(&'a mut [Line], usize, &'a mut [Line]);
+
+    impl Program for KeepRising<'_> {
+        type Output = [usize; 2];
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, simd: L::Token) -> [usize; 2] {
+            let Self(lines, len, out) = self;
+            let column = (lines.len() / 2) as u32;
+            let mut block = PaddedBlock::<2>::new(lines, column);
+            let mut list = block.in_place(len);
+            let mut cuts = vec![Line::default(); 2 * (len / Line::LANES + 2)];
+            let mut cuts = Scratch::<2>::new(&mut cuts, len);
+            let mut out = Block::<2>::new(out, column);
+            let mut sink = out.append(0);
+            for register in 0..list.registers::<L>() {
+                cuts.store(register, list.load_next::<L>(simd, register));
+            }
+            for register in 0..list.registers::<L>() {
+                let row = list.load::<L>(simd, register);
+                let next = cuts.load::<L>(simd, register);
+                let rises = row[0].lt(next[0]) & list.with_next::<L>(simd, register);
+                sink.add(rises, row);
+                list.keep(rises, row);
+            }
+            [list.kept(), sink.len()]
+        }
+    }
+
+    #[test]
+    fn all_instructions_keep_the_same_rows() {
+        for len in [1, 2, 7, 8, 9, 15, 16, 29, 32] {
+            let column = 4;
+            let first = |i: usize| (i * 7 % 5) as f64;
+            let mut lines = vec![Line([f64::INFINITY; 8]); 2 * column + 1];
+            for i in 0..len {
+                lines[i / 8].0[i % 8] = first(i);
+                lines[column + i / 8].0[i % 8] = i as f64;
+            }
+            let expected: Vec<_> = (0..len - 1)
+                .filter(|&i| first(i) < first(i + 1))
+                .map(|i| [first(i), i as f64])
+                .collect();
+            for instructions in Instructions::ALL {
+                let (mut list, mut out) = (lines.clone(), vec![Line::default(); 2 * column]);
+                let kept = Simd::new(instructions).run(KeepRising(&mut list, len, &mut out));
+                assert_eq!(kept, [expected.len(); 2], "{instructions}, {len}");
+                for lines in [&list, &out] {
+                    let columns = Columns::<2>::new(lines, column as u32, expected.len());
+                    let rows: Vec<_> = (0..columns.len()).map(|i| columns.row(i)).collect();
+                    assert_eq!(rows, expected, "{instructions}, {len}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "no room")]
+    fn a_full_block_takes_no_row() {
+        let mut lines = [Line::default(); 2];
+        let mut block = Block::<2>::new(&mut lines, 1);
+        block
+            .append(8)
+            .add(Scalar::mask((), 1), [Scalar::splat((), 1.0); 2]);
+    }
+
+    #[test]
+    #[should_panic(expected = "shorter than the list")]
+    fn no_rows_are_read_behind_a_column() {
+        Columns::<2>::new(&[Line::default(); 2], 1, 9);
+    }
+
+    #[test]
+    #[should_panic(expected = "do not fit")]
+    fn a_block_has_all_its_lines() {
+        PaddedBlock::<2>::new(&mut [Line::default(); 2], 1);
+    }
+
+    #[test]
+    #[should_panic(expected = "register < ")]
+    fn no_register_is_read_behind_the_last_row() {
+        Columns::<2>::new(&[Line::default(); 2], 1, 4).load::<Scalar>((), 4);
+    }
+}

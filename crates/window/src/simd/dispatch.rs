@@ -1,0 +1,102 @@
+//! Programs compiled for every instruction set.
+
+// The functions for an instruction set are called here alone, with the token of the set.
+#![allow(unsafe_code)]
+
+use super::instructions::Instructions;
+use super::lanes::Lanes;
+use super::scalar::Scalar;
+#[cfg(target_arch = "x86_64")]
+use super::{
+    avx2::{Avx2, Avx2Token},
+    avx512::{Avx512, Avx512Token},
+};
+
+/// Code that is compiled for every instruction set.
+pub trait Program {
+    /// The result.
+    type Output;
+
+    /// Runs the program with the instructions of `L`. Must be `#[inline(always)]`, as must all that
+    /// it calls with vectors, so that it is compiled for the features of its caller.
+    fn run<L: Lanes>(self, simd: L::Token) -> Self::Output;
+}
+
+/// An instruction set that this processor has: the proof, made by detection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Simd(Kind);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Scalar,
+    #[cfg(target_arch = "x86_64")]
+    Avx2(Avx2Token),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(Avx512Token),
+}
+
+impl Simd {
+    /// The given instructions, or narrower ones if the processor lacks them.
+    pub fn new(instructions: Instructions) -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if instructions >= Instructions::Avx512
+            && let Some(token) = Avx512Token::detect()
+        {
+            return Self(Kind::Avx512(token));
+        }
+        #[cfg(target_arch = "x86_64")]
+        if instructions >= Instructions::Avx2
+            && let Some(token) = Avx2Token::detect()
+        {
+            return Self(Kind::Avx2(token));
+        }
+        let _ = instructions;
+        Self(Kind::Scalar)
+    }
+
+    /// The instructions in use.
+    pub fn instructions(self) -> Instructions {
+        match self.0 {
+            Kind::Scalar => Instructions::Scalar,
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2(_) => Instructions::Avx2,
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512(_) => Instructions::Avx512,
+        }
+    }
+
+    /// Runs `program` with these instructions.
+    #[inline]
+    pub fn run<T: Program>(self, program: T) -> T::Output {
+        match self.0 {
+            Kind::Scalar => program.run::<Scalar>(()),
+            // SAFETY: the token proves that the processor has the features.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2(token) => unsafe { run_avx2(program, token) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512(token) => unsafe { run_avx512(program, token) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,popcnt,lzcnt")]
+fn run_avx2<T: Program>(program: T, token: Avx2Token) -> T::Output {
+    program.run::<Avx2>(token)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,bmi1,bmi2,popcnt,lzcnt")]
+fn run_avx512<T: Program>(program: T, token: Avx512Token) -> T::Output {
+    program.run::<Avx512>(token)
+}
+
+/// [`run_avx512`] is not inlined into a function without its features, and this one into none; on
+/// a function with both attributes, the compiler drops the one against inlining.
+#[cfg(target_arch = "x86_64")]
+#[inline(never)]
+pub(super) fn run_avx512_apart<T: Program>(program: T, token: Avx512Token) -> T::Output {
+    // SAFETY: the token proves that the processor has the features.
+    unsafe { run_avx512(program, token) }
+}

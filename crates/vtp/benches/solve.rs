@@ -28,7 +28,7 @@ fn options() -> Vec<(String, FastOptions)> {
         (
             "fast-all-around",
             FastOptions {
-                shadow: false,
+                spawn_wedge: false,
                 ..all
             },
         ),

@@ -5,7 +5,7 @@
 
 use std::marker::PhantomData;
 
-use crate::engine::hand::Hand;
+use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::exits::Rule;
 use crate::engine::kernels::{Carried, Gate, Measured, Target, Triangle, carry, measure};
 use crate::engine::store::Columns;
@@ -18,7 +18,7 @@ use geobench_window::simd::Program;
 /// measures them.
 pub(crate) struct Inspect<'a, P> {
     lists: [Columns<'a>; 2],
-    hand: &'a mut Hand,
+    active: &'a mut ActiveList,
     surface: &'a Surface,
     h: u32,
     gate: &'a Gate,
@@ -30,14 +30,14 @@ impl<'a, P> Inspect<'a, P> {
     #[inline]
     pub(crate) fn new(
         lists: [Columns<'a>; 2],
-        hand: &'a mut Hand,
+        active: &'a mut ActiveList,
         surface: &'a Surface,
         h: u32,
         gate: &'a Gate,
     ) -> Self {
         Self {
             lists,
-            hand,
+            active,
             surface,
             h,
             gate,
@@ -51,16 +51,16 @@ impl<P: Pairs> Program for Inspect<'_, P> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, simd: L::Token) -> Measured {
-        let Self { hand, gate, .. } = self;
-        hand.take::<L>(simd, self.lists, gate);
-        P::prune::<L>(simd, hand, self.surface, self.h);
-        hand.measure::<L>(simd, gate)
+        let Self { active, gate, .. } = self;
+        active.take::<L>(simd, self.lists, gate);
+        P::prune::<L>(simd, active, self.surface, self.h);
+        active.measure::<L>(simd, gate)
     }
 }
 
 /// Takes the list in hand across its face.
 pub(crate) struct Carry<'a, 'b, R> {
-    hand: &'a Hand,
+    active: &'a ActiveList,
     triangle: &'a Triangle,
     rule: &'a R,
     threshold: f64,
@@ -72,14 +72,14 @@ impl<'a, 'b, R> Carry<'a, 'b, R> {
     /// counted then.
     #[inline]
     pub(crate) fn new(
-        hand: &'a Hand,
+        active: &'a ActiveList,
         triangle: &'a Triangle,
         rule: &'a R,
         threshold: f64,
         targets: &'a mut [Target<'b>; 2],
     ) -> Self {
         Self {
-            hand,
+            active,
             triangle,
             rule,
             threshold,
@@ -93,12 +93,12 @@ impl<R: Rule> Program for Carry<'_, '_, R> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, simd: L::Token) -> Carried {
-        let Self { hand, .. } = self;
+        let Self { active, .. } = self;
         let [left, right] = self.targets;
         carry::<L, R>(
             simd,
-            hand.columns(),
-            &hand.keep,
+            active.columns(),
+            &active.keep,
             self.triangle,
             self.rule,
             self.threshold,

@@ -4,7 +4,7 @@
 #![allow(private_bounds, private_interfaces)]
 
 use crate::crossing::Least;
-use crate::engine::hand::Hand;
+use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::Gate;
 use crate::engine::kernels::exits::{BestPath, EveryBetterPath, Free, Reach, Rule};
 use crate::engine::surface::{Surface, half_edge, next, parts, prev};
@@ -17,7 +17,7 @@ pub(crate) struct Crossing<'a> {
     /// The half-edge through which it enters.
     pub(crate) h: u32,
     /// What is left of the list.
-    pub(crate) hand: &'a Hand,
+    pub(crate) active: &'a ActiveList,
     pub(crate) gate: Gate,
     /// The shortest of its paths to the apex, and the length of that.
     pub(crate) best: BestPath,
@@ -152,15 +152,15 @@ impl Exits for EveryPath {
         });
         let Gate { l, apex, .. } = crossing.gate;
         self.paths.clear();
-        let list = crossing.hand.columns();
+        let list = crossing.active.columns();
         let path = |i| {
             let path = BestPath::of(list, i, apex, l + crossing.distance);
-            let w = crossing.hand.window(i);
+            let w = crossing.active.window(i);
             let [x, y] = [apex[0] - path.entry, apex[1]];
             let bent = w.distance(path.entry) + (x * x + y * y).sqrt();
             (path, bent)
         };
-        self.paths.extend((0..crossing.hand.len).map(path));
+        self.paths.extend((0..crossing.active.len).map(path));
         let every = EveryBetterPath {
             apex,
             paths: &self.paths,

@@ -54,7 +54,7 @@ mod propagation;
 mod pruning;
 mod schedule;
 mod trim;
-mod wave;
+mod wavefront;
 
 pub mod algorithms;
 

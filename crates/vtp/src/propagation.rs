@@ -7,7 +7,7 @@ use geobench_window::trimming::KeptWindows;
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution, Window};
 
 use crate::crossing::{Carry, Inspect, Least};
-use crate::engine::hand::Hand;
+use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::{BestPath, Gate, Target};
 use crate::engine::levels::Levels;
 use crate::engine::prefetch::prefetch;
@@ -45,7 +45,7 @@ pub struct ListPropagation<S, M, P, E> {
     surface: Surface,
     schedule: S,
     front: Front,
-    hand: Hand,
+    active: ActiveList,
     exits: E,
     /// Vertices whose turn has come.
     passed: Vec<bool>,
@@ -72,7 +72,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             surface,
             schedule: S::new(faces),
             front: Front::new(faces),
-            hand: Hand::new(),
+            active: ActiveList::new(),
             exits: E::new(faces),
             passed: Vec::new(),
             distances: Vec::new(),
@@ -193,7 +193,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 list: self.front.columns(list),
                 start,
                 gate: &gate,
-                keep: &mut self.hand.keep,
+                keep: &mut self.active.keep,
             };
             let offer = self.simd.run(program);
             self.schedule.wait(parts(h).0 as u32, offer, probe);
@@ -214,39 +214,39 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         probe.enter(Phase::Pruning);
         let lists = self.front.lists(h);
         let arrived = lists[0].len() + lists[1].len();
-        let program = Inspect::<P>::new(lists, &mut self.hand, &self.surface, h, &gate);
+        let program = Inspect::<P>::new(lists, &mut self.active, &self.surface, h, &gate);
         let found = self.simd.run(program);
         self.front.clear(h);
         probe.enter(Phase::Propagation);
         // Comparisons may make several windows of one.
         probe.add(
             Counter::Filtered,
-            arrived.saturating_sub(self.hand.len) as u64,
+            arrived.saturating_sub(self.active.len) as u64,
         );
-        probe.add(Counter::Parents, self.hand.len as u64);
-        if self.hand.len > arrived {
-            let alive = (self.front.waiting() + self.hand.len) as u64;
+        probe.add(Counter::Parents, self.active.len as u64);
+        if self.active.len > arrived {
+            let alive = (self.front.waiting() + self.active.len) as u64;
             probe.raise(Counter::PeakWindows, alive);
             probe.raise(Counter::PeakWavefront, alive);
         }
         if B::COUNTS {
             // Only windows that start from the vertex behind the edge have their source there.
             let behind = self.surface.behind(h);
-            let children = self.hand.iter().filter(|w| w.source() != behind);
+            let children = self.active.iter().filter(|w| w.source() != behind);
             probe.add(Counter::Kept, children.count() as u64);
         }
-        if probe.wants_sample(self.hand.len as u64) {
+        if probe.wants_sample(self.active.len as u64) {
             probe.sample(
                 self.front
                     .windows()
-                    .chain(self.hand.iter())
+                    .chain(self.active.iter())
                     .map(|w| Window::min_distance(&w)),
             );
         }
-        if self.hand.len > 0 {
+        if self.active.len > 0 {
             self.offer(apex, found.distance, probe);
             let size = gate.l + found.distance;
-            let best = BestPath::of(self.hand.columns(), found.best, gate.apex, size);
+            let best = BestPath::of(self.active.columns(), found.best, gate.apex, size);
             self.send_children(h, &face, gate, best, found.distance, found.bound, probe);
         }
         if B::COUNTS {
@@ -291,7 +291,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         let (carried, mut after) = {
             let rule = self.exits.enter(&Crossing {
                 h,
-                hand: &self.hand,
+                active: &self.active,
                 gate,
                 best,
                 distance,
@@ -309,7 +309,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 targets[side].len = before[side];
                 targets[side].open = exits[side] != NOBODY;
             }
-            let program = Carry::new(&self.hand, &triangle, &rule, self.threshold, &mut targets);
+            let program = Carry::new(&self.active, &triangle, &rule, self.threshold, &mut targets);
             let carried = self.simd.run(program);
             (carried, targets.map(|target| target.len))
         };

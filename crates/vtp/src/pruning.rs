@@ -7,7 +7,7 @@
 
 use geobench_window::Window;
 
-use crate::engine::hand::Hand;
+use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::settle;
 use crate::engine::surface::Surface;
 use crate::pairs::{Edge, Verdict, check_pair};
@@ -18,7 +18,7 @@ use geobench_window::simd::Lanes;
 pub trait Pairs: Send {
     /// Cuts or drops windows of `hand`, the list on half-edge `h` of `surface`.
     #[doc(hidden)]
-    fn prune<L: Lanes>(simd: L::Token, hand: &mut Hand, surface: &Surface, h: u32);
+    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, surface: &Surface, h: u32);
 }
 
 /// Neighbours in the list: rules 2 and 3 (Qin et al. 2016, sections 4.2 and 4.3). A window is
@@ -29,8 +29,8 @@ pub struct Neighbours;
 
 impl Pairs for Neighbours {
     #[inline(always)]
-    fn prune<L: Lanes>(simd: L::Token, hand: &mut Hand, surface: &Surface, h: u32) {
-        settle_neighbours::<L, false>(simd, hand, surface, h);
+    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, surface: &Surface, h: u32) {
+        settle_neighbours::<L, false>(simd, active, surface, h);
     }
 }
 
@@ -40,18 +40,18 @@ impl Pairs for Neighbours {
 #[inline(always)]
 fn settle_neighbours<L: Lanes, const TRIM: bool>(
     simd: L::Token,
-    hand: &mut Hand,
+    active: &mut ActiveList,
     surface: &Surface,
     h: u32,
 ) -> bool {
-    let len = hand.len;
+    let len = active.len;
     if len < 2 {
         return true;
     }
     let l = surface.length(h);
-    let (block, cuts, again) = hand.parts();
+    let (block, cuts, again) = active.parts();
     let (len, settled) = settle::<L, TRIM>(simd, block, len, l, || surface.behind(h), cuts, again);
-    hand.len = len;
+    active.len = len;
     settled
 }
 
@@ -61,28 +61,28 @@ pub struct NoPairs;
 
 impl Pairs for NoPairs {
     #[inline(always)]
-    fn prune<L: Lanes>(_: L::Token, _: &mut Hand, _: &Surface, _: u32) {}
+    fn prune<L: Lanes>(_: L::Token, _: &mut ActiveList, _: &Surface, _: u32) {}
 }
 
 /// Compares windows one by one: `push` adds each to those that have been checked so far, or drops
 /// it, and cuts or drops those with which it is compared.
 fn one_by_one(
-    hand: &mut Hand,
+    active: &mut ActiveList,
     surface: &Surface,
     h: u32,
     push: impl Fn(&mut Vec<Window>, Window, &Edge),
 ) {
-    if hand.len < 2 {
+    if active.len < 2 {
         return;
     }
     let edge = Edge::new(surface.length(h), surface.behind(h));
-    let mut checked = std::mem::take(&mut hand.windows);
+    let mut checked = std::mem::take(&mut active.windows);
     checked.clear();
-    for w in hand.iter() {
+    for w in active.iter() {
         push(&mut checked, w, &edge);
     }
-    hand.replace(&checked);
-    hand.windows = checked;
+    active.replace(&checked);
+    active.windows = checked;
 }
 
 /// Every pair, once: quadratic in the length of the list.
@@ -90,8 +90,8 @@ fn one_by_one(
 pub struct AllPairs;
 
 impl Pairs for AllPairs {
-    fn prune<L: Lanes>(_: L::Token, hand: &mut Hand, surface: &Surface, h: u32) {
-        one_by_one(hand, surface, h, push_to_all);
+    fn prune<L: Lanes>(_: L::Token, active: &mut ActiveList, surface: &Surface, h: u32) {
+        one_by_one(active, surface, h, push_to_all);
     }
 }
 
@@ -118,9 +118,9 @@ pub struct TiePoints;
 
 impl Pairs for TiePoints {
     #[inline(always)]
-    fn prune<L: Lanes>(simd: L::Token, hand: &mut Hand, surface: &Surface, h: u32) {
-        if !settle_neighbours::<L, true>(simd, hand, surface, h) {
-            one_by_one(hand, surface, h, push_and_trim);
+    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, surface: &Surface, h: u32) {
+        if !settle_neighbours::<L, true>(simd, active, surface, h) {
+            one_by_one(active, surface, h, push_and_trim);
         }
     }
 }
@@ -180,10 +180,10 @@ mod tests {
         let (mesh, _) = Mesh::from_soup(soup).unwrap();
         let surface = Surface::new(&mesh, &Numbering::same());
         assert_eq!(surface.behind(0), [0.5, -1.0]);
-        let mut hand = Hand::new();
-        hand.replace(windows);
-        P::prune::<Scalar>((), &mut hand, &surface, 0);
-        hand.iter().collect()
+        let mut active = ActiveList::new();
+        active.replace(windows);
+        P::prune::<Scalar>((), &mut active, &surface, 0);
+        active.iter().collect()
     }
 
     #[test]

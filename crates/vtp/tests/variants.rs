@@ -96,14 +96,14 @@ fn fast(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver>)> {
         (
             "all around",
             FastOptions {
-                shadow: false,
+                spawn_wedge: false,
                 ..all
             },
         ),
         (
             "parted",
             FastOptions {
-                reunite: false,
+                coalesce: false,
                 ..all
             },
         ),
@@ -209,12 +209,12 @@ fn any_number_of_threads_finds_the_same_distances() {
             ..all
         },
         FastOptions {
-            shadow: false,
+            spawn_wedge: false,
             pairs: 0,
             ..all
         },
         FastOptions {
-            reunite: false,
+            coalesce: false,
             ..all
         },
         FastOptions {
@@ -303,7 +303,7 @@ fn threads_do_not_run_away_from_one_that_is_late() {
     }
 }
 
-/// A run that was broken off once left windows, gifts and queues behind for the next one, which
+/// A run that was broken off once left windows, handoffs and queues behind for the next one, which
 /// found distances too short.
 #[test]
 fn a_run_that_was_broken_off_leaves_nothing_for_the_next_one() {
@@ -400,16 +400,16 @@ fn every_improvement_leaves_its_mark_on_the_counts() {
     let all = FastOptions::default();
     let children = |pairs| get(FastOptions { pairs, ..all }, Counter::Children);
     assert!(children(1) < children(8) && children(8) < children(0));
-    let spawned = |shadow| get(FastOptions { shadow, ..all }, Counter::Spawned);
+    let spawned = |spawn_wedge| get(FastOptions { spawn_wedge, ..all }, Counter::Spawned);
     assert!(2 * spawned(true) < spawned(false));
     let rounds = |bucket| get(FastOptions { bucket, ..all }, Counter::Iterations);
     assert!(rounds(0.1) > 2 * rounds(0.5));
 }
 
 /// Children of runs on one thread and on one of the parallel form.
-fn children(mesh: &Mesh, reunite: bool) -> [u64; 2] {
+fn children(mesh: &Mesh, coalesce: bool) -> [u64; 2] {
     let options = FastOptions {
-        reunite,
+        coalesce,
         ..FastOptions::default()
     };
     let source = [VertexId::new(0)];
@@ -428,7 +428,7 @@ fn windows_that_flat_vertices_part_are_one_behind_them() {
         ("gen:terrain,n=8,seed=3,subdivide=3", 2),
     ] {
         let mesh = scaled(soup_of(spec), 1.0);
-        let [with, without] = [true, false].map(|reunite| children(&mesh, reunite));
+        let [with, without] = [true, false].map(|coalesce| children(&mesh, coalesce));
         for (with, without) in with.into_iter().zip(without) {
             assert!(gain * with < without, "{spec}: {with} of {without}");
         }

@@ -190,8 +190,8 @@ fn options(values: &Values) -> FastOptions {
         instructions: values.instructions(),
         pairs: values.integer(&PAIRS) as u32,
         bucket: values.real(&BUCKET),
-        shadow: values.word(&SHADOW) == Some("on"),
-        reunite: values.word(&REUNITE) == Some("on"),
+        spawn_wedge: values.word(&SHADOW) == Some("on"),
+        coalesce: values.word(&REUNITE) == Some("on"),
         renumber: values.word(&RENUMBER) == Some("on"),
     }
 }

@@ -13,7 +13,7 @@
 //! gives to the thread that has least: vertices whose turns are to come, with the windows that wait
 //! around them. Given away are those that lie, in space, farthest on the side of the thread that
 //! gets them, so that the parts of threads lie together; without positions, numbers count as
-//! places. On two threads some twenty gifts are made in a run, with one window in a hundred.
+//! places. On two threads some twenty handoffs are made in a run, with one window in a hundred.
 //!
 //! **Why it is exact.** In whatever order windows cross, all that may hold a shortest path do, as
 //! in any form of VTP. A distance that a thread sees may be out of date, or overwritten by a longer
@@ -27,7 +27,7 @@
 //!
 //! **Who waits.** A thread may be two buckets ahead of the last one, four of the other one if there
 //! are two, so that what one has more to do in one bucket and less in the next evens out; whoever
-//! gets a gift falls back to where the giver is, for others must not go on without what it leads
+//! gets a handoff falls back to where the giver is, for others must not go on without what it leads
 //! to. Nobody waits for a thread that has not woken up, but for its share of the distances at the
 //! end. On two threads 1 % to 4 % of the time is waiting, most on models of some thousand faces.
 //! More windows than on one thread cross, since what one knows comes late to the other, by up to 1

@@ -2,7 +2,7 @@
 
 use super::store::NO_LIST;
 
-/// What a wave knows of a face: the lists that wait on its half-edges to cross it, which of them
+/// What a wavefront knows of a face: the lists that wait on its half-edges to cross it, which of them
 /// are queued, and the run in which it joined the traversed area last.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FaceState {

@@ -4,16 +4,16 @@
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
 
+pub(crate) mod active_list;
 #[doc(hidden)]
 pub mod bench_support;
 pub(crate) mod buckets;
+pub(crate) mod coalesce;
 pub(crate) mod face_state;
-pub(crate) mod hand;
 pub(crate) mod kernels;
 pub(crate) mod levels;
 pub(crate) mod prefetch;
-pub(crate) mod reunite;
 pub(crate) mod sample;
-pub(crate) mod shadow;
+pub(crate) mod spawn_wedge;
 pub(crate) mod store;
 pub(crate) mod surface;

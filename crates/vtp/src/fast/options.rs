@@ -17,10 +17,10 @@ pub struct Options {
     /// Whether vertices and faces are put into an order of their own, breadth first.
     pub renumber: bool,
     /// Whether pseudo-sources send windows only into the shadow of the path that reached them.
-    pub shadow: bool,
+    pub spawn_wedge: bool,
     /// Whether windows that a flat vertex has parted become one again behind it, on surfaces where
     /// at least an eighth of the vertices is flat.
-    pub reunite: bool,
+    pub coalesce: bool,
 }
 
 impl Default for Options {
@@ -30,8 +30,8 @@ impl Default for Options {
             pairs: 8,
             bucket: 0.25,
             renumber: true,
-            shadow: true,
-            reunite: true,
+            spawn_wedge: true,
+            coalesce: true,
         }
     }
 }

@@ -1,12 +1,12 @@
-//! One wave on one mesh.
+//! One wavefront on one mesh.
 
 use geobench_mesh::{Mesh, Numbering, VertexId};
 use geobench_window::simd::{Lanes, Program, Simd};
 use geobench_window::{Counter, Probe, Propagate, Solution};
 
-use super::alone::Alone;
 use super::options::Options;
-use crate::wave::{Field, Wave};
+use super::serial_state::SerialState;
+use crate::wavefront::{SurfaceState, Wavefront};
 
 /// VTP for speed, on one mesh; see [the page](crate::algorithms::vtp_fast).
 ///
@@ -29,10 +29,10 @@ pub struct VtpFast {
     vertex_count: usize,
     options: Options,
     /// Whether windows parted by flat vertices become one again.
-    reunites: bool,
+    coalesces: bool,
     numbering: Numbering,
-    field: Alone,
-    wave: Wave,
+    state: SerialState,
+    wavefront: Wavefront,
 }
 
 impl VtpFast {
@@ -49,7 +49,7 @@ impl VtpFast {
         } else {
             Numbering::same()
         };
-        let field = Alone::new(mesh, &numbering);
+        let state = SerialState::new(mesh, &numbering);
         numbering.keep_new_vertices();
         Self {
             vertex_count: mesh.vertex_count(),
@@ -57,10 +57,10 @@ impl VtpFast {
                 instructions,
                 ..options
             },
-            reunites: options.reunite && field.surface().has_many_flat_vertices(),
+            coalesces: options.coalesce && state.surface().has_many_flat_vertices(),
             numbering,
-            wave: Wave::new(field.surface(), &options),
-            field,
+            wavefront: Wavefront::new(state.surface(), &options),
+            state,
         }
     }
 
@@ -71,24 +71,28 @@ impl VtpFast {
 }
 
 /// A run whose sources have had their turns.
-struct Turns<'s, P, const REUNITE: bool> {
-    wave: &'s mut Wave,
-    field: &'s mut Alone,
+struct Turns<'s, P, const COALESCE: bool> {
+    wavefront: &'s mut Wavefront,
+    state: &'s mut SerialState,
     probe: &'s mut P,
 }
 
-impl<P: Probe, const REUNITE: bool> Program for Turns<'_, P, REUNITE> {
+impl<P: Probe, const COALESCE: bool> Program for Turns<'_, P, COALESCE> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, simd: L::Token) {
-        let Self { wave, field, probe } = self;
+        let Self {
+            wavefront,
+            state,
+            probe,
+        } = self;
         loop {
-            wave.cross_all::<L, Alone, P, REUNITE>(simd, field, probe);
-            let Some(bucket) = wave.buckets.nearest() else {
+            wavefront.cross_all::<L, SerialState, P, COALESCE>(simd, state, probe);
+            let Some(bucket) = wavefront.buckets.nearest() else {
                 break;
             };
-            wave.take_turn(field, bucket, probe);
+            wavefront.take_turn(state, bucket, probe);
         }
     }
 }
@@ -117,22 +121,32 @@ impl Propagate for VtpFast {
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
         let simd = Simd::new(self.options.instructions);
-        let Self { wave, field, .. } = self;
-        wave.reset();
-        field.reset();
+        let Self {
+            wavefront, state, ..
+        } = self;
+        wavefront.reset();
+        state.reset();
         probe.add(Counter::WindowBytes, 40);
         let new = |&s| self.numbering.new_vertex(s).raw();
         for s in sources.iter().map(new) {
-            field.distances[s as usize] = 0.0;
+            state.distances[s as usize] = 0.0;
         }
         for s in sources.iter().map(new) {
-            wave.start_from(field, s, probe);
+            wavefront.start_from(state, s, probe);
         }
-        if self.reunites {
-            simd.run(Turns::<P, true> { wave, field, probe });
+        if self.coalesces {
+            simd.run(Turns::<P, true> {
+                wavefront,
+                state,
+                probe,
+            });
         } else {
-            simd.run(Turns::<P, false> { wave, field, probe });
+            simd.run(Turns::<P, false> {
+                wavefront,
+                state,
+                probe,
+            });
         }
-        Solution::new(self.numbering.restore(&self.field.distances))
+        Solution::new(self.numbering.restore(&self.state.distances))
     }
 }

@@ -4,16 +4,16 @@
 #![allow(clippy::inline_always)]
 
 mod clock;
-mod gift;
-mod jitter;
-mod load;
-mod pace;
+mod handoff;
+mod lag_limit;
+mod load_estimate;
 mod padded;
-mod part;
-mod region;
+mod placement;
+mod schedule_fuzz;
 mod shared;
 #[cfg(test)]
 mod test_run;
+mod thread_view;
 mod worker;
 
 use std::sync::{Mutex, PoisonError};
@@ -23,8 +23,8 @@ use geobench_window::simd::{Lanes, Program, Simd};
 use geobench_window::{Count, Counter, Probe, Propagate, Solution, SolveError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use self::pace::BreakOnPanic;
-use self::region::Regions;
+use self::lag_limit::BreakOnPanic;
+use self::placement::Placement;
 use self::shared::Shared;
 use self::worker::Worker;
 use crate::engine::surface::Surface;
@@ -78,7 +78,7 @@ impl Pvtp {
             Numbering::same()
         };
         let surface = Surface::new(mesh, &numbering);
-        let regions = Regions::new(mesh, &numbering, threads);
+        let placement = Placement::new(mesh, &numbering, threads);
         numbering.keep_new_vertices();
         Self {
             vertex_count: mesh.vertex_count(),
@@ -88,7 +88,7 @@ impl Pvtp {
             },
             numbering,
             workers: workers(threads, &surface, &options),
-            shared: Shared::new(surface, &options, threads, regions),
+            shared: Shared::new(surface, &options, threads, placement),
             pool: pool_of(threads - 1),
         }
     }
@@ -130,7 +130,7 @@ impl Run<'_> {
     /// The task of `worker`, after which it has filled its share of the distances, in the mesh's
     /// order.
     fn task<P: Probe>(self, worker: &mut Worker, distances: &mut [f64], probe: &mut P) {
-        if self.shared.reunites {
+        if self.shared.coalesces {
             let task = Task::<P, true> {
                 run: self,
                 worker,
@@ -151,14 +151,14 @@ impl Run<'_> {
 }
 
 /// What one thread does in a run.
-struct Task<'a, P, const REUNITE: bool> {
+struct Task<'a, P, const COALESCE: bool> {
     run: Run<'a>,
     worker: &'a mut Worker,
     distances: &'a mut [f64],
     probe: &'a mut P,
 }
 
-impl<P: Probe, const REUNITE: bool> Program for Task<'_, P, REUNITE> {
+impl<P: Probe, const COALESCE: bool> Program for Task<'_, P, COALESCE> {
     type Output = ();
 
     #[inline(always)]
@@ -169,11 +169,11 @@ impl<P: Probe, const REUNITE: bool> Program for Task<'_, P, REUNITE> {
             sources,
             ..
         } = self.run;
-        let _guard = BreakOnPanic(&shared.pace);
+        let _guard = BreakOnPanic(&shared.lag);
         self.worker
-            .run::<L, P, REUNITE>(simd, shared, sources, self.probe);
+            .run::<L, P, COALESCE>(simd, shared, sources, self.probe);
         self.worker.repair(shared);
-        if !shared.pace.meet() {
+        if !shared.lag.meet() {
             return;
         }
         let first = shared
@@ -245,7 +245,7 @@ impl Pvtp {
         first: &mut P,
         others: &mut [Q],
     ) -> Solution {
-        if self.shared.pace.is_broken() {
+        if self.shared.lag.is_broken() {
             // A probe has panicked, and the caller goes on all the same.
             self.workers = workers(self.threads(), &self.shared.surface, &self.options);
             self.shared.recover();
@@ -268,9 +268,9 @@ impl Pvtp {
         let mut rest = distances.as_mut_slice();
         let mut shares = self.workers.iter_mut().enumerate().map(|(thread, worker)| {
             let share = run.shared.share(thread, vertices).len();
-            let (own, others) = std::mem::take(&mut rest).split_at_mut(share);
+            let (state, others) = std::mem::take(&mut rest).split_at_mut(share);
             rest = others;
-            (worker, own)
+            (worker, state)
         });
         let of_first = shares.next();
         let of_others: Vec<_> = shares
@@ -311,7 +311,7 @@ mod tests {
     use geobench_mesh::generate::generate;
     use geobench_window::Solver;
 
-    /// Whatever one thread does between two steps of another one; see [`jitter`].
+    /// Threads are delayed at random between steps; see [`schedule_fuzz`].
     #[test]
     fn delays_at_any_moment_lose_no_path() {
         let soup = generate(&"gen:terrain,n=90,seed=2".parse().unwrap()).unwrap();

@@ -4,10 +4,10 @@ use std::ops::Range;
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
 
-use super::gift::Gifts;
-use super::load::Loads;
-use super::pace::Pace;
-use super::region::Regions;
+use super::handoff::Handoffs;
+use super::lag_limit::LagLimit;
+use super::load_estimate::LoadEstimates;
+use super::placement::Placement;
 use crate::engine::surface::Surface;
 use crate::fast::Options;
 
@@ -16,19 +16,19 @@ use crate::fast::Options;
 /// Distances are atomic, but in no order of their own, and whoever finds a shorter path than the
 /// one that it sees writes its length without regard for what others write meanwhile. So a distance
 /// that a thread sees may be too long, which prunes less. Whoever writes one keeps it for itself
-/// too, or hands it over with a gift, and brings it in at the end
-/// ([`Own::repair`](super::part::Own::repair)).
+/// too, or hands it over with a handoff, and brings it in at the end
+/// ([`ThreadState::repair`](super::part::ThreadState::repair)).
 #[derive(Debug)]
 pub(super) struct Shared {
     pub(super) surface: Surface,
     /// Whether windows parted by flat vertices become one again.
-    pub(super) reunites: bool,
+    pub(super) coalesces: bool,
     pub(super) threads: usize,
     pub(super) distances: Vec<Distance>,
-    pub(super) loads: Loads,
-    pub(super) gifts: Gifts,
-    pub(super) pace: Pace,
-    pub(super) regions: Regions,
+    pub(super) estimates: LoadEstimates,
+    pub(super) handoffs: Handoffs,
+    pub(super) lag: LagLimit,
+    pub(super) placement: Placement,
 }
 
 impl Shared {
@@ -36,33 +36,33 @@ impl Shared {
         surface: Surface,
         options: &Options,
         threads: usize,
-        regions: Regions,
+        placement: Placement,
     ) -> Self {
         let vertices = surface.vertices.len();
         Self {
-            reunites: options.reunite && surface.has_many_flat_vertices(),
+            coalesces: options.coalesce && surface.has_many_flat_vertices(),
             threads,
             distances: (0..vertices).map(|_| Distance::unknown()).collect(),
-            loads: Loads::new(threads),
-            gifts: Gifts::new(threads),
-            pace: Pace::new(threads),
-            regions,
+            estimates: LoadEstimates::new(threads),
+            handoffs: Handoffs::new(threads),
+            lag: LagLimit::new(threads),
+            placement,
             surface,
         }
     }
 
     /// Forgets what a run has left behind that was broken off.
     pub(super) fn recover(&mut self) {
-        self.gifts = Gifts::new(self.threads);
+        self.handoffs = Handoffs::new(self.threads);
     }
 
     /// Starts another run, in which so many threads take part. Nothing may be on its way, as after
     /// a run or when it has [recovered](Self::recover).
     pub(super) fn start(&mut self, threads: usize) {
         self.distances.fill_with(Distance::unknown);
-        self.regions.reset();
-        self.loads.reset();
-        self.pace.reset(threads);
+        self.placement.reset();
+        self.estimates.reset();
+        self.lag.reset(threads);
     }
 
     /// The share of `thread` in `count` things.

@@ -3,30 +3,36 @@
 use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, Numbering};
 
-use super::part::{Own, Part};
-use super::region::Regions;
+use super::placement::Placement;
 use super::shared::Shared;
+use super::thread_view::{ThreadState, ThreadView};
 use crate::engine::surface::{Surface, half_edge, next, parts};
 use crate::fast::Options;
-use crate::wave::{Field, Improvement, Wave};
+use crate::wavefront::{Improvement, SurfaceState, Wavefront};
 
 /// What a thread has.
 pub(super) struct Thread {
-    pub(super) wave: Wave,
-    pub(super) own: Own,
+    pub(super) wavefront: Wavefront,
+    pub(super) state: ThreadState,
 }
 
 impl Thread {
-    pub(super) fn part<'a>(&'a mut self, shared: &'a Shared) -> (&'a mut Wave, Part<'a>) {
-        (&mut self.wave, Part::new(shared, &mut self.own))
+    pub(super) fn view<'a>(
+        &'a mut self,
+        shared: &'a Shared,
+    ) -> (&'a mut Wavefront, ThreadView<'a>) {
+        (
+            &mut self.wavefront,
+            ThreadView::new(shared, &mut self.state),
+        )
     }
 
     /// Finds a path, and settles what follows.
     pub(super) fn find(&mut self, shared: &Shared, path: Improvement) {
-        let (wave, mut part) = self.part(shared);
-        if part.offer(path.vertex, path.distance) {
-            wave.hear_of(&mut part, path, &mut ());
-            wave.settle(&mut part, &mut ());
+        let (wavefront, mut view) = self.view(shared);
+        if view.offer(path.vertex, path.distance) {
+            wavefront.hear_of(&mut view, path, &mut ());
+            wavefront.settle(&mut view, &mut ());
         }
     }
 }
@@ -37,21 +43,21 @@ pub(super) fn two_threads() -> (Shared, [Thread; 2]) {
     let (mesh, _) = Mesh::from_soup(soup).unwrap();
     let numbering = Numbering::breadth_first(&mesh);
     let surface = Surface::new(&mesh, &numbering);
-    let regions = Regions::new(&mesh, &numbering, 2);
+    let placement = Placement::new(&mesh, &numbering, 2);
     let options = Options {
         bucket: 1.0 / surface.mean_length,
         ..Options::default()
     };
     let threads = [0, 1].map(|_| {
         let mut thread = Thread {
-            wave: Wave::new(&surface, &options),
-            own: Own::new(&surface),
+            wavefront: Wavefront::new(&surface, &options),
+            state: ThreadState::new(&surface),
         };
-        thread.wave.reset();
-        thread.own.reset();
+        thread.wavefront.reset();
+        thread.state.reset();
         thread
     });
-    let mut shared = Shared::new(surface, &options, 2, regions);
+    let mut shared = Shared::new(surface, &options, 2, placement);
     shared.start(2);
     (shared, threads)
 }

@@ -3,15 +3,15 @@
 use geobench_window::Probe;
 
 use super::clock::Clock;
-use super::gift::Gift;
-use super::jitter::jitter;
-use super::load::{LIST, Load};
-use super::part::{Own, Part};
-use super::region::Candidate;
+use super::handoff::Handoff;
+use super::load_estimate::{LIST, LoadEstimate};
+use super::placement::Candidate;
+use super::schedule_fuzz::schedule_fuzz;
 use super::shared::Shared;
+use super::thread_view::{ThreadState, ThreadView};
 use crate::engine::surface::Surface;
 use crate::fast::Options;
-use crate::wave::{Field, Wave};
+use crate::wavefront::{SurfaceState, Wavefront};
 use geobench_window::simd::Lanes;
 
 /// Buckets between two times that a thread looks whether it has too much. From 1 to 4 it makes no
@@ -23,13 +23,13 @@ const BUCKETS: u32 = 4;
 #[repr(align(128))]
 pub(super) struct Worker {
     pub(super) thread: usize,
-    wave: Wave,
-    own: Own,
+    wavefront: Wavefront,
+    state: ThreadState,
     /// The vertices near the wavefront that it might give away.
     near: Vec<Candidate>,
-    /// The gift that it got last.
-    gift: Gift,
-    load: Load,
+    /// The handoff that it got last.
+    handoff: Handoff,
+    estimate: LoadEstimate,
     /// The bucket from which on it looks again whether it has too much.
     looks: u32,
     /// The last bucket whose turn it may take, as far as it has looked. Threads that fall back
@@ -44,11 +44,11 @@ impl Worker {
     pub(super) fn new(thread: usize, surface: &Surface, options: &Options) -> Self {
         Self {
             thread,
-            wave: Wave::new(surface, options),
-            own: Own::new(surface),
+            wavefront: Wavefront::new(surface, options),
+            state: ThreadState::new(surface),
             near: Vec::new(),
-            gift: Gift::default(),
-            load: Load::default(),
+            handoff: Handoff::default(),
+            estimate: LoadEstimate::default(),
             looks: 0,
             limit: 0,
             clock: Clock::start(),
@@ -57,9 +57,9 @@ impl Worker {
     }
 
     /// All that is this thread's in a run from `sources`; windows that flat vertices have parted
-    /// become one again if `REUNITE`.
+    /// become one again if `COALESCE`.
     #[inline(always)]
-    pub(super) fn run<L: Lanes, P: Probe, const REUNITE: bool>(
+    pub(super) fn run<L: Lanes, P: Probe, const COALESCE: bool>(
         &mut self,
         simd: L::Token,
         shared: &Shared,
@@ -70,22 +70,22 @@ impl Worker {
             return;
         }
         loop {
-            let part = &mut Part::new(shared, &mut self.own);
-            self.wave
-                .cross_all::<L, Part<'_>, P, REUNITE>(simd, part, probe);
-            jitter();
+            let view = &mut ThreadView::new(shared, &mut self.state);
+            self.wavefront
+                .cross_all::<L, ThreadView<'_>, P, COALESCE>(simd, view, probe);
+            schedule_fuzz();
             if self.receive(shared, probe) {
                 continue;
             }
-            let nearest = self.wave.buckets.nearest();
-            shared.pace.come_to(self.thread, nearest);
-            self.tell_load(shared);
+            let nearest = self.wavefront.buckets.nearest();
+            shared.lag.come_to(self.thread, nearest);
+            self.publish_estimate(shared);
             match nearest {
-                _ if shared.pace.is_broken() => break,
+                _ if shared.lag.is_broken() => break,
                 Some(bucket) if self.may_take(shared, bucket) => {
                     self.give(shared, bucket);
-                    let part = &mut Part::new(shared, &mut self.own);
-                    self.wave.take_turn(part, bucket, probe);
+                    let view = &mut ThreadView::new(shared, &mut self.state);
+                    self.wavefront.take_turn(view, bucket, probe);
                 }
                 _ => {
                     if !self.wait(shared, nearest) {
@@ -95,7 +95,7 @@ impl Worker {
             }
         }
         debug_assert!(
-            shared.pace.is_broken() || self.wave.is_empty(),
+            shared.lag.is_broken() || self.wavefront.is_empty(),
             "a list waits for a turn that no vertex has"
         );
     }
@@ -104,48 +104,48 @@ impl Worker {
     /// something: nobody waits for a thread that takes its time to wake up. Returns whether there
     /// is anything to do.
     fn start<P: Probe>(&mut self, shared: &Shared, sources: &[u32], probe: &mut P) -> bool {
-        self.wave.reset();
-        self.own.reset();
-        self.load = Load::default();
+        self.wavefront.reset();
+        self.state.reset();
+        self.estimate = LoadEstimate::default();
         self.looks = 0;
         self.limit = 0;
         self.given = 0;
         self.clock = Clock::start();
-        shared.loads.publish(self.thread, 0);
+        shared.estimates.publish(self.thread, 0);
         if self.thread > 0 {
             return self.rest(shared);
         }
-        let part = &mut Part::new(shared, &mut self.own);
+        let view = &mut ThreadView::new(shared, &mut self.state);
         for &s in sources {
-            part.offer(s, 0.0);
+            view.offer(s, 0.0);
         }
         for &s in sources {
-            self.wave.start_from(part, s, probe);
+            self.wavefront.start_from(view, s, probe);
         }
         true
     }
 
     /// Brings the distances that all threads share in order, as far as this one knows better.
     pub(super) fn repair(&self, shared: &Shared) {
-        self.own.repair(&shared.distances);
+        self.state.repair(&shared.distances);
     }
 
     /// Whether the turn of a bucket may be taken. The places of the others are looked at only if
     /// they must be, since each look waits for what they have written.
     fn may_take(&mut self, shared: &Shared, bucket: u32) -> bool {
         if bucket > self.limit {
-            self.limit = shared.pace.limit();
+            self.limit = shared.lag.limit();
         }
         bucket <= self.limit
     }
 
     /// Tells the others how much it has before it.
-    fn tell_load(&mut self, shared: &Shared) {
+    fn publish_estimate(&mut self, shared: &Shared) {
         if shared.threads > 1 {
-            let store = &self.wave.store;
+            let store = &self.wavefront.store;
             let (windows, lists) = (store.waiting(), store.lists());
-            let expected = self.load.note(windows, lists, self.clock.busy());
-            shared.loads.publish(self.thread, expected);
+            let expected = self.estimate.note(windows, lists, self.clock.busy());
+            shared.estimates.publish(self.thread, expected);
         }
     }
 
@@ -157,69 +157,71 @@ impl Worker {
             return;
         }
         self.looks = bucket.saturating_add(BUCKETS);
-        shared.regions.come_to(self.thread, self.wave.last_turn());
-        let Some((to, share)) = shared.loads.advice(self.thread) else {
+        shared
+            .placement
+            .come_to(self.thread, self.wavefront.last_turn());
+        let Some((to, share)) = shared.estimates.advice(self.thread) else {
             return;
         };
-        shared.gifts.send(bucket, to, &shared.pace, |gift| {
-            let near = self.wave.buckets.near();
-            let regions = &shared.regions;
-            let candidates = regions.on_the_side_of(to, near, share, &mut self.near);
-            let part = &mut Part::new(shared, &mut self.own);
-            let (wanted, mut given) = (share * self.load.weight(), 0);
+        shared.handoffs.send(bucket, to, &shared.lag, |handoff| {
+            let near = self.wavefront.buckets.near();
+            let placement = &shared.placement;
+            let candidates = placement.on_the_side_of(to, near, share, &mut self.near);
+            let view = &mut ThreadView::new(shared, &mut self.state);
+            let (wanted, mut given) = (share * self.estimate.weight(), 0);
             for candidate in candidates {
                 if given as f64 >= wanted {
                     break;
                 }
-                jitter();
-                given += gift.add(&mut self.wave, part, candidate.vertex, LIST);
+                schedule_fuzz();
+                given += handoff.add(&mut self.wavefront, view, candidate.vertex, LIST);
             }
-            self.given += gift.windows();
-            let part = self.load.lose(given);
-            shared.loads.moved(self.thread, to, part);
+            self.given += handoff.windows();
+            let moved = self.estimate.lose(given);
+            shared.estimates.moved(self.thread, to, moved);
         });
     }
 
     /// Takes in what another thread has given it; returns whether there was anything.
     fn receive<P: Probe>(&mut self, shared: &Shared, probe: &mut P) -> bool {
-        let part = &mut Part::new(shared, &mut self.own);
-        let (gift, wave) = (&mut self.gift, &mut self.wave);
-        let gifts = &shared.gifts;
-        gifts.receive(self.thread, &shared.pace, gift, wave, part, probe)
+        let view = &mut ThreadView::new(shared, &mut self.state);
+        let (handoff, wavefront) = (&mut self.handoff, &mut self.wavefront);
+        let handoffs = &shared.handoffs;
+        handoffs.receive(self.thread, &shared.lag, handoff, wavefront, view, probe)
     }
 
-    /// Waits for a gift, or until `nearest`, the nearest bucket that has a vertex, may have its
+    /// Waits for a handoff, or until `nearest`, the nearest bucket that has a vertex, may have its
     /// turn; returns whether there is anything left to do, and no thread has panicked.
     fn wait(&mut self, shared: &Shared, nearest: Option<u32>) -> bool {
         let Some(bucket) = nearest else {
-            shared.pace.end();
+            shared.lag.end();
             return self.rest(shared);
         };
-        let mut patience = shared.pace.patience();
+        let mut backoff = shared.lag.backoff();
         self.clock.pause(|| {
-            while !shared.gifts.has(self.thread) && bucket > shared.pace.limit() {
-                if shared.pace.is_broken() {
+            while !shared.handoffs.has(self.thread) && bucket > shared.lag.limit() {
+                if shared.lag.is_broken() {
                     return false;
                 }
-                jitter();
-                patience.wait();
+                schedule_fuzz();
+                backoff.wait();
             }
             true
         })
     }
 
-    /// Waits for a gift, with nothing else to do; returns whether there is one.
+    /// Waits for a handoff, with nothing else to do; returns whether there is one.
     fn rest(&mut self, shared: &Shared) -> bool {
-        let mut patience = shared.pace.patience();
+        let mut backoff = shared.lag.backoff();
         self.clock.pause(|| {
-            while !shared.gifts.has(self.thread) {
-                if shared.pace.is_over() || shared.pace.is_broken() {
+            while !shared.handoffs.has(self.thread) {
+                if shared.lag.is_over() || shared.lag.is_broken() {
                     return false;
                 }
-                jitter();
-                patience.wait();
+                schedule_fuzz();
+                backoff.wait();
             }
-            shared.pace.begin();
+            shared.lag.begin();
             true
         })
     }

@@ -67,9 +67,9 @@ pub(crate) fn gather<L: Lanes>(
     simd: L::Token,
     lists: [Columns<'_>; 2],
     gate: &Gate,
-    hand: &mut Block<'_>,
+    active: &mut Block<'_>,
 ) -> usize {
-    let mut rest = hand.append(0);
+    let mut rest = active.append(0);
     let zero = L::splat(simd, 0.0);
     let filter = Filter::<L>::new(simd, gate);
     for list in lists {

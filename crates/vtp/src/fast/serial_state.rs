@@ -1,22 +1,22 @@
-//! The field of a wave that is alone on it.
+//! The field of a wavefront that is alone on it.
 
 use geobench_mesh::{Mesh, Numbering};
 
 use crate::engine::prefetch::prefetch;
 use crate::engine::surface::Surface;
-use crate::wave::Field;
+use crate::wavefront::SurfaceState;
 use geobench_window::prefetch_line;
 
-/// A surface that one wave runs over; what changes of a face is in its record.
+/// A surface that one wavefront runs over; what changes of a face is in its record.
 #[derive(Clone, Debug)]
-pub(super) struct Alone {
+pub(super) struct SerialState {
     surface: Surface,
     /// The number of this run: faces that joined in it belong to the traversed area.
     run: u8,
     pub(super) distances: Vec<f64>,
 }
 
-impl Alone {
+impl SerialState {
     pub(super) fn new(mesh: &Mesh, numbering: &Numbering) -> Self {
         Self {
             surface: Surface::new(mesh, numbering),
@@ -40,7 +40,7 @@ impl Alone {
     }
 }
 
-impl Field for Alone {
+impl SurfaceState for SerialState {
     const COUNTS_LEVELS: bool = true;
 
     #[inline(always)]

@@ -18,13 +18,13 @@ pub(crate) struct Origin {
 
 /// The faces around a vertex into which a path that reaches it can go on.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shadow {
+pub(crate) struct SpawnWedge {
     /// First of them, and their number, in the ring of the vertex.
     pub(crate) first: usize,
     pub(crate) count: usize,
 }
 
-impl Shadow {
+impl SpawnWedge {
     /// All faces around a vertex.
     pub(crate) fn all(degree: usize) -> Self {
         Self {
@@ -55,15 +55,15 @@ impl Shadow {
             surface.vertices[v as usize].total_angle - PI + PENUMBRA,
         );
         // The first corner that ends within, and the last that starts within.
-        let mut shadow = Self { first: 0, count: 0 };
+        let mut wedge = Self { first: 0, count: 0 };
         let (mut place, mut before) = (start, -turned);
         for _ in 0..ring.len() {
             let after = before + angles[place];
             if after >= from && before <= to {
-                if shadow.count == 0 {
-                    shadow.first = place;
+                if wedge.count == 0 {
+                    wedge.first = place;
                 }
-                shadow.count += 1;
+                wedge.count += 1;
             }
             before = after;
             place = if place + 1 == ring.len() {
@@ -72,6 +72,6 @@ impl Shadow {
                 place + 1
             };
         }
-        shadow
+        wedge
     }
 }

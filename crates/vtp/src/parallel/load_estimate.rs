@@ -17,7 +17,7 @@ const KEPT: f64 = 0.9;
 
 /// What a thread's part of the wavefront weighs, and how long turns of so much take it.
 #[derive(Debug, Default)]
-pub(super) struct Load {
+pub(super) struct LoadEstimate {
     /// Lists and windows that waited when the thread told last.
     weight: f64,
     /// How long it had worked then.
@@ -27,7 +27,7 @@ pub(super) struct Load {
     weights: f64,
 }
 
-impl Load {
+impl LoadEstimate {
     /// A thread that has [worked](super::clock::Clock) for so long has so many windows and lists
     /// that wait. Returns how long their turns are likely to take, in no unit but the same for all
     /// threads.
@@ -73,9 +73,9 @@ const ABSENT: u64 = u64::MAX;
 
 /// What all threads expect.
 #[derive(Debug)]
-pub(super) struct Loads(Vec<Padded<AtomicU64>>);
+pub(super) struct LoadEstimates(Vec<Padded<AtomicU64>>);
 
-impl Loads {
+impl LoadEstimates {
     pub(super) fn new(threads: usize) -> Self {
         let absent = |_| Padded(AtomicU64::new(ABSENT));
         Self((0..threads).map(absent).collect())
@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn whoever_has_too_much_shares_with_whoever_has_least() {
-        let loads = Loads::new(4);
+        let loads = LoadEstimates::new(4);
         for (thread, load) in [(0, 900), (1, 100), (2, 200)] {
             loads.publish(thread, load);
         }
@@ -138,7 +138,7 @@ mod tests {
         loads.moved(0, 2, 150.0 / 500.0);
         loads.publish(1, 400);
         assert_eq!([0, 1, 2].map(|thread| loads.advice(thread)), [None; 3]);
-        let loads = Loads::new(1);
+        let loads = LoadEstimates::new(1);
         for load in [9, 0] {
             loads.publish(0, load);
             assert_eq!(loads.advice(0), None);
@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn a_slow_thread_expects_to_take_longer_and_one_that_waits_less_long() {
-        let [mut fast, mut slow, mut waits] = [0, 1, 2].map(|_| Load::default());
+        let [mut fast, mut slow, mut waits] = [0, 1, 2].map(|_| LoadEstimate::default());
         let [mut a, mut b, mut c] = [0; 3];
         for turn in 0..9 {
             a = fast.note(1000, 20, 1000 * turn);

@@ -7,18 +7,18 @@ use std::sync::{Mutex, PoisonError};
 
 use geobench_window::Probe;
 
-use super::jitter::jitter;
-use super::pace::Pace;
+use super::lag_limit::LagLimit;
 use super::padded::Padded;
-use super::part::Part;
+use super::schedule_fuzz::schedule_fuzz;
+use super::thread_view::ThreadView;
 use crate::engine::store::{COLUMNS, NO_LIST};
 use crate::engine::surface::{half_edge, parts};
-use crate::wave::{Field, Improvement, Wave};
+use crate::wavefront::{Improvement, SurfaceState, Wavefront};
 
 /// Vertices that are to have their turns, with all windows of the giver that wait on the faces
 /// around them.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Gift {
+pub(super) struct Handoff {
     /// The bucket at which the giver is.
     bucket: u32,
     /// The vertices, with the shortest paths that the giver had to them.
@@ -29,7 +29,7 @@ pub(super) struct Gift {
     windows: Vec<f64>,
 }
 
-impl Gift {
+impl Handoff {
     fn clear(&mut self) {
         self.turns.clear();
         self.lists.clear();
@@ -41,36 +41,36 @@ impl Gift {
         self.windows.len() / COLUMNS
     }
 
-    /// Adds `v`, whose turn was to come in `wave`, and the windows around it. Returns what they
+    /// Adds `v`, whose turn was to come in `wavefront`, and the windows around it. Returns what they
     /// weigh, `each` for each list and one for each window.
     ///
-    /// None of the wave's lists may be ready to cross, and no path may wait for its consequences.
+    /// None of the wavefront's lists may be ready to cross, and no path may wait for its consequences.
     pub(super) fn add(
         &mut self,
-        wave: &mut Wave,
-        part: &mut Part<'_>,
+        wavefront: &mut Wavefront,
+        view: &mut ThreadView<'_>,
         v: u32,
         each: usize,
     ) -> usize {
-        wave.buckets.remove(v);
-        let origin = wave.origins[v as usize];
+        wavefront.buckets.remove(v);
+        let origin = wavefront.origins[v as usize];
         self.turns.push(Improvement {
             vertex: v,
             h: origin.h,
             entry: origin.entry,
-            distance: part.give_up(v),
+            distance: view.give_up(v),
         });
         let mut weight = 0;
-        // A list may wait on a face only if the wave has the turn of one of its vertices to come.
-        for place in part.surface().ring_places(v) {
-            let (f, _) = parts(part.surface().rings[place]);
+        // A list may wait on a face only if the wavefront has the turn of one of its vertices to come.
+        for place in view.surface().ring_places(v) {
+            let (f, _) = parts(view.surface().rings[place]);
             for corner in 0..3 {
-                let list = part.list(f, corner);
+                let list = view.list(f, corner);
                 if list != NO_LIST {
-                    let len = wave.store.len(list);
+                    let len = wavefront.store.len(list);
                     self.lists.push((half_edge(f as u32, corner), len as u32));
-                    wave.store.copy_out(list, &mut self.windows);
-                    part.set_list(f, corner, wave.store.set_len(list, 0));
+                    wavefront.store.copy_out(list, &mut self.windows);
+                    view.set_list(f, corner, wavefront.store.set_len(list, 0));
                     weight += each + len;
                 }
             }
@@ -78,40 +78,45 @@ impl Gift {
         weight
     }
 
-    /// Takes all of it into a wave.
-    fn unpack<P: Probe>(&self, wave: &mut Wave, part: &mut Part<'_>, probe: &mut P) {
+    /// Takes all of it into a wavefront.
+    fn unpack<P: Probe>(
+        &self,
+        wavefront: &mut Wavefront,
+        view: &mut ThreadView<'_>,
+        probe: &mut P,
+    ) {
         for &turn in &self.turns {
-            jitter();
-            part.take_over(turn.vertex, turn.distance);
-            wave.hear_of(part, turn, probe);
+            schedule_fuzz();
+            view.take_over(turn.vertex, turn.distance);
+            wavefront.hear_of(view, turn, probe);
         }
-        wave.settle(part, probe);
+        wavefront.settle(view, probe);
         let mut windows = self.windows.as_slice();
         for &(h, n) in &self.lists {
             let (columns, rest) = windows.split_at(n as usize * COLUMNS);
             windows = rest;
             let (f, corner) = parts(h);
-            let list = wave.store.append(part.list(f, corner), columns);
-            part.set_list(f, corner, list);
-            wave.make_ready(part, f, corner);
+            let list = wavefront.store.append(view.list(f, corner), columns);
+            view.set_list(f, corner, list);
+            wavefront.make_ready(view, f, corner);
         }
     }
 }
 
-/// Where a gift to a thread lies.
+/// Where a handoff to a thread lies.
 #[derive(Debug, Default)]
 struct Slot {
     full: AtomicBool,
-    gift: Mutex<Gift>,
+    handoff: Mutex<Handoff>,
 }
 
-/// The gifts on their way: one to each thread at a time.
+/// The handoffs on their way: one to each thread at a time.
 #[derive(Debug)]
-pub(super) struct Gifts {
+pub(super) struct Handoffs {
     slots: Vec<Padded<Slot>>,
 }
 
-impl Gifts {
+impl Handoffs {
     pub(super) fn new(threads: usize) -> Self {
         Self {
             slots: (0..threads).map(|_| Padded::default()).collect(),
@@ -120,22 +125,28 @@ impl Gifts {
 
     /// Has `fill` pack what a thread at `bucket` gives to thread `to`, unless something is on its
     /// way there already.
-    pub(super) fn send(&self, bucket: u32, to: usize, pace: &Pace, fill: impl FnOnce(&mut Gift)) {
+    pub(super) fn send(
+        &self,
+        bucket: u32,
+        to: usize,
+        lag: &LagLimit,
+        fill: impl FnOnce(&mut Handoff),
+    ) {
         let slot = &self.slots[to].0;
-        let Ok(mut gift) = slot.gift.try_lock() else {
+        let Ok(mut handoff) = slot.handoff.try_lock() else {
             return;
         };
-        jitter();
+        schedule_fuzz();
         if slot.full.load(Relaxed) {
             return;
         }
-        gift.clear();
-        fill(&mut gift);
-        if !gift.turns.is_empty() {
-            pace.begin();
-            jitter();
-            gift.bucket = bucket;
-            pace.call_back(to, bucket);
+        handoff.clear();
+        fill(&mut handoff);
+        if !handoff.turns.is_empty() {
+            lag.begin();
+            schedule_fuzz();
+            handoff.bucket = bucket;
+            lag.call_back(to, bucket);
             slot.full.store(true, Relaxed);
         }
     }
@@ -146,31 +157,31 @@ impl Gifts {
         self.slots[to].0.full.load(Relaxed)
     }
 
-    /// Takes the gift to a thread, if there is one, into its wave; `spare` is for its room. Returns
+    /// Takes the handoff to a thread, if there is one, into its wavefront; `spare` is for its room. Returns
     /// whether there was one.
     pub(super) fn receive<P: Probe>(
         &self,
         to: usize,
-        pace: &Pace,
-        spare: &mut Gift,
-        wave: &mut Wave,
-        part: &mut Part<'_>,
+        lag: &LagLimit,
+        spare: &mut Handoff,
+        wavefront: &mut Wavefront,
+        view: &mut ThreadView<'_>,
         probe: &mut P,
     ) -> bool {
         if !self.has(to) {
             return false;
         }
         let slot = &self.slots[to].0;
-        let mut gift = slot.gift.lock().unwrap_or_else(PoisonError::into_inner);
-        mem::swap(&mut *gift, spare);
+        let mut handoff = slot.handoff.lock().unwrap_or_else(PoisonError::into_inner);
+        mem::swap(&mut *handoff, spare);
         slot.full.store(false, Relaxed);
-        drop(gift);
-        jitter();
+        drop(handoff);
+        schedule_fuzz();
         // It may have looked elsewhere since it was called back.
-        pace.call_back(to, spare.bucket);
-        spare.unpack(wave, part, probe);
-        jitter();
-        pace.end();
+        lag.call_back(to, spare.bucket);
+        spare.unpack(wavefront, view, probe);
+        schedule_fuzz();
+        lag.end();
         true
     }
 }
@@ -184,29 +195,34 @@ mod tests {
     use geobench_window::{Count, Counter};
 
     /// The windows that wait on half-edge `h`.
-    fn windows(store: &WindowStore, part: &Part<'_>, h: u32) -> Vec<[f64; COLUMNS]> {
+    fn windows(store: &WindowStore, view: &ThreadView<'_>, h: u32) -> Vec<[f64; COLUMNS]> {
         let (f, corner) = parts(h);
-        let list = part.list(f, corner);
+        let list = view.list(f, corner);
         (0..store.len(list)).map(|i| store.get(list, i)).collect()
     }
 
     /// Has windows wait on `h`.
-    fn put(wave: &mut Wave, part: &mut Part<'_>, h: u32, windows: &[[f64; COLUMNS]]) {
-        let list = wave.store.reserve(NO_LIST, windows.len());
+    fn put(
+        wavefront: &mut Wavefront,
+        view: &mut ThreadView<'_>,
+        h: u32,
+        windows: &[[f64; COLUMNS]],
+    ) {
+        let list = wavefront.store.reserve(NO_LIST, windows.len());
         for (i, &window) in windows.iter().enumerate() {
-            wave.store.put(list, i, window);
+            wavefront.store.put(list, i, window);
         }
         let (f, corner) = parts(h);
-        part.set_list(f, corner, wave.store.set_len(list, windows.len()));
+        view.set_list(f, corner, wavefront.store.set_len(list, windows.len()));
     }
 
     /// `v` changes hands, with what waits around it; returns what that weighs, lists with 100.
     fn give(shared: &Shared, from: &mut Thread, to: &mut Thread, v: u32) -> usize {
-        let mut gift = Gift::default();
-        let (wave, mut part) = from.part(shared);
-        let weight = gift.add(wave, &mut part, v, 100);
-        let (wave, mut part) = to.part(shared);
-        gift.unpack(wave, &mut part, &mut ());
+        let mut handoff = Handoff::default();
+        let (wavefront, mut view) = from.view(shared);
+        let weight = handoff.add(wavefront, &mut view, v, 100);
+        let (wavefront, mut view) = to.view(shared);
+        handoff.unpack(wavefront, &mut view, &mut ());
         weight
     }
 
@@ -222,24 +238,27 @@ mod tests {
         });
         let there = [[50.0; COLUMNS]];
         for (h, windows) in &lists {
-            let (wave, mut part) = a.part(&shared);
-            put(wave, &mut part, *h, windows);
+            let (wavefront, mut view) = a.view(&shared);
+            put(wavefront, &mut view, *h, windows);
         }
-        let (wave, mut part) = b.part(&shared);
-        put(wave, &mut part, lists[0].0, &there);
+        let (wavefront, mut view) = b.view(&shared);
+        put(wavefront, &mut view, lists[0].0, &there);
 
         assert_eq!(give(&shared, &mut a, &mut b, v), 2 * 100 + 9 + 11);
         assert_eq!(
-            (a.wave.buckets.nearest(), a.wave.store.waiting()),
+            (a.wavefront.buckets.nearest(), a.wavefront.store.waiting()),
             (None, 0)
         );
-        assert_eq!((a.wave.store.lists(), b.wave.store.lists()), (0, 2));
-        let (wave, part) = b.part(&shared);
-        assert_eq!(wave.buckets.nearest(), Some(2));
-        assert_eq!(part.reached(v), 2.5);
+        assert_eq!(
+            (a.wavefront.store.lists(), b.wavefront.store.lists()),
+            (0, 2)
+        );
+        let (wavefront, view) = b.view(&shared);
+        assert_eq!(wavefront.buckets.nearest(), Some(2));
+        assert_eq!(view.reached(v), 2.5);
         let both = [&there, lists[0].1.as_slice()].concat();
-        assert_eq!(windows(&wave.store, &part, lists[0].0), both);
-        assert_eq!(windows(&wave.store, &part, lists[1].0), lists[1].1);
+        assert_eq!(windows(&wavefront.store, &view, lists[0].0), both);
+        assert_eq!(windows(&wavefront.store, &view, lists[1].0), lists[1].1);
     }
 
     /// Otherwise windows that come back would wait there for ever.
@@ -252,7 +271,7 @@ mod tests {
         for _ in 0..2 {
             a.find(&shared, path(&shared.surface, v, 1, 3.5));
             assert_eq!(
-                (a.wave.buckets.nearest(), a.wave.buckets.len()),
+                (a.wavefront.buckets.nearest(), a.wavefront.buckets.len()),
                 (Some(2), 1)
             );
         }
@@ -267,8 +286,8 @@ mod tests {
         a.find(&shared, path(&shared.surface, v, 1, 3.5));
         let started = [a, b].map(|mut thread| {
             let mut count = Count::default();
-            let (wave, mut part) = thread.part(&shared);
-            wave.take_turn(&mut part, 2, &mut count);
+            let (wavefront, mut view) = thread.view(&shared);
+            wavefront.take_turn(&mut view, 2, &mut count);
             count
                 .counters(&[Counter::PseudoSources])
                 .get(Counter::PseudoSources)
@@ -281,59 +300,59 @@ mod tests {
         let (shared, [mut a, mut b]) = two_threads();
         let v = saddle(&shared.surface);
         b.find(&shared, path(&shared.surface, v, 0, 4.0));
-        let (wave, mut part) = b.part(&shared);
-        wave.take_turn(&mut part, 4, &mut ());
+        let (wavefront, mut view) = b.view(&shared);
+        wavefront.take_turn(&mut view, 4, &mut ());
         a.find(&shared, path(&shared.surface, v, 2, 2.5));
         let h = shared.surface.ring(v)[0];
-        let (wave, mut part) = a.part(&shared);
-        put(wave, &mut part, h, &[[7.0; COLUMNS]]);
+        let (wavefront, mut view) = a.view(&shared);
+        put(wavefront, &mut view, h, &[[7.0; COLUMNS]]);
         give(&shared, &mut a, &mut b, v);
-        let (wave, mut part) = b.part(&shared);
+        let (wavefront, mut view) = b.view(&shared);
         // What it sends for the shorter path it knows of now.
         assert_eq!(
-            (part.reached(v), wave.origins[v as usize].h),
+            (view.reached(v), wavefront.origins[v as usize].h),
             (2.5, path(&shared.surface, v, 2, 0.0).h)
         );
         let (f, corner) = parts(h);
-        assert!(!part.join(f) && !part.enqueue(f, corner));
-        assert!(windows(&wave.store, &part, h).contains(&[7.0; COLUMNS]));
-        wave.buckets.remove(v);
-        assert!(wave.buckets.near().all(|other| other != v));
+        assert!(!view.join(f) && !view.enqueue(f, corner));
+        assert!(windows(&wavefront.store, &view, h).contains(&[7.0; COLUMNS]));
+        wavefront.buckets.remove(v);
+        assert!(wavefront.buckets.near().all(|other| other != v));
     }
 
     #[test]
-    fn gifts_travel_one_at_a_time_and_count_as_work() {
+    fn handoffs_travel_one_at_a_time_and_count_as_work() {
         let (shared, [mut a, mut b]) = two_threads();
-        let (gifts, pace) = (&shared.gifts, &shared.pace);
+        let (handoffs, lag) = (&shared.handoffs, &shared.lag);
         let vertices: Vec<u32> = (100..103).collect();
         for &v in &vertices {
             a.find(&shared, path(&shared.surface, v, 0, 2.5));
         }
         let mut send = |v| {
-            let (wave, mut part) = a.part(&shared);
-            gifts.send(2, 1, pace, |gift| {
-                gift.add(wave, &mut part, v, 1);
+            let (wavefront, mut view) = a.view(&shared);
+            handoffs.send(2, 1, lag, |handoff| {
+                handoff.add(wavefront, &mut view, v, 1);
             });
         };
-        let mut spare = Gift::default();
+        let mut spare = Handoff::default();
         let mut receive = || {
-            let (wave, mut part) = b.part(&shared);
-            let any = gifts.receive(1, pace, &mut spare, wave, &mut part, &mut ());
-            (any, wave.buckets.len())
+            let (wavefront, mut view) = b.view(&shared);
+            let any = handoffs.receive(1, lag, &mut spare, wavefront, &mut view, &mut ());
+            (any, wavefront.buckets.len())
         };
         assert_eq!(receive(), (false, 0));
         send(100);
         send(101);
-        pace.end();
-        assert!(!pace.is_over() && gifts.has(1) && !gifts.has(0));
+        lag.end();
+        assert!(!lag.is_over() && handoffs.has(1) && !handoffs.has(0));
         assert_eq!(receive(), (true, 1));
-        assert!(pace.is_over());
-        pace.begin();
+        assert!(lag.is_over());
+        lag.begin();
         send(102);
         assert_eq!((receive(), receive()), ((true, 2), (false, 2)));
-        gifts.send(2, 1, pace, |_| {});
-        assert!(!gifts.has(1), "an empty one");
+        handoffs.send(2, 1, lag, |_| {});
+        assert!(!handoffs.has(1), "an empty one");
         // What was not sent is still there.
-        assert_eq!(a.wave.buckets.near().collect::<Vec<_>>(), [101]);
+        assert_eq!(a.wavefront.buckets.near().collect::<Vec<_>>(), [101]);
     }
 }

@@ -9,7 +9,7 @@ use super::store::{Block, COLUMNS, Columns, PaddedBlock};
 /// A list taken from the half-edge on which it waited, in a block of its own, with what the passes
 /// over it need.
 #[derive(Clone, Debug)]
-pub(crate) struct Hand {
+pub(crate) struct ActiveList {
     /// A block and a line behind it.
     lines: Vec<Line>,
     /// Lines of a column.
@@ -24,7 +24,7 @@ pub(crate) struct Hand {
     pub(crate) windows: Vec<Window>,
 }
 
-impl Hand {
+impl ActiveList {
     pub(crate) fn new() -> Self {
         Self {
             lines: vec![Line::default(); COLUMNS * 17 + 1],

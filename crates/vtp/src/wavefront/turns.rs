@@ -2,16 +2,16 @@
 
 use geobench_window::{Counter, Probe};
 
-use super::{Field, Improvement, Wave};
-use crate::engine::shadow::Origin;
+use super::{Improvement, SurfaceState, Wavefront};
+use crate::engine::spawn_wedge::Origin;
 use crate::engine::store::NO_LIST;
 use crate::engine::surface::{half_edge, parts};
 
-impl Wave {
+impl Wavefront {
     /// The turns of the vertices of `bucket`, before which no other one may have any.
     pub(crate) fn take_turn<P: Probe>(
         &mut self,
-        field: &mut impl Field,
+        state: &mut impl SurfaceState,
         bucket: u32,
         probe: &mut P,
     ) {
@@ -20,35 +20,35 @@ impl Wave {
         probe.add(Counter::Iterations, 1);
         for (i, &v) in turn.iter().enumerate() {
             if let Some(&v) = turn.get(i + 6) {
-                for &h in field.surface().ring(v) {
-                    field.prefetch_lists(parts(h).0);
+                for &h in state.surface().ring(v) {
+                    state.prefetch_lists(parts(h).0);
                 }
             }
-            self.pass(field, v, probe);
+            self.pass(state, v, probe);
         }
         self.turn = turn;
     }
 
     /// The turn of vertex `v`: the faces around it join the traversed area.
-    pub(crate) fn pass<P: Probe>(&mut self, field: &mut impl Field, v: u32, probe: &mut P) {
+    pub(crate) fn pass<P: Probe>(&mut self, state: &mut impl SurfaceState, v: u32, probe: &mut P) {
         self.passed[v as usize] = true;
-        for place in field.surface().ring_places(v) {
-            let (f, _) = parts(field.surface().rings[place]);
-            if field.join(f) {
+        for place in state.surface().ring_places(v) {
+            let (f, _) = parts(state.surface().rings[place]);
+            if state.join(f) {
                 for corner in 0..3 {
-                    if field.list(f, corner) != NO_LIST {
-                        self.make_ready(field, f, corner);
+                    if state.list(f, corner) != NO_LIST {
+                        self.make_ready(state, f, corner);
                     }
                 }
             }
         }
-        self.spawn_if_nearer(field, v, probe);
+        self.spawn_if_nearer(state, v, probe);
     }
 
     /// Queues the list on half-edge `corner` of face `f` if that has joined.
     #[inline(always)]
-    pub(crate) fn make_ready(&mut self, field: &mut impl Field, f: usize, corner: usize) {
-        if field.enqueue(f, corner) {
+    pub(crate) fn make_ready(&mut self, state: &mut impl SurfaceState, f: usize, corner: usize) {
+        if state.enqueue(f, corner) {
             self.ready.push(half_edge(f as u32, corner));
         }
     }
@@ -60,16 +60,16 @@ impl Wave {
         self.improved += usize::from(news);
     }
 
-    /// A path that another wave had found, to a vertex whose turn is up to this one now.
+    /// A path that another wavefront had found, to a vertex whose turn is up to this one now.
     pub(crate) fn hear_of<P: Probe>(
         &mut self,
-        field: &mut impl Field,
+        state: &mut impl SurfaceState,
         improvement: Improvement,
         probe: &mut P,
     ) {
         self.note(improvement, true);
         if self.must_settle() {
-            self.settle(field, probe);
+            self.settle(state, probe);
         }
     }
 
@@ -80,7 +80,7 @@ impl Wave {
     }
 
     /// The consequences of distances that have improved.
-    pub(crate) fn settle<P: Probe>(&mut self, field: &mut impl Field, probe: &mut P) {
+    pub(crate) fn settle<P: Probe>(&mut self, state: &mut impl SurfaceState, probe: &mut P) {
         for i in 0..std::mem::take(&mut self.improved) {
             let Improvement {
                 vertex,
@@ -90,15 +90,15 @@ impl Wave {
             } = self.improvements[i];
             let v = vertex as usize;
             // What came later has its own consequences.
-            if distance <= field.reached(vertex) && field.surface().vertices[v].pseudo_source {
+            if distance <= state.reached(vertex) && state.surface().vertices[v].pseudo_source {
                 self.origins[v] = Origin { h, entry };
                 if self.passed[v] {
-                    self.spawn_if_nearer(field, vertex, probe);
+                    self.spawn_if_nearer(state, vertex, probe);
                 }
             }
             if !self.passed[v] {
                 // Others may have written a longer one since.
-                let nearest = field.distance(vertex).min(field.reached(vertex));
+                let nearest = state.distance(vertex).min(state.reached(vertex));
                 let news = self.buckets.push(vertex, nearest);
                 probe.add(Counter::QueuePushes, u64::from(news));
             }

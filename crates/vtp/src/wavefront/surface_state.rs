@@ -1,11 +1,11 @@
-//! What a wave runs over.
+//! What a wavefront runs over.
 
 use crate::engine::surface::Surface;
 
-/// The surface as one wave finds it: the faces, the lists of this wave that wait on them, and what
+/// The surface as one wave finds it: the faces, the lists of this wavefront that wait on them, and what
 /// is known of distances.
-pub(crate) trait Field {
-    /// Whether the levels of windows are counted: not where windows come from other waves, which
+pub(crate) trait SurfaceState {
+    /// Whether the levels of windows are counted: not where windows come from other wavefronts, which
     /// know them.
     const COUNTS_LEVELS: bool;
 
@@ -25,18 +25,18 @@ pub(crate) trait Field {
     /// was not and is now.
     fn enqueue(&mut self, f: usize, corner: usize) -> bool;
 
-    /// A face joins the traversed area of this wave; returns whether it had not.
+    /// A face joins the traversed area of this wavefront; returns whether it had not.
     fn join(&mut self, f: usize) -> bool;
 
     /// The length of the shortest path to `v` that is known.
     fn distance(&self, v: u32) -> f64;
 
-    /// A path of length `d` reaches `v`. Returns whether the wave must
+    /// A path of length `d` reaches `v`. Returns whether the wavefront must
     /// [settle](super::Wave::settle) that: if it is shorter than all that are known, or if the
-    /// vertex is to have a turn of which this wave does not know.
+    /// vertex is to have a turn of which this wavefront does not know.
     fn offer(&mut self, v: u32, d: f64) -> bool;
 
-    /// The length of the path to `v` that this wave has [settled](super::Wave::settle) last or is
+    /// The length of the path to `v` that this wavefront has [settled](super::Wavefront::settle) last or is
     /// to settle: the one whose origin it knows.
     fn reached(&self, v: u32) -> f64;
 

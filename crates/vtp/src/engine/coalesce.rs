@@ -9,11 +9,11 @@
 use super::store::{COLUMNS, WindowStore};
 use super::surface::{Face, Surface, next, prev};
 
-/// Lists with so many windows or fewer cross one by one where windows are reunited: most lists are
+/// Lists with so many windows or fewer cross one by one where windows are coalesced: most lists are
 /// no longer, and one number is computed sooner than eight of which seven are of no use.
 pub(crate) const FEW: usize = 4;
 
-/// The part of the half-edges that must lie behind flat vertices for windows to be reunited.
+/// The part of the half-edges that must lie behind flat vertices for windows to be coalesced.
 const ENOUGH: f64 = 0.125;
 
 /// How far apart two places of a source image may lie, relative to its distance and the edge, to be
@@ -24,7 +24,7 @@ const SAME_IMAGE: f64 = 1e-13;
 const GAP: f64 = 1e-12;
 
 impl Surface {
-    /// Whether so many windows can be reunited that looking for them pays.
+    /// Whether so many windows can be coalesced that looking for them pays.
     pub(crate) fn has_many_flat_vertices(&self) -> bool {
         let behind = self.faces.iter().flat_map(|face| face.flat);
         let flat = behind.filter(|&flat| flat).count();
@@ -37,7 +37,7 @@ impl WindowStore {
     /// half-edge `corner`: those that were there `before` with those that came, `after` which there
     /// are so many. Returns how many are left.
     #[inline(always)]
-    pub(crate) fn reunite_behind(
+    pub(crate) fn coalesce_behind(
         &mut self,
         face: &Face,
         corner: usize,
@@ -48,7 +48,7 @@ impl WindowStore {
         for (side, exit) in [prev(corner), next(corner)].into_iter().enumerate() {
             if face.flat[exit] && before[side] > 0 {
                 let (list, l) = (lists[side], face.length[exit]);
-                after[side] = self.reunite(list, before[side], after[side], l);
+                after[side] = self.coalesce(list, before[side], after[side], l);
             }
         }
         after
@@ -60,7 +60,7 @@ impl WindowStore {
     ///
     /// No distance changes but by rounding: a ray in a gap passes the flat vertex on the one side
     /// or the other.
-    fn reunite(&mut self, list: u32, waiting: usize, len: usize, l: f64) -> usize {
+    fn coalesce(&mut self, list: u32, waiting: usize, len: usize, l: f64) -> usize {
         let mut left = waiting;
         for i in waiting..len {
             let window = self.get(list, i);
@@ -100,14 +100,14 @@ mod tests {
     use crate::engine::store::NO_LIST;
 
     /// What is left of `waiting` and of those that `came`, on a half-edge of length 1.
-    fn reunited(waiting: &[[f64; COLUMNS]], came: &[[f64; COLUMNS]]) -> Vec<[f64; COLUMNS]> {
+    fn coalesced(waiting: &[[f64; COLUMNS]], came: &[[f64; COLUMNS]]) -> Vec<[f64; COLUMNS]> {
         let mut store = WindowStore::new();
         let len = waiting.len() + came.len();
         let list = store.reserve(NO_LIST, len);
         for (i, &window) in waiting.iter().chain(came).enumerate() {
             store.put(list, i, window);
         }
-        let left = store.reunite(list, waiting.len(), len, 1.0);
+        let left = store.coalesce(list, waiting.len(), len, 1.0);
         (0..left).map(|i| store.get(list, i)).collect()
     }
 
@@ -118,13 +118,13 @@ mod tests {
     #[test]
     fn halves_become_one_in_whatever_order_they_come() {
         let other = [0.0, 1.0, 1.0, -1.0, 39.0];
-        assert_eq!(reunited(&[LEFT], &[RIGHT]), [WHOLE]);
-        assert_eq!(reunited(&[RIGHT], &[LEFT]), [WHOLE]);
-        assert_eq!(reunited(&[RIGHT, other], &[other, LEFT]), [WHOLE, other]);
+        assert_eq!(coalesced(&[LEFT], &[RIGHT]), [WHOLE]);
+        assert_eq!(coalesced(&[RIGHT], &[LEFT]), [WHOLE]);
+        assert_eq!(coalesced(&[RIGHT, other], &[other, LEFT]), [WHOLE, other]);
         let (many, far) = ([other; 9], RIGHT.map(|x| 3.0 * x));
         let waiting = [&many[..], &[LEFT]].concat();
         assert_eq!(
-            reunited(&waiting, &[far, RIGHT]),
+            coalesced(&waiting, &[far, RIGHT]),
             [&many[..], &[WHOLE, far]].concat()
         );
     }
@@ -134,7 +134,7 @@ mod tests {
         let moved = |c: usize, by: f64| {
             let mut window = RIGHT;
             window[c] += by;
-            reunited(&[LEFT], &[window]).len()
+            coalesced(&[LEFT], &[window]).len()
         };
         for (c, noise, difference) in [(0, 1e-13, 1e-11), (2, 1e-12, 1e-10), (3, -1e-12, -1e-10)] {
             assert_eq!((moved(c, noise), moved(c, difference)), (1, 2), "{c}");
@@ -146,6 +146,6 @@ mod tests {
     #[test]
     fn windows_of_one_source_apart_from_each_other_stay_two() {
         let beyond = [0.6, 0.75, 3.0, -40.0, 2.0];
-        assert_eq!(reunited(&[LEFT], &[beyond]), [LEFT, beyond]);
+        assert_eq!(coalesced(&[LEFT], &[beyond]), [LEFT, beyond]);
     }
 }

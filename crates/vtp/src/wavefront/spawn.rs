@@ -2,66 +2,72 @@
 
 use geobench_window::{Counter, Probe};
 
-use super::{Field, Wave};
+use super::{SurfaceState, Wavefront};
 use crate::engine::kernels::LOSES;
-use crate::engine::shadow::{Origin, Shadow};
+use crate::engine::spawn_wedge::{Origin, SpawnWedge};
 use crate::engine::store::{NO_LIST, admit};
 use crate::engine::surface::{NOBODY, half_edge, next, parts, prev};
 
-impl Wave {
+impl Wavefront {
     /// The turn of a source, which sends windows all around.
     pub(crate) fn start_from<P: Probe>(
         &mut self,
-        field: &mut impl Field,
+        state: &mut impl SurfaceState,
         source: u32,
         probe: &mut P,
     ) {
         if self.spawned[source as usize] > 0.0 {
             self.spawned[source as usize] = 0.0;
-            self.spawn(field, source, true, probe);
-            self.pass(field, source, probe);
+            self.spawn(state, source, true, probe);
+            self.pass(state, source, probe);
         }
     }
 
     /// Sends windows from `v` if it is a pseudo-source that has come nearer since it last did.
     pub(super) fn spawn_if_nearer<P: Probe>(
         &mut self,
-        field: &mut impl Field,
+        state: &mut impl SurfaceState,
         v: u32,
         probe: &mut P,
     ) {
-        let (vertex, distance) = (field.surface().vertices[v as usize], field.reached(v));
+        let (vertex, distance) = (state.surface().vertices[v as usize], state.reached(v));
         if vertex.pseudo_source
             && distance < self.spawned[v as usize]
             // The thread that has found a shorter path sends windows from it.
-            && distance <= field.distance(v)
+            && distance <= state.distance(v)
         {
             self.spawned[v as usize] = distance;
-            self.spawn(field, v, vertex.all_around || !self.shadow, probe);
+            self.spawn(state, v, vertex.all_around || !self.spawn_wedge, probe);
         }
     }
 
     /// Sends paths along edges of `v` and windows across its faces, in all directions or into the
     /// shadow of the path that reached it.
-    fn spawn<P: Probe>(&mut self, field: &mut impl Field, v: u32, all_around: bool, probe: &mut P) {
+    fn spawn<P: Probe>(
+        &mut self,
+        state: &mut impl SurfaceState,
+        v: u32,
+        all_around: bool,
+        probe: &mut P,
+    ) {
         probe.add(Counter::PseudoSources, 1);
-        let ring = field.surface().ring_places(v);
-        let shadow = if all_around {
-            Shadow::all(ring.len())
+        let ring = state.surface().ring_places(v);
+        let wedge = if all_around {
+            SpawnWedge::all(ring.len())
         } else {
-            Shadow::of(field.surface(), v, self.origins[v as usize])
+            SpawnWedge::of(state.surface(), v, self.origins[v as usize])
         };
-        let mut place = ring.start + shadow.first;
-        for i in 0..shadow.count {
-            let h = field.surface().rings[place];
+        let mut place = ring.start + wedge.first;
+        for i in 0..wedge.count {
+            let h = state.surface().rings[place];
             place = if place + 1 == ring.end {
                 ring.start
             } else {
                 place + 1
             };
             // The last edge belongs to the next face, if there is one.
-            let last = !all_around && i + 1 == shadow.count;
-            self.spawn_across(field, v, h, last, probe);
+            let last = !all_around && i + 1 == wedge.count;
+            self.spawn_across(state, v, h, last, probe);
         }
         probe.raise(Counter::PeakWindows, self.store.waiting() as u64);
     }
@@ -69,9 +75,9 @@ impl Wave {
     /// Sends a path along `h`, which starts at `v`, and a window across its face; along the other
     /// edge too if that is the last one.
     #[inline]
-    fn spawn_across<F: Field, P: Probe>(
+    fn spawn_across<F: SurfaceState, P: Probe>(
         &mut self,
-        field: &mut F,
+        state: &mut F,
         v: u32,
         h: u32,
         last: bool,
@@ -79,7 +85,7 @@ impl Wave {
     ) {
         let (f, corner) = parts(h);
         let (after, before) = (next(corner), prev(corner));
-        let face = field.surface().faces[f];
+        let face = state.surface().faces[f];
         let d = self.spawned[v as usize];
         let [a, b] = [face.vertex[after], face.vertex[before]];
         let [to_a, to_b] = [d + face.length[corner], d + face.length[before]];
@@ -90,7 +96,7 @@ impl Wave {
         let length_b = face.length[before];
         // Seen from the opposite vertices the paths come along the far ends of their half-edges.
         self.offer_along(
-            field,
+            state,
             a,
             to_a,
             Origin {
@@ -99,13 +105,13 @@ impl Wave {
             },
             probe,
         );
-        if last || field.surface().vertices[v as usize].boundary {
-            self.offer_along(field, b, to_b, Origin { h, entry: 0.0 }, probe);
+        if last || state.surface().vertices[v as usize].boundary {
+            self.offer_along(state, b, to_b, Origin { h, entry: 0.0 }, probe);
         }
         if twin == NOBODY {
             return;
         }
-        let [at_a, at_b] = [a, b].map(|v| field.distance(v));
+        let [at_a, at_b] = [a, b].map(|v| state.distance(v));
         probe.add(Counter::Spawned, 1);
         // The vertex filter: each end's own path along the edge beats the farthest ray.
         if (at_b + l) * LOSES < to_a || (at_a + l) * LOSES < to_b {
@@ -121,30 +127,30 @@ impl Wave {
             };
             window = part;
         }
-        let list = self.store.reserve(field.list(target, k), 1);
+        let list = self.store.reserve(state.list(target, k), 1);
         let len = self.store.len(list);
         debug_assert!(list != NO_LIST);
         self.store.put(list, len, window);
         if P::COUNTS && F::COUNTS_LEVELS {
             self.levels.start(twin, source, d);
         }
-        field.set_list(target, k, self.store.set_len(list, len + 1));
-        self.make_ready(field, target, k);
+        state.set_list(target, k, self.store.set_len(list, len + 1));
+        self.make_ready(state, target, k);
     }
 
     /// A path of length `d` reaches `v` along an edge.
     #[inline]
     fn offer_along<P: Probe>(
         &mut self,
-        field: &mut impl Field,
+        state: &mut impl SurfaceState,
         v: u32,
         d: f64,
         origin: Origin,
         probe: &mut P,
     ) {
-        if field.offer(v, d) {
+        if state.offer(v, d) {
             self.origins[v as usize] = origin;
-            let news = self.buckets.push(v, field.distance(v).min(d));
+            let news = self.buckets.push(v, state.distance(v).min(d));
             probe.add(Counter::QueuePushes, u64::from(news));
         }
     }

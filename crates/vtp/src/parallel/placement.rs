@@ -16,12 +16,12 @@ type Position = [f32; 3];
 /// and windows that travel away from the source stay beside each other. So a thread gives what lies
 /// on the side of the receiver.
 #[derive(Debug)]
-pub(super) struct Regions {
+pub(super) struct Placement {
     positions: Vec<Position>,
     centers: Vec<Padded<Center>>,
 }
 
-impl Regions {
+impl Placement {
     /// For the vertices of `mesh` by their new numbers. Without positions, neighbours in number
     /// count as neighbours.
     pub(super) fn new(mesh: &Mesh, numbering: &Numbering, threads: usize) -> Self {
@@ -165,15 +165,15 @@ mod tests {
         generate(&"gen:grid,n=4".parse().unwrap()).unwrap()
     }
 
-    fn regions(soup: TriangleSoup) -> Regions {
+    fn placement(soup: TriangleSoup) -> Placement {
         let (mesh, _) = Mesh::from_soup(soup).unwrap();
-        Regions::new(&mesh, &Numbering::same(), 3)
+        Placement::new(&mesh, &Numbering::same(), 3)
     }
 
-    fn given(regions: &Regions, to: usize, vertices: &[u32], share: f64) -> Vec<u32> {
+    fn given(placement: &Placement, to: usize, vertices: &[u32], share: f64) -> Vec<u32> {
         let mut buffer = Vec::new();
         let vertices = vertices.iter().copied();
-        let given = regions.on_the_side_of(to, vertices, share, &mut buffer);
+        let given = placement.on_the_side_of(to, vertices, share, &mut buffer);
         given.iter().map(|c| c.vertex).collect()
     }
 
@@ -184,21 +184,21 @@ mod tests {
             for position in &mut soup.positions {
                 *position = position.map(|x| x * scale + shift);
             }
-            let mut regions = regions(soup);
+            let mut placement = placement(soup);
             let row = [10, 12, 14, 11, 13];
-            regions.come_to(1, &[15, 20]);
-            regions.come_to(2, &[19, 24]);
-            assert_eq!(given(&regions, 1, &row, 0.6), [10, 11, 12]);
-            assert_eq!(given(&regions, 2, &row, 0.5), [14, 13, 12]);
-            regions.come_to(2, &[]);
-            assert_eq!(given(&regions, 2, &row, 0.01), [14]);
-            assert_eq!(given(&regions, 2, &row, 1.0), [14, 13, 12, 11]);
-            regions.reset();
+            placement.come_to(1, &[15, 20]);
+            placement.come_to(2, &[19, 24]);
+            assert_eq!(given(&placement, 1, &row, 0.6), [10, 11, 12]);
+            assert_eq!(given(&placement, 2, &row, 0.5), [14, 13, 12]);
+            placement.come_to(2, &[]);
+            assert_eq!(given(&placement, 2, &row, 0.01), [14]);
+            assert_eq!(given(&placement, 2, &row, 1.0), [14, 13, 12, 11]);
+            placement.reset();
             // No thread has a place: one end of the longer side.
             let vertices = [10, 11, 12, 13, 14, 17];
-            assert_eq!(given(&regions, 1, &vertices, 0.2), [14, 13]);
-            regions.come_to(1, &[12]);
-            assert_eq!(given(&regions, 1, &row, 0.4), [14, 13]);
+            assert_eq!(given(&placement, 1, &vertices, 0.2), [14, 13]);
+            placement.come_to(1, &[12]);
+            assert_eq!(given(&placement, 1, &row, 0.4), [14, 13]);
         }
     }
 
@@ -215,17 +215,17 @@ mod tests {
             for corner in soup.triangles.iter_mut().flatten() {
                 *corner += 1;
             }
-            let regions = regions(soup);
-            regions.come_to(1, &[16, 21]);
-            assert_eq!(given(&regions, 1, &[13, 12, 11], 0.6), [11, 12]);
+            let placement = placement(soup);
+            placement.come_to(1, &[16, 21]);
+            assert_eq!(given(&placement, 1, &[13, 12, 11], 0.6), [11, 12]);
         }
     }
 
     #[test]
     fn of_a_single_vertex_or_of_none_nothing_is_given() {
-        let regions = regions(plane());
+        let placement = placement(plane());
         for (vertices, share) in [(vec![], 1.0), (vec![3], 1.0), (vec![3, 4], 0.0)] {
-            assert_eq!(given(&regions, 1, &vertices, share), [0; 0]);
+            assert_eq!(given(&placement, 1, &vertices, share), [0; 0]);
         }
     }
 
@@ -237,8 +237,8 @@ mod tests {
             .map(|&[a, b, c]| if a % 2 == 0 { [a, b, c] } else { [b, a, c] })
             .collect();
         let (mesh, _) = Mesh::from_lengths(8, &oriented, &[[1.0; 3]; 6]).unwrap();
-        let regions = Regions::new(&mesh, &Numbering::same(), 2);
-        regions.come_to(1, &[6, 7]);
-        assert_eq!(given(&regions, 1, &[2, 5, 3, 4], 0.5), [5, 4]);
+        let placement = Placement::new(&mesh, &Numbering::same(), 2);
+        placement.come_to(1, &[6, 7]);
+        assert_eq!(given(&placement, 1, &[2, 5, 3, 4], 0.5), [5, 4]);
     }
 }

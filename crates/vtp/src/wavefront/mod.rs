@@ -1,26 +1,26 @@
 //! What `vtp-fast` and each thread of `pvtp` run: buckets of vertices have their turns, and lists
 //! cross faces until all wait.
 //!
-//! A [`Wave`] holds what one thread alone changes, its windows and its queues; what it runs over is
-//! a [`Field`]. The two programs differ in their fields, in how a wave starts and in what happens
+//! A [`Wavefront`] holds what one thread alone changes, its windows and its queues; what it runs over is
+//! a [`SurfaceState`]. The two programs differ in their fields, in how a wavefront starts and in what happens
 //! between turns.
 
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
 
 mod cross;
-mod field;
 mod spawn;
+mod surface_state;
 mod turns;
 
 use geobench_window::trimming::KeptWindows;
 
-pub(crate) use self::field::Field;
+pub(crate) use self::surface_state::SurfaceState;
 use crate::engine::buckets::Buckets;
 use crate::engine::kernels::Cuts;
 use crate::engine::levels::Levels;
 use crate::engine::sample::Sample;
-use crate::engine::shadow::Origin;
+use crate::engine::spawn_wedge::Origin;
 use crate::engine::store::WindowStore;
 use crate::engine::surface::Surface;
 use crate::fast::Options;
@@ -28,9 +28,9 @@ use crate::fast::Options;
 /// Paths wait for their consequences until so many have come together.
 const IMPROVEMENTS: usize = 4096;
 
-/// A path to a vertex whose consequences wait: it was the shortest that this wave saw when it was
-/// found; or it is the first, at all or since the vertex was given away, to one that other waves
-/// know, which is to have a turn in this one too; or another wave has given it, with the vertex.
+/// A path to a vertex whose consequences wait: it was the shortest that this wavefront saw when it was
+/// found; or it is the first, at all or since the vertex was given away, to one that other wavefronts
+/// know, which is to have a turn in this one too; or another wavefront has given it, with the vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Improvement {
     pub(crate) vertex: u32,
@@ -44,11 +44,11 @@ pub(crate) struct Improvement {
 
 /// Windows on their way, and the queues that say where they go next.
 #[derive(Clone, Debug)]
-pub(crate) struct Wave {
+pub(crate) struct Wavefront {
     /// Lists whose pairs are compared.
     compared: Sample,
     /// Whether pseudo-sources send windows only into the shadow of the path that reached them.
-    shadow: bool,
+    spawn_wedge: bool,
     pub(crate) store: WindowStore,
     /// Half-edges whose lists are about to cross.
     ready: Vec<u32>,
@@ -70,13 +70,13 @@ pub(crate) struct Wave {
     kept: KeptWindows,
 }
 
-impl Wave {
+impl Wavefront {
     /// For a surface; O(vertices).
     pub(crate) fn new(surface: &Surface, options: &Options) -> Self {
         let vertices = surface.vertices.len();
         Self {
             compared: Sample::new(options.pairs),
-            shadow: options.shadow,
+            spawn_wedge: options.spawn_wedge,
             store: WindowStore::new(),
             ready: Vec::new(),
             buckets: Buckets::new(vertices, options.bucket * surface.mean_length),

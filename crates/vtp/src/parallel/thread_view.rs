@@ -1,24 +1,24 @@
-//! The surface as the wave of one thread finds it.
+//! The surface as the wavefront of one thread finds it.
 
 use std::hint::select_unpredictable;
 
-use super::jitter::jitter;
+use super::schedule_fuzz::schedule_fuzz;
 use super::shared::{Distance, Shared};
 use crate::engine::face_state::FaceState;
 use crate::engine::prefetch::prefetch;
 use crate::engine::surface::Surface;
-use crate::wave::Field;
+use crate::wavefront::SurfaceState;
 use geobench_window::prefetch_line;
 
 /// What a thread keeps of faces and vertices, for itself.
 #[derive(Debug)]
-pub(super) struct Own {
+pub(super) struct ThreadState {
     faces: Vec<FaceState>,
     /// The length of the first path to each vertex that this thread has found or been given, and
     /// from then on of those that were shorter than this and than the distance that it saw;
     /// infinite if there is none, or if the vertex was given away since. So whoever wrote a
     /// distance, or was given the vertex, has one that is no longer. Where it is finite the vertex
-    /// has had its turn in this wave or is to have it.
+    /// has had its turn in this wavefront or is to have it.
     reached: Vec<f64>,
     /// Where what need not be written is written to.
     nowhere: Distance,
@@ -26,7 +26,7 @@ pub(super) struct Own {
     run: u8,
 }
 
-impl Own {
+impl ThreadState {
     pub(super) fn new(surface: &Surface) -> Self {
         Self {
             faces: vec![FaceState::default(); surface.faces.len()],
@@ -51,9 +51,9 @@ impl Own {
     /// Threads write them without regard for each other, so that a longer path may have overwritten
     /// a shorter one.
     pub(super) fn repair(&self, distances: &[Distance]) {
-        for (distance, &own) in distances.iter().zip(&self.reached) {
-            if own < f64::INFINITY && own < distance.get() {
-                distance.lower(own);
+        for (distance, &reached) in distances.iter().zip(&self.reached) {
+            if reached < f64::INFINITY && reached < distance.get() {
+                distance.lower(reached);
             }
         }
     }
@@ -61,7 +61,7 @@ impl Own {
 
 /// What threads share and what this one has for itself, at hand without detours.
 #[derive(Debug)]
-pub(super) struct Part<'a> {
+pub(super) struct ThreadView<'a> {
     surface: &'a Surface,
     distances: &'a [Distance],
     faces: &'a mut [FaceState],
@@ -70,20 +70,20 @@ pub(super) struct Part<'a> {
     run: u8,
 }
 
-impl<'a> Part<'a> {
-    pub(super) fn new(shared: &'a Shared, own: &'a mut Own) -> Self {
+impl<'a> ThreadView<'a> {
+    pub(super) fn new(shared: &'a Shared, state: &'a mut ThreadState) -> Self {
         Self {
             surface: &shared.surface,
             distances: &shared.distances,
-            faces: &mut own.faces,
-            reached: &mut own.reached,
-            nowhere: &own.nowhere,
-            run: own.run,
+            faces: &mut state.faces,
+            reached: &mut state.reached,
+            nowhere: &state.nowhere,
+            run: state.run,
         }
     }
 }
 
-impl Part<'_> {
+impl ThreadView<'_> {
     /// The turn of `v` is up to another thread; returns the length of the path that this one has to
     /// it.
     pub(super) fn give_up(&mut self, v: u32) -> f64 {
@@ -98,7 +98,7 @@ impl Part<'_> {
     }
 }
 
-impl Field for Part<'_> {
+impl SurfaceState for ThreadView<'_> {
     const COUNTS_LEVELS: bool = false;
 
     #[inline(always)]
@@ -136,21 +136,21 @@ impl Field for Part<'_> {
         self.distances[v as usize].get()
     }
 
-    /// A vertex that another thread has reached by a shorter path is to have a turn in this wave
-    /// too, for the lists of this wave around it.
+    /// A vertex that another thread has reached by a shorter path is to have a turn in this wavefront
+    /// too, for the lists of this wavefront around it.
     ///
     /// Without a branch: whether a path is the shortest is hard to predict. And without an atomic
     /// minimum: where another thread writes a longer path at the same time, threads may see that
-    /// for a while, which prunes less, until [`Own::repair`].
+    /// for a while, which prunes less, until [`ThreadState::repair`].
     #[inline(always)]
     #[allow(clippy::needless_bitwise_bool)] // The lazy ones are branches.
     fn offer(&mut self, v: u32, d: f64) -> bool {
-        jitter();
+        schedule_fuzz();
         let distance = &self.distances[v as usize];
         let reached = &mut self.reached[v as usize];
         let nearer = (d < distance.get()) & (d < *reached);
         let news = nearer | (*reached == f64::INFINITY);
-        jitter();
+        schedule_fuzz();
         select_unpredictable(nearer, distance, self.nowhere).set(d);
         *reached = select_unpredictable(news, d, *reached);
         news
@@ -192,8 +192,8 @@ mod tests {
     #[test]
     fn a_wave_settles_what_is_shortest_and_what_it_meets_first() {
         let (shared, [mut a, mut b]) = two_threads();
-        let (_, mut a) = a.part(&shared);
-        let (_, mut b) = b.part(&shared);
+        let (_, mut a) = a.view(&shared);
+        let (_, mut b) = b.view(&shared);
         assert!(a.offer(7, 3.0) && !a.offer(7, 3.0) && !a.offer(7, 4.0));
         assert!(b.offer(7, 5.0) && !b.offer(7, 5.0) && b.offer(7, 2.0));
         assert!(a.offer(7, 1.0) && !b.offer(7, 2.0));
@@ -204,15 +204,15 @@ mod tests {
     #[test]
     fn a_path_that_another_thread_has_overwritten_is_not_lost() {
         let (shared, mut threads) = two_threads();
-        let (_, mut part) = threads[0].part(&shared);
-        assert!(part.offer(7, 3.0));
+        let (_, mut view) = threads[0].view(&shared);
+        assert!(view.offer(7, 3.0));
         shared.distances[7].set(4.0);
-        assert!(!part.offer(7, 3.5) && part.reached(7) == 3.0);
-        let given = part.give_up(7);
-        let (_, mut part) = threads[1].part(&shared);
-        part.take_over(7, given);
+        assert!(!view.offer(7, 3.5) && view.reached(7) == 3.0);
+        let given = view.give_up(7);
+        let (_, mut view) = threads[1].view(&shared);
+        view.take_over(7, given);
         for thread in threads {
-            thread.own.repair(&shared.distances);
+            thread.state.repair(&shared.distances);
         }
         assert_eq!(shared.distances[7].get(), 3.0);
     }
@@ -230,11 +230,11 @@ mod tests {
         assert_eq!(shared.distances[v as usize].get(), 9.0);
         for (thread, bucket, started) in [(0, 10, 0), (1, 9, 1)] {
             let mut count = Count::default();
-            let (wave, mut part) = threads[thread].part(&shared);
-            wave.take_turn(&mut part, bucket, &mut count);
+            let (wavefront, mut view) = threads[thread].view(&shared);
+            wavefront.take_turn(&mut view, bucket, &mut count);
             let counted = count.counters(&[Counter::PseudoSources]);
             assert_eq!(counted.get(Counter::PseudoSources), Some(started));
         }
-        assert_eq!(threads[1].wave.origins[v as usize].h, path(2, 0.0).h);
+        assert_eq!(threads[1].wavefront.origins[v as usize].h, path(2, 0.0).h);
     }
 }

@@ -7,12 +7,12 @@
 /// Might take a while.
 #[cfg(not(test))]
 #[inline(always)]
-pub(super) fn jitter() {}
+pub(super) fn schedule_fuzz() {}
 
 /// Might take a while: nothing mostly, up to some microseconds or as long as others want now and
 /// then, and a quarter of a millisecond at most once in two thousand times.
 #[cfg(test)]
-pub(super) fn jitter() {
+pub(super) fn schedule_fuzz() {
     use std::cell::RefCell;
     use std::hint::spin_loop;
     use std::sync::atomic::AtomicU64;

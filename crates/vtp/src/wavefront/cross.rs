@@ -3,43 +3,43 @@
 use geobench_window::simd::{Lanes, Program, Scalar};
 use geobench_window::{Counter, Phase, Probe};
 
-use super::{Field, Improvement, Wave};
+use super::{Improvement, SurfaceState, Wavefront};
 use crate::engine::kernels::{self, BestPath, Gate, Measured, Target, Triangle};
 
-use crate::engine::reunite::FEW;
+use crate::engine::coalesce::FEW;
 use crate::engine::store::NO_LIST;
 use crate::engine::surface::{NOBODY, next, parts, prev};
 use crate::precision::extent;
 
-impl Wave {
-    /// Lists cross until none is ready; windows are reunited if `REUNITE`, of which nothing is left
+impl Wavefront {
+    /// Lists cross until none is ready; windows are coalesced if `COALESCE`, of which nothing is left
     /// otherwise in the code that runs.
     #[inline(always)]
-    pub(crate) fn cross_all<L: Lanes, F: Field, P: Probe, const REUNITE: bool>(
+    pub(crate) fn cross_all<L: Lanes, F: SurfaceState, P: Probe, const COALESCE: bool>(
         &mut self,
         simd: L::Token,
-        field: &mut F,
+        state: &mut F,
         probe: &mut P,
     ) {
         let mut place = 0;
         loop {
             if place == self.ready.len() || self.must_settle() {
-                self.settle(field, probe);
+                self.settle(state, probe);
             }
             let Some(&h) = self.ready.get(place) else {
                 break;
             };
-            self.prefetch_face(field, place + 6);
-            self.prefetch_beyond(field, place + 3);
+            self.prefetch_face(state, place + 6);
+            self.prefetch_beyond(state, place + 3);
             place += 1;
-            if !REUNITE || L::COUNT == 1 {
-                self.cross::<L, F, P, REUNITE>(simd, field, h, probe);
-            } else if self.waiting_at(field, h) <= FEW {
-                self.cross::<Scalar, F, P, REUNITE>((), field, h, probe);
+            if !COALESCE || L::COUNT == 1 {
+                self.cross::<L, F, P, COALESCE>(simd, state, h, probe);
+            } else if self.waiting_at(state, h) <= FEW {
+                self.cross::<Scalar, F, P, COALESCE>((), state, h, probe);
             } else {
-                let list = List::<F, P, REUNITE> {
-                    wave: self,
-                    field,
+                let list = List::<F, P, COALESCE> {
+                    wavefront: self,
+                    state,
                     h,
                     probe,
                 };
@@ -51,24 +51,24 @@ impl Wave {
 
     /// How many windows wait on `h`.
     #[inline(always)]
-    fn waiting_at(&self, field: &impl Field, h: u32) -> usize {
+    fn waiting_at(&self, state: &impl SurfaceState, h: u32) -> usize {
         let (f, corner) = parts(h);
-        self.store.len(field.list(f, corner))
+        self.store.len(state.list(f, corner))
     }
 
     /// Takes the list on `h` across its face.
     #[inline(always)]
-    fn cross<L: Lanes, F: Field, P: Probe, const REUNITE: bool>(
+    fn cross<L: Lanes, F: SurfaceState, P: Probe, const COALESCE: bool>(
         &mut self,
         simd: L::Token,
-        field: &mut F,
+        state: &mut F,
         h: u32,
         probe: &mut P,
     ) {
         let (f, corner) = parts(h);
         let (after, before) = (next(corner), prev(corner));
-        let list = field.take_list(f, corner);
-        let face = &field.surface().faces[f];
+        let list = state.take_list(f, corner);
+        let face = &state.surface().faces[f];
         let [tail, head, apex] = [corner, after, before].map(|k| face.vertex[k]);
         let exits = [face.twin[before], face.twin[after]];
         let triangle = face.triangle(corner);
@@ -77,13 +77,13 @@ impl Wave {
         probe.enter(Phase::Pruning);
         if self.compared.takes(h, len) {
             let block = self.store.padded_block(list);
-            let extent = extent(triangle.l, field.surface().behind(h));
+            let extent = extent(triangle.l, state.surface().behind(h));
             len = kernels::compare::<L>(simd, block, len, extent, &mut self.cuts);
         }
         let gate = Gate {
             l: triangle.l,
             apex: triangle.apex,
-            ends: [tail, head].map(|v| field.distance(v)),
+            ends: [tail, head].map(|v| state.distance(v)),
         };
         let waiting = self.store.first(list, len);
         let found = kernels::measure::<L, true>(simd, waiting, 0, &gate, &mut self.keep);
@@ -98,7 +98,7 @@ impl Wave {
             let waiting = self.store.first(list, len);
             let best = BestPath::of(waiting, found.best, gate.apex, size);
             // The consequences wait: whether a path is the shortest is hard to predict.
-            let news = field.offer(apex, found.distance);
+            let news = state.offer(apex, found.distance);
             let path = Improvement {
                 vertex: apex,
                 h,
@@ -106,8 +106,8 @@ impl Wave {
                 distance: found.distance,
             };
             self.note(path, news);
-            self.send::<L, F, P, REUNITE>(
-                simd, field, list, h, exits, &triangle, &found, &best, probe,
+            self.send::<L, F, P, COALESCE>(
+                simd, state, list, h, exits, &triangle, &found, &best, probe,
             );
         }
         probe.enter(Phase::Management);
@@ -122,10 +122,10 @@ impl Wave {
     /// the lists behind its two exits.
     #[allow(clippy::too_many_arguments)] // All of what the caller has found out.
     #[inline(always)]
-    fn send<L: Lanes, F: Field, P: Probe, const REUNITE: bool>(
+    fn send<L: Lanes, F: SurfaceState, P: Probe, const COALESCE: bool>(
         &mut self,
         simd: L::Token,
-        field: &mut F,
+        state: &mut F,
         list: u32,
         h: u32,
         exits: [u32; 2],
@@ -138,7 +138,7 @@ impl Wave {
         for side in 0..2 {
             if exits[side] != NOBODY && found.bound[side] > 0 {
                 let (f, k) = parts(exits[side]);
-                lists[side] = self.store.reserve(field.list(f, k), found.bound[side]);
+                lists[side] = self.store.reserve(state.list(f, k), found.bound[side]);
             }
         }
         let before = lists.map(|list| self.store.len(list));
@@ -175,12 +175,12 @@ impl Wave {
                 probe.raise(Counter::Levels, u64::from(deepest));
             }
         }
-        if REUNITE {
+        if COALESCE {
             let (f, corner) = parts(h);
-            let face = &field.surface().faces[f];
+            let face = &state.surface().faces[f];
             after = self
                 .store
-                .reunite_behind(face, corner, lists, before, after);
+                .coalesce_behind(face, corner, lists, before, after);
         }
         if !self.kept.is_empty() {
             for side in 0..2 {
@@ -195,9 +195,9 @@ impl Wave {
             if lists[side] != NO_LIST {
                 let (f, k) = parts(exits[side]);
                 let list = self.store.set_len(lists[side], after[side]);
-                field.set_list(f, k, list);
+                state.set_list(f, k, list);
                 if list != NO_LIST {
-                    self.make_ready(field, f, k);
+                    self.make_ready(state, f, k);
                 }
             }
         }
@@ -207,40 +207,40 @@ impl Wave {
 
     /// Asks for the face that the list at `place` of the queue will cross.
     #[inline(always)]
-    fn prefetch_face(&self, field: &impl Field, place: usize) {
+    fn prefetch_face(&self, state: &impl SurfaceState, place: usize) {
         if let Some(&h) = self.ready.get(place) {
-            field.prefetch_face(parts(h).0);
+            state.prefetch_face(parts(h).0);
         }
     }
 
     /// Asks for what the list at `place` of the queue touches beyond its face.
     #[inline(always)]
-    fn prefetch_beyond(&self, field: &impl Field, place: usize) {
+    fn prefetch_beyond(&self, state: &impl SurfaceState, place: usize) {
         if let Some(&h) = self.ready.get(place) {
             let (f, corner) = parts(h);
-            let face = &field.surface().faces[f];
+            let face = &state.surface().faces[f];
             for twin in [face.twin[next(corner)], face.twin[prev(corner)]] {
-                field.prefetch_lists(parts(twin).0);
+                state.prefetch_lists(parts(twin).0);
             }
-            field.prefetch_distance(face.vertex[prev(corner)]);
+            state.prefetch_distance(face.vertex[prev(corner)]);
         }
     }
 }
 
 /// A list about to cross.
-struct List<'a, F, P, const REUNITE: bool> {
-    wave: &'a mut Wave,
-    field: &'a mut F,
+struct List<'a, F, P, const COALESCE: bool> {
+    wavefront: &'a mut Wavefront,
+    state: &'a mut F,
     h: u32,
     probe: &'a mut P,
 }
 
-impl<F: Field, P: Probe, const REUNITE: bool> Program for List<'_, F, P, REUNITE> {
+impl<F: SurfaceState, P: Probe, const COALESCE: bool> Program for List<'_, F, P, COALESCE> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, simd: L::Token) {
-        self.wave
-            .cross::<L, F, P, REUNITE>(simd, self.field, self.h, self.probe);
+        self.wavefront
+            .cross::<L, F, P, COALESCE>(simd, self.state, self.h, self.probe);
     }
 }

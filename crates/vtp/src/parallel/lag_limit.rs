@@ -17,7 +17,7 @@ const NOWHERE: u32 = u32::MAX;
 const LEAD_OF_TWO: u32 = 4;
 
 /// The same among more threads, where that weighs more: with 4, 16 threads took up to 37 % more
-/// windows than one, with 2 less than 30 % (on two processors, before gifts went by place).
+/// windows than one, with 2 less than 30 % (on two processors, before handoffs went by place).
 const LEAD_OF_MORE: u32 = 2;
 
 /// Turns of a loop of some 40 ns each in which a thread looks again before it lets others run.
@@ -29,10 +29,10 @@ const NAP: Duration = Duration::from_micros(50);
 
 /// Where the threads of a run are.
 #[derive(Debug)]
-pub(super) struct Pace {
+pub(super) struct LagLimit {
     /// The bucket whose turn each thread takes or wants to take.
     places: Vec<Padded<AtomicU32>>,
-    /// Threads at work and gifts on their way: when there are none, nothing will ever happen.
+    /// Threads at work and handoffs on their way: when there are none, nothing will ever happen.
     pending: Padded<AtomicUsize>,
     /// Threads that have come to the end of the run, and how many are to come.
     arrived: Padded<AtomicUsize>,
@@ -42,7 +42,7 @@ pub(super) struct Pace {
     spins: u32,
 }
 
-impl Pace {
+impl LagLimit {
     pub(super) fn new(threads: usize) -> Self {
         let processors = thread::available_parallelism().map_or(1, usize::from);
         Self {
@@ -90,13 +90,13 @@ impl Pace {
         last.unwrap_or(NOWHERE).saturating_add(self.lead)
     }
 
-    /// A thread goes to work again, or a gift is sent; by a thread that is at work, or that has a
-    /// gift.
+    /// A thread goes to work again, or a handoff is sent; by a thread that is at work, or that has a
+    /// handoff.
     pub(super) fn begin(&self) {
         self.pending.0.fetch_add(1, Relaxed);
     }
 
-    /// A thread has nothing left to do, or has taken in all of a gift; what that leads to is
+    /// A thread has nothing left to do, or has taken in all of a handoff; what that leads to is
     /// counted by the thread, which is at work.
     pub(super) fn end(&self) {
         self.pending.0.fetch_sub(1, Release);
@@ -112,9 +112,9 @@ impl Pace {
     pub(super) fn meet(&self) -> bool {
         let arrived = &self.arrived.0;
         arrived.fetch_add(1, Release);
-        let mut patience = self.patience();
+        let mut backoff = self.backoff();
         while arrived.load(Acquire) < self.expected && !self.is_broken() {
-            patience.wait();
+            backoff.wait();
         }
         !self.is_broken()
     }
@@ -129,8 +129,8 @@ impl Pace {
     }
 
     /// For a thread that is to wait.
-    pub(super) fn patience(&self) -> Patience {
-        Patience {
+    pub(super) fn backoff(&self) -> Backoff {
+        Backoff {
             spins: self.spins,
             yields: YIELDS,
         }
@@ -140,12 +140,12 @@ impl Pace {
 /// Waits a little longer each time: threads wait for microseconds mostly, and waking one that
 /// sleeps takes tens. Where there are more threads than processors, it lets others run.
 #[derive(Debug)]
-pub(super) struct Patience {
+pub(super) struct Backoff {
     spins: u32,
     yields: u32,
 }
 
-impl Patience {
+impl Backoff {
     pub(super) fn wait(&mut self) {
         if self.spins > 0 {
             self.spins -= 1;
@@ -161,7 +161,7 @@ impl Patience {
 
 /// Lets the others go if the thread that holds this panics.
 #[derive(Debug)]
-pub(super) struct BreakOnPanic<'a>(pub(super) &'a Pace);
+pub(super) struct BreakOnPanic<'a>(pub(super) &'a LagLimit);
 
 impl Drop for BreakOnPanic<'_> {
     fn drop(&mut self) {
@@ -177,30 +177,30 @@ mod tests {
 
     #[test]
     fn a_thread_may_be_a_little_ahead_of_the_last_one_that_has_work() {
-        let mut pace = Pace::new(3);
-        pace.reset(3);
+        let mut lag = LagLimit::new(3);
+        lag.reset(3);
         for (thread, bucket) in [(0, Some(7)), (1, None), (2, Some(5))] {
-            pace.come_to(thread, bucket);
+            lag.come_to(thread, bucket);
         }
-        assert_eq!(pace.limit(), 5 + LEAD_OF_MORE);
-        pace.come_to(2, None);
-        assert_eq!(pace.limit(), 7 + LEAD_OF_MORE);
-        pace.call_back(2, 7);
-        pace.come_to(0, Some(9));
-        assert_eq!(pace.limit(), 7 + LEAD_OF_MORE);
-        pace.come_to(2, None);
-        pace.come_to(0, None);
-        assert_eq!(pace.limit(), u32::MAX);
+        assert_eq!(lag.limit(), 5 + LEAD_OF_MORE);
+        lag.come_to(2, None);
+        assert_eq!(lag.limit(), 7 + LEAD_OF_MORE);
+        lag.call_back(2, 7);
+        lag.come_to(0, Some(9));
+        assert_eq!(lag.limit(), 7 + LEAD_OF_MORE);
+        lag.come_to(2, None);
+        lag.come_to(0, None);
+        assert_eq!(lag.limit(), u32::MAX);
     }
 
     #[test]
     fn threads_that_meet_see_what_all_have_done() {
-        let mut pace = Pace::new(3);
-        pace.reset(3);
+        let mut lag = LagLimit::new(3);
+        lag.reset(3);
         let done = [0, 1, 2].map(|_| AtomicU32::new(0));
         let run = |thread: usize| {
             done[thread].store(7, Relaxed);
-            assert!(pace.meet());
+            assert!(lag.meet());
             done.iter().map(|d| d.load(Relaxed)).sum::<u32>()
         };
         let sums = thread::scope(|scope| {
@@ -211,31 +211,31 @@ mod tests {
     }
 
     #[test]
-    fn it_is_over_when_nobody_works_and_no_gift_is_on_its_way() {
-        let mut pace = Pace::new(2);
-        pace.reset(2);
-        // The first sends the other a gift and rests; the other takes it.
-        pace.begin();
-        pace.end();
-        assert!(!pace.is_over());
-        pace.begin();
-        pace.end();
-        assert!(!pace.is_over());
-        pace.end();
-        assert!(pace.is_over());
+    fn a_run_is_over_when_no_thread_works_and_no_handoff_is_on_its_way() {
+        let mut lag = LagLimit::new(2);
+        lag.reset(2);
+        // The first sends the other a handoff and rests; the other takes it.
+        lag.begin();
+        lag.end();
+        assert!(!lag.is_over());
+        lag.begin();
+        lag.end();
+        assert!(!lag.is_over());
+        lag.end();
+        assert!(lag.is_over());
     }
 
     #[test]
     fn a_panic_lets_the_others_go() {
-        let mut pace = Pace::new(3);
-        pace.reset(3);
+        let mut lag = LagLimit::new(3);
+        lag.reset(3);
         thread::scope(|scope| {
             let panics = scope.spawn(|| {
-                let _guard = BreakOnPanic(&pace);
-                assert_eq!(pace.places.len(), 0, "on purpose");
+                let _guard = BreakOnPanic(&lag);
+                assert_eq!(lag.places.len(), 0, "on purpose");
             });
             assert!(panics.join().is_err());
         });
-        assert!(pace.is_broken() && !pace.meet());
+        assert!(lag.is_broken() && !lag.meet());
     }
 }

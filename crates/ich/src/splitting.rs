@@ -5,7 +5,7 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Child, Policy, Surface, Turn};
 use geobench_window::trimming::KeptWindows;
 use geobench_window::{
-    Counter, Passage, Phase, Probe, Side, VertexFilter, Window, is_beaten_from_ends,
+    Counter, Crossing, Phase, Probe, Side, VertexFilter, Window, is_beaten_from_ends,
 };
 
 use crate::angle::{Angles, Split};
@@ -224,11 +224,11 @@ impl Policy for Splitting {
     fn split(
         &mut self,
         angle: HalfEdgeId,
-        passage: &Passage<'_>,
+        crossing: &Crossing<'_>,
         heir: Lineage,
         _: &Surface,
     ) -> [Option<Lineage>; 2] {
-        self.split_at(angle, passage.entry(), passage.straight_distance(), heir)
+        self.split_at(angle, crossing.entry(), crossing.straight_distance(), heir)
     }
 
     #[inline]

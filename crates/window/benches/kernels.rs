@@ -6,7 +6,7 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use geobench_mesh::generate::generate;
 use geobench_mesh::{HalfEdgeId, Mesh, SplitMix64};
-use geobench_window::{Crossings, Faces, LANES, Passage, Side, Window, tie_points};
+use geobench_window::{Crossing, Crossings, Faces, LANES, Side, Window, tie_points};
 
 /// Windows of each bench: few enough for the first cache.
 const COUNT: usize = 256;
@@ -57,14 +57,14 @@ fn kernels(criterion: &mut Criterion) {
     group.bench_function("propagate", |b| {
         b.iter(|| {
             for w in &windows {
-                let passage = Passage::new(black_box(&frame), w);
-                if passage.covers_apex() {
+                let crossing = Crossing::new(black_box(&frame), w);
+                if crossing.covers_apex() {
                     let [left, right] = [Side::Left, Side::Right].map(|s| faces.exit(H, &frame, s));
-                    black_box(passage.straight_distance());
-                    black_box((passage.left_child(&left), passage.right_child(&right)));
+                    black_box(crossing.straight_distance());
+                    black_box((crossing.left_child(&left), crossing.right_child(&right)));
                 } else {
-                    let exit = faces.exit(H, &frame, passage.side());
-                    black_box((passage.bent_distance(&exit), passage.only_child(&exit)));
+                    let exit = faces.exit(H, &frame, crossing.side());
+                    black_box((crossing.bent_distance(&exit), crossing.only_child(&exit)));
                 }
             }
         });
@@ -85,7 +85,7 @@ fn kernels(criterion: &mut Criterion) {
     group.bench_function("separating-point", |b| {
         b.iter(|| {
             for w in &windows {
-                black_box(Passage::new(black_box(&frame), w).separation());
+                black_box(Crossing::new(black_box(&frame), w).separation());
             }
         });
     });

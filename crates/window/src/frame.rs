@@ -30,7 +30,7 @@ pub struct Frame {
 
 /// A face as a window meets it that enters it through one of its half-edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Entrance {
+pub struct FaceView {
     /// The triangle.
     pub frame: Frame,
     /// A, B and C.
@@ -43,7 +43,7 @@ pub struct Entrance {
     pub behind: [[f64; 2]; 2],
 }
 
-impl Entrance {
+impl FaceView {
     /// The edge on one side by which a window leaves, of which the side is known beforehand.
     #[inline]
     pub fn exit(&self, side: Side) -> Exit {
@@ -108,7 +108,7 @@ pub struct Exit {
 
 /// By which edge a window leaves a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Outlet {
+pub struct ExitEdge {
     /// The neighbour's half-edge; `u32::MAX` at the boundary.
     twin: u32,
     /// Where the edge begins as seen from the neighbour, where it ends, and the third vertex of the
@@ -116,7 +116,7 @@ pub struct Outlet {
     pub corners: [VertexId; 3],
 }
 
-impl Outlet {
+impl ExitEdge {
     /// None at all.
     pub(crate) const NONE: Self = Self {
         twin: u32::MAX,
@@ -141,7 +141,7 @@ pub(crate) struct HalfEdge {
     /// How far the foot of the apex lies before the head: l - cx, with an error relative to itself.
     pub(crate) apex_from_head: f64,
     /// What a window meets that leaves the face here.
-    pub(crate) outlet: Outlet,
+    pub(crate) exit_edge: ExitEdge,
     /// The other half-edges of the face, by which a window leaves that comes in here: that of the
     /// left exit, which precedes this one, and that of the right exit.
     pub(crate) exits: [HalfEdgeId; 2],
@@ -163,7 +163,7 @@ impl HalfEdge {
                 apex: [apexes[corner as usize][0], twice_area * length.recip()],
                 // The half-edge from the head on and this one project onto each other alike.
                 apex_from_head: apexes[next][0] * mesh.length(h.next()) * length.recip(),
-                outlet: Outlet {
+                exit_edge: ExitEdge {
                     twin: mesh
                         .twin(h)
                         .map_or(u32::MAX, |twin| numbering.new_half_edge(twin).raw()),
@@ -177,7 +177,7 @@ impl HalfEdge {
     /// The tail, the head and the apex.
     #[inline]
     pub(crate) fn corners(&self) -> [VertexId; 3] {
-        let [head, tail, apex] = self.outlet.corners;
+        let [head, tail, apex] = self.exit_edge.corners;
         [tail, head, apex]
     }
 
@@ -194,7 +194,7 @@ impl HalfEdge {
 ///
 /// ```
 /// use geobench_mesh::{HalfEdgeId, Mesh};
-/// use geobench_window::{Faces, Passage, spawn_window};
+/// use geobench_window::{Faces, Crossing, spawn_window};
 ///
 /// // A square cut along the diagonal from 0 to 2; vertex 1 sees vertex 3 across it.
 /// let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -203,9 +203,9 @@ impl HalfEdge {
 /// let (h, window) = spawn_window(&faces, HalfEdgeId::new(1), 0.0).expect("a face beyond");
 /// assert_eq!(faces.corners(h)[2].raw(), 3);
 /// let frame = faces.frame(h);
-/// let passage = Passage::new(&frame, &window);
-/// assert!(passage.covers_apex());
-/// assert!((passage.straight_distance() - 2.0_f64.sqrt()).abs() < 1e-15);
+/// let crossing = Crossing::new(&frame, &window);
+/// assert!(crossing.covers_apex());
+/// assert!((crossing.straight_distance() - 2.0_f64.sqrt()).abs() < 1e-15);
 /// # Ok::<(), geobench_mesh::InvalidMesh>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -252,17 +252,17 @@ impl Faces {
     /// The frame of `h`.
     #[inline]
     pub fn frame(&self, h: HalfEdgeId) -> Frame {
-        self.entrance(h).frame
+        self.face_view(h).frame
     }
 
     /// All that a window meets that enters the face of `h` through it.
     #[inline]
-    pub fn entrance(&self, h: HalfEdgeId) -> Entrance {
+    pub fn face_view(&self, h: HalfEdgeId) -> FaceView {
         let entry = self.half_edge(h);
         let [left, right] = entry.exits.map(|e| self.half_edge(e));
         let (l, [cx, cy]) = (entry.length, entry.apex);
         let (to_c, from_c) = (left.inverse_length, right.inverse_length);
-        Entrance {
+        FaceView {
             frame: Frame {
                 l,
                 la: left.length,
@@ -273,7 +273,7 @@ impl Faces {
                 right: [entry.apex_from_head * from_c, -cy * from_c],
             },
             corners: entry.corners(),
-            exits: [left.outlet.half_edge(), right.outlet.half_edge()],
+            exits: [left.exit_edge.half_edge(), right.exit_edge.half_edge()],
             behind: [left.apex_below(), right.apex_below()],
         }
     }
@@ -294,14 +294,14 @@ impl Faces {
         Exit {
             is_left,
             is_right,
-            half_edge: exit.outlet.half_edge(),
+            half_edge: exit.exit_edge.half_edge(),
             length: exit.length,
             direction: [
                 (is_left * frame.cx + is_right * entry.apex_from_head) * exit.inverse_length,
                 (is_left - is_right) * frame.cy * exit.inverse_length,
             ],
             behind: exit.apex_below(),
-            corners: exit.outlet.corners,
+            corners: exit.exit_edge.corners,
         }
     }
 
@@ -336,7 +336,7 @@ impl Faces {
     /// The neighbour's half-edge along the edge of `h`, or `None` at the boundary.
     #[inline]
     pub fn twin(&self, h: HalfEdgeId) -> Option<HalfEdgeId> {
-        self.half_edge(h).outlet.half_edge()
+        self.half_edge(h).exit_edge.half_edge()
     }
 
     /// The edges at the tail of `h` that come with it when those of a vertex are gone through by
@@ -347,7 +347,7 @@ impl Faces {
         let own = self.half_edge(h);
         let back = self.half_edge(own.exits[0]);
         let [tail, ..] = back.corners();
-        let is_boundary = back.outlet.half_edge().is_none();
+        let is_boundary = back.exit_edge.half_edge().is_none();
         [
             Some((own.corners()[1], own.length)),
             is_boundary.then_some((tail, back.length)),

@@ -10,7 +10,7 @@
 //! in the windows that they can prove useless, and in the order in which they take the others.
 //!
 //! * The kernels are small pure functions: [`separating_abscissa`], the two children, the apex
-//!   distance, all of these in one as [`Passage`], [`tie_points`], the vertex filter
+//!   distance, all of these in one as [`Crossing`], [`tie_points`], the vertex filter
 //!   ([`is_beaten_from_ends`]), [`spawn_window`]. None of them takes a square
 //!   root or an angle that it can do without, and all tolerances are relative, so that a model in
 //!   millimetres gives the same digits as in metres.
@@ -24,10 +24,10 @@
 pub mod continuous;
 mod counters;
 mod cross;
+mod crossing;
 mod crossings;
 mod filter;
 mod frame;
-mod passage;
 mod phases;
 pub mod precision;
 mod prefetch;
@@ -43,10 +43,10 @@ mod window;
 
 pub use counters::{Counter, Counters};
 pub use cross::{apex_distance, left_child, right_child, separating_abscissa};
-pub use crossings::{Crossings, LANES, Offspring};
+pub use crossing::Crossing;
+pub use crossings::{CrossedChild, Crossings, LANES};
 pub use filter::{VertexFilter, is_beaten_from_ends};
-pub use frame::{Entrance, Exit, Faces, Frame, Outlet, Side};
-pub use passage::Passage;
+pub use frame::{Exit, ExitEdge, FaceView, Faces, Frame, Side};
 pub use phases::{PhaseProbe, PhaseSampler, Phases};
 pub use prefetch::{prefetch, prefetch_line};
 pub use probe::{Count, Phase, Probe};

@@ -36,7 +36,7 @@
 //! edge stays what it was, and no path becomes too short.
 //!
 //! A gap between two windows that rounding has opened is no wider than that. A vertex in the gap is
-//! reached by the bent path of either window ([`Passage::bent_distance`]): a bend by the angle δ
+//! reached by the bent path of either window ([`Crossing::bent_distance`]): a bend by the angle δ
 //! lengthens a path by at most δ²/2 of itself. So an error of δ in a direction costs δ²/2 in a
 //! distance, and a gap of ε·S beside a source at distance r costs (ε·S/r)²·r.
 //!
@@ -84,7 +84,7 @@
 //! windows keep those beside thin faces ([`KeptWindows`](crate::trimming::KeptWindows)), and those
 //! that keep windows but do not filter do so there ([`ThinFaces`](crate::trimming::ThinFaces)).
 //!
-//! [`Passage::bent_distance`]: crate::Passage::bent_distance
+//! [`Crossing::bent_distance`]: crate::Crossing::bent_distance
 
 use std::fmt;
 

@@ -2,7 +2,7 @@
 
 use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, Numbering};
-use geobench_window::{Entrance, Faces};
+use geobench_window::{FaceView, Faces};
 
 #[test]
 fn faces_in_another_order_are_the_same_faces() {
@@ -18,12 +18,12 @@ fn faces_in_another_order_are_the_same_faces() {
         let faces = Faces::in_order(&mesh, numbering);
         assert_eq!(mesh.half_edges().any(|h| faces.number(h) != h), is_other);
         for h in mesh.half_edges() {
-            let expected = plain.entrance(h);
-            let expected = Entrance {
+            let expected = plain.face_view(h);
+            let expected = FaceView {
                 exits: expected.exits.map(|exit| exit.map(|e| faces.number(e))),
                 ..expected
             };
-            assert_eq!(faces.entrance(faces.number(h)), expected, "{h:?}");
+            assert_eq!(faces.face_view(faces.number(h)), expected, "{h:?}");
         }
     }
 }

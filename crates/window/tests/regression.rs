@@ -14,16 +14,16 @@ fn the_direction_of_a_short_right_exit_lost_its_digits() {
         let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, vec![[0, 1, 2]])).unwrap();
         let faces = Faces::new(&mesh);
         let h = mesh.outgoing(VertexId::new(0))[0];
-        let entrance = faces.entrance(h);
+        let face = faces.face_view(h);
         // The differences of the positions are exact.
         let exit = [b[0] - c[0], b[1] - c[1]];
         let scale = exit[0].hypot(exit[1]) * b[0].hypot(b[1]);
         let along = (b[0] * exit[0] + b[1] * exit[1]) / scale;
         let across = (b[0] * exit[1] - b[1] * exit[0]) / scale;
         for found in [
-            entrance.frame.right,
-            entrance.exit(Side::Right).direction,
-            faces.exit(h, &entrance.frame, Side::Right).direction,
+            face.frame.right,
+            face.exit(Side::Right).direction,
+            faces.exit(h, &face.frame, Side::Right).direction,
         ] {
             let error = (found[0] - along).abs().max((found[1] - across).abs());
             assert!(error <= 1e-15, "{found:?} instead of {:?}", [along, across]);

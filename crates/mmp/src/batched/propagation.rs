@@ -5,8 +5,8 @@ use geobench_window::continuous::Surface;
 use geobench_window::queue::{Discipline, Event, EventKind};
 use geobench_window::trimming::ThinFaces;
 use geobench_window::{
-    Counter, Entrance, Exit, Frame, Passage, Phase, Probe, Propagate, Side, Solution, VertexFilter,
-    Window, spawn_window,
+    Counter, Crossing, Exit, FaceView, Frame, Phase, Probe, Propagate, Side, Solution,
+    VertexFilter, Window, spawn_window,
 };
 
 use super::merge::{Batch, Merger};
@@ -167,16 +167,16 @@ impl<Q: Discipline> Batched<Q> {
     #[inline]
     fn cross<P: Probe>(&mut self, h: HalfEdgeId, label: f64, probe: &mut P) {
         let state = &mut self.state;
-        let entrance = state.surface.faces().entrance(h);
-        for target in entrance.exits.into_iter().flatten() {
+        let face = state.surface.faces().face_view(h);
+        for target in face.exits.into_iter().flatten() {
             state.store.prepare(target.index());
         }
         if state.retention == Retention::Wavefront {
-            state.evict_passed(h, &entrance, self.taken.windows.len(), label);
+            state.evict_passed(h, &face, self.taken.windows.len(), label);
         }
-        let known = entrance.corners.map(|v| state.surface.distance(v));
-        let exits = [Side::Left, Side::Right].map(|side| entrance.exit(side));
-        let frame = &entrance.frame;
+        let known = face.corners.map(|v| state.surface.distance(v));
+        let exits = [Side::Left, Side::Right].map(|side| face.exit(side));
+        let frame = &face.frame;
         let least = cross_all(
             &self.taken,
             frame,
@@ -188,11 +188,11 @@ impl<Q: Discipline> Batched<Q> {
             probe,
         );
         if P::COUNTS {
-            let tries = tries(&self.taken, &entrance);
+            let tries = tries(&self.taken, &face);
             probe.add(Counter::Propagated, tries);
             state.queue.crossed(h, tries, probe);
         }
-        let [_, _, apex] = entrance.corners;
+        let [_, _, apex] = face.corners;
         if least < known[2] {
             state.offer(apex, least, probe);
         }
@@ -228,11 +228,11 @@ impl<Q: Discipline> State<Q> {
     /// Evicts the lists that the wavefront has passed, after `windows` windows, none of them nearer
     /// than `label`, were taken from the list of `h`.
     #[inline]
-    fn evict_passed(&mut self, h: HalfEdgeId, entrance: &Entrance, windows: usize, label: f64) {
+    fn evict_passed(&mut self, h: HalfEdgeId, face: &FaceView, windows: usize, label: f64) {
         if !self.store.is_waited_for(h.index()) {
-            let [tail, head, _] = entrance.corners;
+            let [tail, head, _] = face.corners;
             let ends = [tail, head].map(|v| self.surface.distance(v));
-            self.eviction.note(h, reach(ends, entrance.frame.l));
+            self.eviction.note(h, reach(ends, face.frame.l));
         }
         let windows = u32::try_from(windows).unwrap_or(u32::MAX);
         self.eviction.step(&mut self.store, windows, || label);
@@ -400,33 +400,33 @@ fn cross_all<P: Probe>(
         }
     };
     for (k, window) in taken.windows.iter().enumerate() {
-        let passage = Passage::new(frame, window);
-        if passage.covers_apex() {
-            least = least.min(passage.straight_distance());
-            put(0, passage.left_child(&exits[0]), least, k);
-            put(1, passage.right_child(&exits[1]), least, k);
+        let crossing = Crossing::new(frame, window);
+        if crossing.covers_apex() {
+            least = least.min(crossing.straight_distance());
+            put(0, crossing.left_child(&exits[0]), least, k);
+            put(1, crossing.right_child(&exits[1]), least, k);
             continue;
         }
-        let side = usize::from(!passage.goes_left());
+        let side = usize::from(!crossing.goes_left());
         // The bent path is at least as long as the straight one.
         let spare = least - window.sigma;
         let (x, y) = (frame.cx - window.px, frame.cy - window.py);
         // Not if nothing is to spare either: with its sign, the square tells both at once.
         if x * x + y * y < spare * spare.abs() {
-            least = least.min(passage.bent_distance(&exits[side]));
+            least = least.min(crossing.bent_distance(&exits[side]));
         }
-        put(side, passage.only_child(&exits[side]), least, k);
+        put(side, crossing.only_child(&exits[side]), least, k);
     }
     least
 }
 
 /// The number of children tried. The left exit is tried first; the right one only if some ray of
 /// the window can leave there.
-fn tries(taken: &Batch, entrance: &Entrance) -> u64 {
-    let [left, right] = entrance.exits.map(|exit| u64::from(exit.is_some()));
+fn tries(taken: &Batch, face: &FaceView) -> u64 {
+    let [left, right] = face.exits.map(|exit| u64::from(exit.is_some()));
     let both = taken.windows.iter().map(|window| {
-        let passage = Passage::new(&entrance.frame, window);
-        left + right * u64::from(passage.covers_apex() || passage.goes_right())
+        let crossing = Crossing::new(&face.frame, window);
+        left + right * u64::from(crossing.covers_apex() || crossing.goes_right())
     });
     both.sum()
 }

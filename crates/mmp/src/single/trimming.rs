@@ -4,7 +4,7 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Continuous, Policy, Surface, Turn};
 use geobench_window::queue::Discipline;
 use geobench_window::trimming::ThinFaces;
-use geobench_window::{Counter, Passage, Probe, Window};
+use geobench_window::{Counter, Crossing, Probe, Window};
 
 use super::insertion::Inserter;
 use super::lists::{Direction, Lists};
@@ -257,8 +257,8 @@ impl Policy for Trimming {
 
     /// The left exit is always tried; the right one only if some ray can leave there.
     #[inline]
-    fn tries(passage: &Passage<'_>) -> [bool; 2] {
-        [true, passage.goes_right()]
+    fn tries(crossing: &Crossing<'_>) -> [bool; 2] {
+        [true, crossing.goes_right()]
     }
 
     #[inline]
@@ -276,7 +276,7 @@ impl Policy for Trimming {
     fn split(
         &mut self,
         _: HalfEdgeId,
-        _: &Passage<'_>,
+        _: &Crossing<'_>,
         heir: u32,
         _: &Surface,
     ) -> [Option<u32>; 2] {

@@ -7,7 +7,7 @@
 //! algorithms that differ in one choice differ in nothing else.
 
 mod edge;
-mod foresight;
+mod lookahead;
 mod policy;
 mod propagation;
 mod surface;

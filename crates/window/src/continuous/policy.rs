@@ -5,7 +5,7 @@ use geobench_mesh::{HalfEdgeId, VertexId};
 use super::edge::Edge;
 use super::surface::Surface;
 use crate::counters::Counter;
-use crate::passage::Passage;
+use crate::crossing::Crossing;
 use crate::probe::Probe;
 use crate::window::Window;
 
@@ -164,8 +164,8 @@ pub trait Policy: Send {
     /// Which children of a window on one side of the apex are tried, the left and the right one:
     /// those that must be computed to find out that they are empty. It serves counters only.
     #[inline]
-    fn tries(passage: &Passage<'_>) -> [bool; 2] {
-        let _ = passage;
+    fn tries(crossing: &Crossing<'_>) -> [bool; 2] {
+        let _ = crossing;
         [true; 2]
     }
 
@@ -177,7 +177,7 @@ pub trait Policy: Send {
     fn split(
         &mut self,
         h: HalfEdgeId,
-        passage: &Passage<'_>,
+        crossing: &Crossing<'_>,
         heir: Self::Lineage,
         surface: &Surface,
     ) -> [Option<Self::Lineage>; 2];

@@ -3,17 +3,16 @@
 // A window is not to pass through memory between its crossing and where it waits.
 #![allow(clippy::inline_always)]
 
-mod foreseen;
-
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
 use super::edge::Edge;
-use super::foresight::Foresight;
-use super::policy::{Arrival, Policy, Turn};
+use super::lookahead::Lookahead;
+use super::policy::{Arrival, Child, Policy, Turn};
 use super::surface::Surface;
 use crate::counters::Counter;
-use crate::frame::{Entrance, Exit, Side};
-use crate::passage::Passage;
+use crate::crossing::Crossing;
+use crate::crossings::CrossedChild;
+use crate::frame::{Exit, FaceView, Side};
 use crate::probe::{Phase, Probe};
 use crate::queue::{Discipline, Event, EventKind};
 use crate::simd::Instructions;
@@ -32,8 +31,8 @@ const COUNTERS: &[Counter] = &[
     Counter::PseudoSources,
 ];
 
-/// How many turns before its own the memory of a window is asked for. To ask for that of the
-/// windows that it will meet as well costs more than it saves.
+/// How many turns ahead the memory of a window is prefetched. Prefetching the windows that it will
+/// meet costs more than it saves.
 const AHEAD: usize = 5;
 
 /// An algorithm that takes one window at a time: `policy` under `queue`, on one mesh.
@@ -43,7 +42,7 @@ pub struct Continuous<W, Q> {
     surface: Surface,
     policy: W,
     queue: Q,
-    foresight: Foresight,
+    lookahead: Lookahead,
     /// Children narrower than this are dropped.
     threshold: f64,
 }
@@ -56,7 +55,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             surface: Surface::new(mesh),
             policy,
             queue,
-            foresight: Foresight::default(),
+            lookahead: Lookahead::default(),
             threshold: 0.0,
         }
     }
@@ -77,7 +76,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     #[must_use]
     pub fn with_instructions(self, instructions: Instructions) -> Self {
         Self {
-            foresight: Foresight::new(instructions),
+            lookahead: Lookahead::new(instructions),
             ..self
         }
     }
@@ -199,7 +198,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     #[inline(always)]
     fn foresee(&mut self, h: HalfEdgeId, id: u32) -> Option<usize> {
         if W::FORESEES {
-            (self.foresight).lane(h, id, &self.queue, &self.policy, &self.surface)
+            (self.lookahead).lane(h, id, &self.queue, &self.policy, &self.surface)
         } else {
             None
         }
@@ -248,24 +247,24 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     ) {
         self.begin(probe);
         let faces = self.surface.faces();
-        let Entrance {
+        let FaceView {
             frame,
             corners: [.., apex],
             ..
-        } = faces.entrance(h);
-        let passage = Passage::new(&frame, &window);
-        let tried = if passage.covers_apex() {
+        } = faces.face_view(h);
+        let crossing = Crossing::new(&frame, &window);
+        let tried = if crossing.covers_apex() {
             self.split(h, window, lineage, probe)
         } else {
             // Nearly all windows pass the apex on one side.
-            let exit = faces.exit(h, &frame, passage.side());
-            let d = passage.bent_distance(&exit);
+            let exit = faces.exit(h, &frame, crossing.side());
+            let d = crossing.bent_distance(&exit);
             if d < self.surface.distance(apex) {
                 self.offer(apex, d, probe);
             }
             if let Some(heir) = self.policy.descend(&lineage) {
-                self.send(passage.only_child(&exit), &exit, heir, probe);
-                W::tries(&passage)
+                self.send(crossing.only_child(&exit), &exit, heir, probe);
+                W::tries(&crossing)
             } else {
                 [false; 2]
             }
@@ -283,29 +282,118 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         lineage: W::Lineage,
         probe: &mut P,
     ) -> [bool; 2] {
-        let Entrance {
+        let FaceView {
             frame,
             corners: [.., apex],
             ..
-        } = self.surface.faces().entrance(h);
-        let passage = Passage::new(&frame, &window);
-        let d = passage.straight_distance();
+        } = self.surface.faces().face_view(h);
+        let crossing = Crossing::new(&frame, &window);
+        let d = crossing.straight_distance();
         if d < self.surface.distance(apex) {
             self.offer(apex, d, probe);
         }
         let Some(heir) = self.policy.descend(&lineage) else {
             return [false; 2];
         };
-        let [left, right] = self.policy.split(h, &passage, heir, &self.surface);
+        let [left, right] = self.policy.split(h, &crossing, heir, &self.surface);
         if let Some(heir) = left {
             let exit = self.surface.faces().exit(h, &frame, Side::Left);
-            self.send(passage.left_child(&exit), &exit, heir, probe);
+            self.send(crossing.left_child(&exit), &exit, heir, probe);
         }
         if let Some(heir) = right {
             let exit = self.surface.faces().exit(h, &frame, Side::Right);
-            self.send(passage.right_child(&exit), &exit, heir, probe);
+            self.send(crossing.right_child(&exit), &exit, heir, probe);
         }
         [left.is_some(), right.is_some()]
+    }
+
+    /// As [`cross`](Self::cross), for a window that has crossed the face of `h` ahead of its turn.
+    #[inline(always)]
+    fn cross_ahead<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        lane: usize,
+        lineage: W::Lineage,
+        probe: &mut P,
+    ) {
+        self.begin(probe);
+        let crossings = self.lookahead.crossings();
+        let covers_apex = crossings.covers_apex(lane);
+        let (apex, d) = (crossings.apex(lane), crossings.apex_distance(lane));
+        if d < self.surface.distance(apex) {
+            self.offer(apex, d, probe);
+        }
+        let tried = if covers_apex {
+            self.split_ahead(h, lane, d, lineage, probe)
+        } else if let Some(heir) = self.policy.descend(&lineage) {
+            self.send_ahead(&self.lookahead.crossings().child(lane), heir, probe);
+            [true; 2]
+        } else {
+            [false; 2]
+        };
+        self.end(h, tried, probe);
+    }
+
+    /// As [`split`](Self::split), for a window that has crossed ahead of its turn; `d` is the length
+    /// of its straight path to the apex.
+    #[inline(never)]
+    fn split_ahead<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        lane: usize,
+        d: f64,
+        lineage: W::Lineage,
+        probe: &mut P,
+    ) -> [bool; 2] {
+        let Some(heir) = self.policy.descend(&lineage) else {
+            return [false; 2];
+        };
+        let faces = self.surface.faces();
+        let entry = self.lookahead.crossings().entry(lane, faces);
+        let [left, right] = self.policy.split_at(h, entry, d, heir);
+        if let Some(heir) = left {
+            self.send_ahead(&self.lookahead.crossings().child(lane), heir, probe);
+        }
+        if let Some(heir) = right {
+            let crossings = self.lookahead.crossings();
+            let child = crossings.right_child(lane, self.surface.faces());
+            self.send_ahead(&child, heir, probe);
+        }
+        [left.is_some(), right.is_some()]
+    }
+
+    /// Sends on a child of a window that has crossed ahead of its turn, unless it is empty.
+    #[inline(always)]
+    fn send_ahead<P: Probe>(&mut self, child: &CrossedChild, lineage: W::Lineage, probe: &mut P) {
+        let CrossedChild {
+            exit_edge,
+            window,
+            label,
+            ..
+        } = *child;
+        let (Some(h), true) = (exit_edge.half_edge(), window.b0 < window.b1) else {
+            return;
+        };
+        probe.add(Counter::Children, 1);
+        if window.b1 - window.b0 < self.threshold {
+            probe.add(Counter::Filtered, 1);
+            return;
+        }
+        probe.enter(Phase::Pruning);
+        let distances = exit_edge.corners.map(|v| self.surface.distance(v));
+        let child = Child {
+            h,
+            window,
+            lineage,
+            label,
+            is_beaten: child.is_beaten(distances),
+        };
+        let waits = self.policy.admit(&child, &self.surface, probe);
+        if let Some(id) = waits {
+            self.queue.push(label, Event::window(h, id), probe);
+        }
+        probe.add(Counter::Kept, u64::from(waits.is_some()));
+        probe.enter(Phase::Propagation);
     }
 }
 
@@ -322,7 +410,7 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
         self.surface.reset(self.mesh.vertex_count());
         self.policy.reset();
         self.queue.clear();
-        self.foresight.clear();
+        self.lookahead.clear();
         probe.add(Counter::WindowBytes, W::WINDOW_BYTES as u64);
         for &s in sources {
             self.surface.offer(s, 0.0);
@@ -347,7 +435,7 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
                 EventKind::Window(h, id) => {
                     if let Some(lane) = self.foresee(h, id) {
                         if let Some(lineage) = self.policy.release(id, &self.surface, probe) {
-                            self.cross_foreseen(h, lane, lineage, probe);
+                            self.cross_ahead(h, lane, lineage, probe);
                         }
                         continue;
                     }

@@ -1,26 +1,26 @@
 //! Windows crossing triangles several at a time.
 //!
-//! What a window that passes the apex on one side leaves, what one that covers it leaves on the
-//! left, and what is compared with distances on the way, depends on the window and its triangle
-//! alone. So it can be computed before the window's turn has come, for all [`LANES`] windows that
-//! come next and in structures of arrays, which lets one instruction do it for two windows or, with
-//! AVX2, for four. A crossing one by one takes 600 instructions for each window, most of them here;
-//! [`Crossings`] takes a sixth of that. The formulas are those of [`Passage`](crate::Passage).
+//! The child of a window that passes the apex on one side, the left child of one that covers it,
+//! and the bounds that are compared with distances depend on the window and its triangle alone. So
+//! they are computed before the window's turn, for the next [`LANES`] windows together, in
+//! structures of arrays: one instruction serves two windows, or four with AVX2. One by one a
+//! crossing takes 600 instructions a window, most of them here; [`Crossings`] takes a sixth. The
+//! formulas are those of [`Crossing`](crate::Crossing).
 //!
-//! All instruction sets do the same operations in the same order on numbers of the same precision, so that
-//! results do not depend on the processor.
+//! All instruction sets do the same operations in the same order and precision, so that results do
+//! not depend on the processor.
 
-mod offspring;
+mod children;
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 
-use self::offspring::{Edge, measure};
-use crate::frame::{Faces, HalfEdge, Outlet};
-use crate::passage::entry;
+use self::children::{Edge, measure};
+use crate::crossing::entry;
+use crate::frame::{ExitEdge, Faces, HalfEdge};
 use crate::simd::{Instructions, Lanes, Program, Simd};
 use crate::window::{Window, greater, less, norm};
 
-pub use self::offspring::Offspring;
+pub use self::children::CrossedChild;
 
 /// How many windows cross together.
 pub const LANES: usize = 8;
@@ -28,7 +28,21 @@ pub const LANES: usize = 8;
 /// One number for each window.
 type Row = [f64; LANES];
 
-/// Up to [`LANES`] windows that have entered triangles, and what they leave.
+/// Up to [`LANES`] windows that have entered triangles, and their children.
+///
+/// ```
+/// use geobench_mesh::{HalfEdgeId, Mesh};
+/// use geobench_window::{Crossings, Faces, Window};
+///
+/// let faces = Faces::new(&Mesh::generate("terrain,n=8,seed=1")?);
+/// let h = HalfEdgeId::new(0);
+/// let (b1, px) = (faces.length(h), 0.5 * faces.length(h));
+/// let mut crossings = Crossings::default();
+/// crossings.add(h, &Window { b0: 0.0, b1, px, py: -1.0, sigma: 0.0 });
+/// crossings.cross(&faces);
+/// assert!(crossings.child(0).label >= 1.0 && crossings.apex_distance(0) > 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub struct Crossings {
@@ -36,13 +50,13 @@ pub struct Crossings {
     simd: Simd,
     /// The half-edges through which the windows come.
     entrances: [HalfEdgeId; LANES],
-    outlets: [Outlet; LANES],
+    exit_edges: [ExitEdge; LANES],
     apices: [VertexId; LANES],
     entering: Entering,
     leaving: Leaving,
 }
 
-/// The windows.
+/// The windows that enter.
 #[derive(Clone, Debug, Default)]
 struct Entering {
     b0: Row,
@@ -52,7 +66,7 @@ struct Entering {
     sigma: Row,
 }
 
-/// What the windows leave.
+/// Their children.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Leaving {
     b0: Row,
@@ -63,7 +77,7 @@ struct Leaving {
     apex_covered: Row,
     apex_distance: Row,
     label: Row,
-    /// See [`Offspring::is_beaten`].
+    /// See [`CrossedChild::is_beaten`].
     limits: [Row; 3],
 }
 
@@ -83,7 +97,7 @@ impl Crossings {
             // AVX-512 is of no use here.
             simd: Simd::new(instructions.min(Instructions::Avx2)),
             entrances: [HalfEdgeId::new(0); LANES],
-            outlets: [Outlet::NONE; LANES],
+            exit_edges: [ExitEdge::NONE; LANES],
             apices: [VertexId::new(0); LANES],
             entering: Entering::default(),
             leaving: Leaving::default(),
@@ -156,11 +170,11 @@ impl Crossings {
 
     /// What window `lane` leaves; on the left, if it covers the apex.
     #[inline]
-    pub fn child(&self, lane: usize) -> Offspring {
+    pub fn child(&self, lane: usize) -> CrossedChild {
         let out = &self.leaving;
         let [tail, head, behind] = &out.limits;
-        Offspring {
-            outlet: self.outlets[lane],
+        CrossedChild {
+            exit_edge: self.exit_edges[lane],
             window: Window {
                 b0: out.b0[lane],
                 b1: out.b1[lane],
@@ -174,7 +188,7 @@ impl Crossings {
     }
 
     /// Where the ray to the apex, which window `lane` covers, meets the half-edge: see
-    /// [`Passage::entry`](crate::Passage::entry).
+    /// [`Crossing::entry`](crate::Crossing::entry).
     #[inline]
     pub fn entry(&self, lane: usize, faces: &Faces) -> f64 {
         let entrance = faces.half_edge(self.entrances[lane]);
@@ -184,7 +198,7 @@ impl Crossings {
 
     /// What window `lane`, which covers the apex, leaves on the right.
     #[inline]
-    pub fn right_child(&self, lane: usize, faces: &Faces) -> Offspring {
+    pub fn right_child(&self, lane: usize, faces: &Faces) -> CrossedChild {
         let w = &self.entering;
         let entrance = faces.half_edge(self.entrances[lane]);
         let [offset, height] = self.ray(lane, entrance);
@@ -213,15 +227,15 @@ impl Crossings {
             behind: exit.apex_below(),
         };
         let (label, limits) = measure(&window, &edge);
-        Offspring {
-            outlet: exit.outlet,
+        CrossedChild {
+            exit_edge: exit.exit_edge,
             window,
             label,
             limits,
         }
     }
 
-    /// D0 and e of [`Passage`](crate::Passage), for window `lane`.
+    /// D0 and e of [`Crossing`](crate::Crossing), for window `lane`.
     #[inline]
     fn ray(&self, lane: usize, entrance: &HalfEdge) -> [f64; 2] {
         let (px, py) = (self.entering.px[lane], self.entering.py[lane]);
@@ -260,8 +274,8 @@ impl Crossings {
             length[i] = exit.length;
             inverse[i] = exit.inverse_length;
             [behind_x[i], behind_y[i]] = exit.apex_below();
-            self.outlets[i] = exit.outlet;
-            self.apices[i] = entrance.outlet.corners[2];
+            self.exit_edges[i] = exit.exit_edge;
+            self.apices[i] = entrance.exit_edge.corners[2];
         }
         let out = &mut self.leaving;
         for i in 0..LANES {
@@ -274,7 +288,7 @@ impl Crossings {
             let uy = (left - right) * cy[i] * inverse[i];
             let (x, y) = (w.px[i] - right * cx[i], w.py[i] - right * cy[i]);
             let (px, across) = (ux * x + uy * y, ux * y - uy * x);
-            // Both parts into which each end's ray divides the exit: see `Passage`.
+            // Both parts into which each end's ray divides the exit: see `Crossing`.
             let (n0, m0) = (-w.py[i] * (left * b0 + right * (l[i] - b0)), side0[i].abs());
             let (n1, m1) = (-w.py[i] * (left * b1 + right * (l[i] - b1)), side1[i].abs());
             let start = length[i] * (left * n0 + right * m0) / (n0 + m0);

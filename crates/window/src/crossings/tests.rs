@@ -3,9 +3,9 @@ use geobench_mesh::{HalfEdgeId, Mesh};
 use proptest::prelude::*;
 
 use super::*;
+use crate::crossing::Crossing;
 use crate::filter::{is_beaten_across, is_beaten_from_ends};
 use crate::frame::{Exit, Side};
-use crate::passage::Passage;
 use crate::window::tests::windows;
 
 fn terrain() -> Mesh {
@@ -50,34 +50,34 @@ proptest! {
         prop_assert_eq!(&together.leaving, &portable.leaving, "every program computes the same");
         for (lane, (h, window)) in entered.iter().enumerate() {
             let frame = faces.frame(*h);
-            let passage = Passage::new(&frame, window);
-            prop_assert_eq!(together.covers_apex(lane), passage.covers_apex());
+            let crossing = Crossing::new(&frame, window);
+            prop_assert_eq!(together.covers_apex(lane), crossing.covers_apex());
             prop_assert_eq!(together.apex(lane), faces.corners(*h)[2]);
-            let exit = faces.exit(*h, &frame, passage.side());
-            if passage.covers_apex() {
-                prop_assert_eq!(together.apex_distance(lane), passage.straight_distance());
-                prop_assert_eq!(together.entry(lane, &faces), passage.separation() / frame.l);
-                check(&together.child(lane), passage.left_child(&exit), &exit)?;
+            let exit = faces.exit(*h, &frame, crossing.side());
+            if crossing.covers_apex() {
+                prop_assert_eq!(together.apex_distance(lane), crossing.straight_distance());
+                prop_assert_eq!(together.entry(lane, &faces), crossing.separation() / frame.l);
+                check(&together.child(lane), crossing.left_child(&exit), &exit)?;
                 let exit = faces.exit(*h, &frame, Side::Right);
-                check(&together.right_child(lane, &faces), passage.right_child(&exit), &exit)?;
+                check(&together.right_child(lane, &faces), crossing.right_child(&exit), &exit)?;
             } else {
-                prop_assert!(close(together.apex_distance(lane), passage.bent_distance(&exit)));
-                check(&together.child(lane), passage.only_child(&exit), &exit)?;
+                prop_assert!(close(together.apex_distance(lane), crossing.bent_distance(&exit)));
+                check(&together.child(lane), crossing.only_child(&exit), &exit)?;
             }
         }
     }
 }
 
 /// Compares what a window leaves with what it leaves `alone` at that exit.
-fn check(together: &Offspring, alone: Option<Window>, exit: &Exit) -> Result<(), TestCaseError> {
-    let Offspring {
-        outlet,
+fn check(together: &CrossedChild, alone: Option<Window>, exit: &Exit) -> Result<(), TestCaseError> {
+    let CrossedChild {
+        exit_edge,
         window,
         label,
         limits,
     } = *together;
-    prop_assert_eq!(outlet.half_edge(), exit.half_edge);
-    prop_assert_eq!(outlet.corners, exit.corners);
+    prop_assert_eq!(exit_edge.half_edge(), exit.half_edge);
+    prop_assert_eq!(exit_edge.corners, exit.corners);
     prop_assert_eq!((window.b0 < window.b1).then_some(window), alone);
     let Some(alone) = alone else { return Ok(()) };
     prop_assert_eq!(label, alone.min_distance());
@@ -124,7 +124,7 @@ fn a_tie_beats_nothing() {
             );
             crossings.cross(&faces);
             if !crossings.covers_apex(0) {
-                let at_source = crossings.child(0).outlet.corners.map(|v| {
+                let at_source = crossings.child(0).exit_edge.corners.map(|v| {
                     if v == faces.corners(h)[side] {
                         0.0
                     } else {

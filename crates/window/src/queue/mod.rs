@@ -1,13 +1,13 @@
 //! Disciplines: in which order events are taken.
 
 mod arena;
+mod bucket_sort;
 mod calendar;
 mod event;
 mod fifo;
 mod heap;
 mod priority;
 mod ring;
-mod spread;
 
 pub use arena::{Arena, Chain};
 pub use calendar::{Calendar, mean_edge_length};

@@ -2,7 +2,7 @@
 
 use geobench_mesh::Mesh;
 
-use super::spread::append_in_order;
+use super::bucket_sort::append_in_order;
 use super::{Calendar, Discipline, Event, MinHeap};
 use crate::counters::Counter;
 use crate::probe::Probe;

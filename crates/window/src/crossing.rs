@@ -11,7 +11,7 @@ use crate::window::{Window, greater, less, norm};
 
 /// A window about to leave the triangle that it has entered.
 #[derive(Clone, Copy, Debug)]
-pub struct Passage<'a> {
+pub struct Crossing<'a> {
     frame: &'a Frame,
     window: &'a Window,
     /// D0.
@@ -23,7 +23,7 @@ pub struct Passage<'a> {
     sides: [f64; 2],
 }
 
-impl<'a> Passage<'a> {
+impl<'a> Crossing<'a> {
     /// `window` has entered the triangle of `frame`.
     #[inline]
     pub fn new(frame: &'a Frame, window: &'a Window) -> Self {
@@ -163,7 +163,7 @@ pub(crate) fn entry(offset: f64, height: f64, px: f64, l: f64) -> f64 {
 
 /// The step from the frame of the entrance to that of an exit.
 struct Turn<'a> {
-    passage: &'a Passage<'a>,
+    crossing: &'a Crossing<'a>,
     exit: &'a Exit,
     /// Where the source comes to lie, (û·p', û×p') for û the unit vector along the exit and p' the
     /// source seen from where the exit begins.
@@ -172,13 +172,13 @@ struct Turn<'a> {
 
 impl<'a> Turn<'a> {
     #[inline]
-    fn new(passage: &'a Passage<'a>, exit: &'a Exit) -> Self {
-        let (frame, w) = (passage.frame, passage.window);
+    fn new(crossing: &'a Crossing<'a>, exit: &'a Exit) -> Self {
+        let (frame, w) = (crossing.frame, crossing.window);
         let [ux, uy] = exit.direction;
         let x = w.px - exit.is_right * frame.cx;
         let y = w.py - exit.is_right * frame.cy;
         Self {
-            passage,
+            crossing,
             exit,
             source: [ux * x + uy * y, ux * y - uy * x],
         }
@@ -192,9 +192,9 @@ impl<'a> Turn<'a> {
     /// negative, so their sum loses no digits, however close the source is to the half-edge.
     #[inline]
     fn leaving(&self, s: f64, side: f64) -> f64 {
-        let (exit, passage) = (self.exit, self.passage);
-        let from_corner = exit.is_left * s + exit.is_right * (passage.frame.l - s);
-        let (n, m) = (-passage.window.py * from_corner, side.abs());
+        let (exit, crossing) = (self.exit, self.crossing);
+        let from_corner = exit.is_left * s + exit.is_right * (crossing.frame.l - s);
+        let (n, m) = (-crossing.window.py * from_corner, side.abs());
         exit.length * (exit.is_left * n + exit.is_right * m) / (n + m)
     }
 
@@ -206,7 +206,7 @@ impl<'a> Turn<'a> {
             b1,
             px,
             py: -py.abs(),
-            sigma: self.passage.window.sigma,
+            sigma: self.crossing.window.sigma,
         };
         (b0 < b1).then_some(window)
     }
@@ -274,24 +274,24 @@ mod tests {
         fn it_is_the_same_as_crossing_step_by_step(
             frame in frames(), w in windows(),
         ) {
-            let passage = Passage::new(&frame, &w);
+            let crossing = Crossing::new(&frame, &w);
             let sp = separating_abscissa(&frame, &w);
-            prop_assert!((passage.separation() - sp).abs() < 1e-12);
+            prop_assert!((crossing.separation() - sp).abs() < 1e-12);
             let left = left_child(&frame, &w, sp, w.b1.min(sp));
             let right = right_child(&frame, &w, sp, w.b0.max(sp));
             let offer = apex_distance(&frame, &w, sp);
             let exits = [Side::Left, Side::Right].map(|side| exit(&frame, side));
-            let (children, distance) = if passage.covers_apex() {
-                let children = [passage.left_child(&exits[0]), passage.right_child(&exits[1])];
-                (children, passage.straight_distance())
+            let (children, distance) = if crossing.covers_apex() {
+                let children = [crossing.left_child(&exits[0]), crossing.right_child(&exits[1])];
+                (children, crossing.straight_distance())
             } else {
-                let exit = &exits[passage.side() as usize];
-                let child = passage.only_child(exit);
-                let children = match passage.side() {
+                let exit = &exits[crossing.side() as usize];
+                let child = crossing.only_child(exit);
+                let children = match crossing.side() {
                     Side::Left => [child, None],
                     Side::Right => [None, child],
                 };
-                (children, passage.bent_distance(exit))
+                (children, crossing.bent_distance(exit))
             };
             prop_assert!(close(children[0], left), "{children:?} {left:?}");
             prop_assert!(close(children[1], right), "{children:?} {right:?}");

@@ -1,4 +1,4 @@
-//! Windows crossed before their turns come.
+//! Windows that cross ahead of their turns, several together.
 
 use geobench_mesh::HalfEdgeId;
 
@@ -8,20 +8,19 @@ use crate::crossings::{Crossings, LANES};
 use crate::queue::{Discipline, EventKind};
 use crate::simd::Instructions;
 
-/// The windows that were next to come when it looked last, in that order, and their crossings.
+/// The next windows of the queue at the last look, in order, and their crossings.
 ///
-/// Nothing depends on whether a window was foreseen: it is crossed before its turn, and everything
-/// else, from the question whether it still matters to what its child is compared with, is done
-/// when its turn comes.
+/// Results do not depend on the lookahead. Only the crossing is computed ahead of a window's turn;
+/// whether the window is still alive, and what its children are compared with, is decided in turn.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Foresight {
+pub(super) struct Lookahead {
     crossings: Crossings,
     ids: [u32; LANES],
     /// The first window that has not been taken.
     next: usize,
 }
 
-impl Foresight {
+impl Lookahead {
     /// Windows cross with `instructions`, or narrower ones if the processor lacks them.
     pub(super) fn new(instructions: Instructions) -> Self {
         Self {
@@ -39,8 +38,8 @@ impl Foresight {
         &self.crossings
     }
 
-    /// The lane of window `id` on `h`, which has come out of `queue`; `None` if it was not
-    /// foreseen.
+    /// The lane of window `id` on `h`, which has come out of `queue`; `None` if it has
+    /// not crossed ahead.
     #[inline]
     pub(super) fn lane<W: Policy, Q: Discipline>(
         &mut self,
@@ -61,8 +60,8 @@ impl Foresight {
         self.skip_to(id)
     }
 
-    /// Passes over windows that other events have been put in front of for good. Those that came
-    /// too late to be foreseen move nothing.
+    /// Skips windows that have been overtaken for good. A window pushed after the last look skips
+    /// none.
     #[cold]
     fn skip_to(&mut self, id: u32) -> Option<usize> {
         let waiting = &self.ids[self.next..self.crossings.len()];
@@ -71,8 +70,8 @@ impl Foresight {
         Some(lane)
     }
 
-    /// Crosses this window and those that come next, and asks for what their turns will need and
-    /// for those after them.
+    /// Crosses this window and the next ones, and prefetches what their turns and those of the
+    /// windows after them need.
     #[inline(never)]
     fn look<W: Policy, Q: Discipline>(
         &mut self,

@@ -1,6 +1,6 @@
-//! What windows leave on the other side of their triangles.
+//! Children of windows that cross several at a time.
 
-use crate::frame::Outlet;
+use crate::frame::ExitEdge;
 use crate::precision;
 use crate::window::{Window, norm};
 
@@ -8,11 +8,11 @@ use crate::window::{Window, norm};
 /// [the filter](crate::is_beaten_from_ends).
 const MARGIN: f64 = 1.0 - precision::MARGIN;
 
-/// What a window leaves at one exit, in the frame of the neighbour's half-edge.
+/// The child of a window at one exit, in the frame of the neighbour's half-edge.
 #[derive(Clone, Copy, Debug)]
-pub struct Offspring {
-    /// By which edge it left.
-    pub outlet: Outlet,
+pub struct CrossedChild {
+    /// The edge by which it leaves.
+    pub exit_edge: ExitEdge,
     /// The window; empty if `b0` is not less than `b1`.
     pub window: Window,
     /// Its [least distance](Window::min_distance).
@@ -21,7 +21,7 @@ pub struct Offspring {
     pub(super) limits: [f64; 3],
 }
 
-impl Offspring {
+impl CrossedChild {
     /// Whether a path through one of the outlet's corners, whose distances these are, beats every
     /// ray of the window: the vertex filter of Xin and Wang 2009, theorem 3.2.
     ///
@@ -35,7 +35,7 @@ impl Offspring {
     }
 }
 
-/// Where a window leaves a triangle.
+/// The edge by which a window leaves a triangle.
 #[derive(Clone, Copy)]
 pub(super) struct Edge {
     /// 1 for the side on which it leaves, the left or the right one, and 0 for the other.

@@ -3,7 +3,7 @@
 use super::Event;
 use super::calendar::INTEGERS;
 
-/// As many events are spread over bins before they are sorted.
+/// The most events that are sorted by bins.
 const MOST: usize = 255;
 
 /// Appends `events` to `sorted` in the order of their labels, those of equal labels in the order in
@@ -11,8 +11,8 @@ const MOST: usize = 255;
 ///
 /// `place` says how far a label lies within the range, from 0 to 1, up to rounding, and must not
 /// decrease. So many bins as there are events bring them nearly in order; what is left is done by
-/// insertion, hardly any of whose branches is foreseen wrongly. A sort that compares pairs gets
-/// half of its branches wrong.
+/// insertion, which predicts nearly all of its branches. A sort that compares pairs
+/// mispredicts half of its branches.
 ///
 /// # Cost
 ///
@@ -42,13 +42,13 @@ pub(super) fn append_in_order(
     }
     let before = sorted.len();
     sorted.extend_from_slice(events);
-    let spread = &mut sorted[before..];
+    let placed = &mut sorted[before..];
     for (&bin, &event) in bins.iter().zip(&*events) {
         let next = &mut ends[usize::from(bin)];
-        spread[usize::from(*next)] = event;
+        placed[usize::from(*next)] = event;
         *next += 1;
     }
-    insert_one_by_one(spread);
+    insert_one_by_one(placed);
 }
 
 /// Sorts events that are nearly in order.

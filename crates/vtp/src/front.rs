@@ -1,9 +1,6 @@
 //! The traversed area, and the lists of windows on its border.
 
-use std::ops::Range;
-
 use geobench_window::Window;
-use geobench_window::trimming::KeptWindows;
 
 use crate::engine::store::{Block, COLUMNS, Columns, NO_LIST, WindowStore};
 use crate::engine::surface::{half_edge, parts};
@@ -144,15 +141,6 @@ impl Front {
         self.store.windows()
     }
 
-    /// The windows of `list` at `places`.
-    pub(crate) fn windows_at(
-        &self,
-        list: u32,
-        places: Range<usize>,
-    ) -> impl Iterator<Item = Window> {
-        self.store.windows_at(list, places)
-    }
-
     /// The windows of the lists on `h`, in order.
     #[inline]
     pub(crate) fn lists(&self, h: u32) -> [Columns<'_>; 2] {
@@ -242,16 +230,14 @@ impl Front {
         (list, len)
     }
 
-    /// Has `kept` decide on windows of `list`: see [`WindowStore::admit`].
-    #[cold]
-    pub(crate) fn admit(
-        &mut self,
-        kept: &mut KeptWindows,
-        h: u32,
-        list: u32,
-        places: Range<usize>,
-    ) -> usize {
-        self.store.admit(kept, h, list, places)
+    /// The windows that wait.
+    pub(crate) fn store(&self) -> &WindowStore {
+        &self.store
+    }
+
+    /// The windows that wait.
+    pub(crate) fn store_mut(&mut self) -> &mut WindowStore {
+        &mut self.store
     }
 
     /// Number of windows in a list.

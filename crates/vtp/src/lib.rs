@@ -1,44 +1,55 @@
 //! The VTP family: whole lists of windows cross triangles together.
 //!
 //! Qin, Han, Yu, Yu and Zhang, "Fast and exact discrete geodesic computation based on
-//! triangle-oriented wavefront propagation" (2016). Instead of taking windows one by one, these
-//! algorithms grow a *traversed area* of faces. The windows that wait to enter a face through one
-//! of its half-edges form a list; once the face is in the area the list crosses it as a whole,
-//! which brings windows together that can be compared pair by pair. What leaves the area waits on
-//! its border, the wavefront; what comes back into it crosses on. Nothing else is kept.
+//! triangle-oriented wavefront propagation" (2016). These algorithms grow a *traversed area* of
+//! faces. The windows that wait to enter a face through one of its half-edges form a list. Once the
+//! face is in the area, the list crosses it as a whole, and its windows are compared pair by pair.
+//! Windows that leave the area wait on its border, the wavefront; windows that return into it cross
+//! at once. No other windows are kept.
+//!
+//! ```
+//! use geobench_mesh::Mesh;
+//! use geobench_vtp::VtpFast;
+//! use geobench_window::Solver;
+//!
+//! let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+//! let mut solver = VtpFast::new(&mesh);
+//! let (from_5, from_6) = (solver.distances_from(5)?, solver.distances_from(6)?);
+//! assert!((from_5[6] - from_6[5]).abs() <= 1e-12 * from_5[6]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! # One frame, four choices
 //!
-//! Every algorithm of the family is a [`ListPropagation`] with four choices made, none of which
-//! changes a distance:
+//! [`VtpFast`] is the fastest solver on one thread, and [`Pvtp`] runs it on several. Every other
+//! algorithm of the family is a [`ListPropagation`] with four choices, none of which changes a
+//! distance:
 //!
-//! | choice | trait | taken |
+//! | choice | trait | values |
 //! |---|---|---|
 //! | which faces join the area next | [`Schedule`] | [`NearestVertex`], [`NearestFace`] |
 //! | how windows join a waiting list | [`Merge`] | [`OrderFree`], [`OrderPreserving`] |
 //! | which windows of a list are compared | [`Pairs`] | [`Neighbours`] (rules 2 and 3), [`NoPairs`], [`AllPairs`], [`TiePoints`] |
 //! | through which exits a window may leave | [`Exits`] | [`OneAngleTwoSides`] (rule 1), [`AnyExit`], [`AcrossTheFace`], [`EveryPath`] |
 //!
-//! Common to all is the vertex filter, which drops windows that a path through a known vertex beats
-//! ([`geobench_window::is_beaten_from_ends`] in plain form): without it windows behind the
-//! wavefront, which meet no other ones, would never end.
+//! All use the vertex filter, which drops windows that a path through a known vertex beats
+//! ([`geobench_window::is_beaten_from_ends`] in plain form). Without it, windows behind the
+//! wavefront, which meet no others, would never end.
 //!
-//! [`algorithms`] has a page for each combination that has a name. Another one is a type:
+//! [`Vtp`] and the other aliases name combinations. Others are written out:
 //! `ListPropagation::<NearestFace, OrderFree, NoPairs, AnyExit>::new(&mesh)`.
 //!
-//! # For speed
+//! # Vector instructions
 //!
-//! All of this stands on one `engine`: lists are structures of arrays, and what is done with a list
-//! is a pass over registers of up to eight windows ([`geobench_window::simd`]). [`VtpFast`] is VTP with
-//! every further improvement that keeps it exact; see [its page](algorithms::vtp_fast). [`Pvtp`] is
-//! the same on several threads; see [its page](algorithms::pvtp).
+//! Lists are structures of arrays, and each pass over a list works on registers of up to eight
+//! windows ([`geobench_window::simd`]).
 //!
-//! # Every deletion is beyond doubt
+//! # Deletions are proved
 //!
-//! A window or a part of one goes only if a real path is shorter by more than 1e-12 of its length
-//! where the two cross, and only if that they cross does not hang on rounding. Equal windows keep
-//! each other. So the rules can be switched on and off one by one, and the distances stay the same;
-//! where they do not, the rule is wrong.
+//! A window or a part of one is deleted only if a real path is shorter by more than 1e-12 of its
+//! length at their crossing, and only if the crossing does not depend on rounding. Equal windows
+//! keep each other. So each rule can be switched off without a change of distances; if distances
+//! change, the rule is wrong.
 
 mod crossing;
 mod engine;
@@ -54,13 +65,9 @@ mod propagation;
 mod pruning;
 mod schedule;
 mod trim;
+mod variants;
 mod wavefront;
 
-pub mod algorithms;
-
-pub use algorithms::{
-    EdgeBased, Ftp, Opftp, Opvtp, Vtp, VtpExhaustive, VtpNoRule1, VtpNoRules23, VtpTrimming,
-};
 #[doc(hidden)]
 pub use engine::bench_support;
 pub use exits::{AcrossTheFace, AnyExit, EveryPath, Exits, OneAngleTwoSides};
@@ -70,3 +77,6 @@ pub use parallel::Pvtp;
 pub use propagation::ListPropagation;
 pub use pruning::{AllPairs, Neighbours, NoPairs, Pairs, TiePoints};
 pub use schedule::{NearestFace, NearestVertex, Schedule};
+pub use variants::{
+    EdgeBased, Ftp, Opftp, Opvtp, Vtp, VtpExhaustive, VtpNoRule1, VtpNoRules23, VtpTrimming,
+};

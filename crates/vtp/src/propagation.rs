@@ -11,6 +11,7 @@ use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::{BestPath, Gate, Target};
 use crate::engine::levels::Levels;
 use crate::engine::prefetch::prefetch;
+use crate::engine::sent::Sent;
 use crate::engine::store::{NO_LIST, admit};
 use crate::engine::surface::{Face, NOBODY, Surface, next, parts, prev};
 use crate::exits::{Crossing, Exits};
@@ -18,7 +19,6 @@ use crate::front::{Arrival, Front};
 use crate::merge::Merge;
 use crate::pruning::Pairs;
 use crate::schedule::{Schedule, Turn};
-use geobench_window::prefetch_line;
 use geobench_window::simd::{Instructions, Simd};
 
 /// An algorithm that propagates whole lists of windows, on one mesh: in the order of schedule `S`,
@@ -151,34 +151,29 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         let sigma = self.distances[v as usize];
         let has_border = self.surface.vertices[v as usize].boundary;
         for place in self.surface.ring_places(v) {
-            let (f, corner) = parts(self.surface.rings[place]);
-            let (after, before) = (next(corner), prev(corner));
-            let face = &self.surface.faces[f];
-            let target = face.twin[after];
-            let [a, b] = [face.vertex[after], face.vertex[before]];
-            let [to_a, to_b] = [corner, before].map(|k| sigma + face.length[k]);
-            self.offer(a, to_a, probe);
+            let spawn = self.surface.spawn(self.surface.rings[place], sigma);
+            self.offer(spawn.ends[0], spawn.paths[0], probe);
             if has_border {
-                self.offer(b, to_b, probe);
+                self.offer(spawn.ends[1], spawn.paths[1], probe);
             }
-            if target != NOBODY {
-                probe.add(Counter::Spawned, 1);
-                let l = self.surface.length(target);
-                let [px, py] = self.surface.behind(target);
-                if B::COUNTS {
-                    self.levels.start(target, [px, py], sigma);
-                }
-                let mut window = [0.0, l, px, py, sigma];
-                if self.kept.holds(target as usize) {
-                    let Some(part) = admit(&mut self.kept, target, window) else {
-                        probe.add(Counter::Filtered, 1);
-                        continue;
-                    };
-                    window = part;
-                }
-                let (list, len) = self.front.push(target, Arrival::AsRightChild, window);
-                self.close(target, list, len, probe);
+            if spawn.exit == NOBODY {
+                continue;
             }
+            probe.add(Counter::Spawned, 1);
+            let mut window = spawn.window;
+            if B::COUNTS {
+                let [_, _, px, py, _] = window;
+                self.levels.start(spawn.exit, [px, py], sigma);
+            }
+            if self.kept.holds(spawn.exit as usize) {
+                let Some(part) = admit(&mut self.kept, spawn.exit, window) else {
+                    probe.add(Counter::Filtered, 1);
+                    continue;
+                };
+                window = part;
+            }
+            let (list, len) = self.front.push(spawn.exit, Arrival::AsRightChild, window);
+            self.close(spawn.exit, list, len, probe);
         }
         probe.raise(Counter::PeakWindows, self.front.waiting() as u64);
         probe.raise(Counter::PeakWavefront, self.front.waiting() as u64);
@@ -272,7 +267,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         probe: &mut B,
     ) {
         let (f, corner) = parts(h);
-        let exits = [face.twin[prev(corner)], face.twin[next(corner)]];
+        let exits = self.surface.exits(h);
         let arrivals = [Arrival::AsLeftChild, Arrival::AsRightChild];
         let is_new = (M::PRESERVES_ORDER || B::COUNTS) && self.front.is_new(f);
         let (mut lists, mut alone) = ([NO_LIST; 2], [false; 2]);
@@ -288,7 +283,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         }
         let before = lists.map(|list| self.front.len(list));
         let triangle = face.triangle(corner);
-        let (carried, mut after) = {
+        let (carried, after) = {
             let rule = self.exits.enter(&Crossing {
                 h,
                 active: &self.active,
@@ -313,31 +308,22 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             let carried = self.simd.run(program);
             (carried, targets.map(|target| target.len))
         };
+        let mut sent = Sent {
+            exits,
+            lists,
+            before,
+            after,
+        };
         probe.enter(Phase::Management);
-        if !self.kept.is_empty() {
-            for side in 0..2 {
-                if lists[side] == NO_LIST || !self.kept.holds(exits[side] as usize) {
-                    continue;
-                }
-                let places = before[side]..after[side];
-                after[side] = (self.front).admit(&mut self.kept, exits[side], lists[side], places);
-            }
-        }
+        sent.admit(&mut self.kept, self.front.store_mut());
         if B::COUNTS {
-            let departure = self.levels.leave(h, &triangle);
-            for side in (0..2).filter(|&side| lists[side] != NO_LIST) {
-                let children = self
-                    .front
-                    .windows_at(lists[side], before[side]..after[side]);
-                let deepest = self.levels.arrive(exits[side], children, &departure, side);
-                probe.raise(Counter::Levels, u64::from(deepest));
-            }
+            let store = self.front.store();
+            let deepest = sent.record_levels(&mut self.levels, store, h, &triangle);
+            probe.raise(Counter::Levels, u64::from(deepest));
         }
-        for side in 0..2 {
+        let Sent { before, after, .. } = sent;
+        for side in sent.sides() {
             let (exit, list) = (exits[side], lists[side]);
-            if list == NO_LIST {
-                continue;
-            }
             if alone[side] {
                 self.front.insert(exit, list, after[side]);
             } else {
@@ -352,7 +338,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 self.close(exit, list, before[side], probe);
             }
         }
-        let children = after[0] + after[1] - before[0] - before[1] + carried.tiny;
+        let children = sent.children() + carried.tiny;
         let tried = carried.tried as u64;
         probe.add(Counter::Propagated, tried);
         probe.add(Counter::Children, children as u64);
@@ -376,19 +362,16 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     fn prefetch(&self) {
         if let Some(h) = self.front.upcoming(6) {
             let f = parts(h).0;
-            if let Some(face) = self.surface.faces.get(f) {
-                prefetch_line(face);
-                prefetch_line(&face.apex_x);
-            }
+            self.surface.prefetch(f);
             self.front.prefetch(f);
         }
         if let Some(h) = self.front.upcoming(3) {
-            let (f, corner) = parts(h);
-            let face = &self.surface.faces[f];
-            for corner in [next(corner), prev(corner)] {
-                self.front.prefetch(parts(face.twin[corner]).0);
+            for exit in self.surface.exits(h) {
+                self.front.prefetch(parts(exit).0);
             }
-            prefetch(&self.distances, face.vertex[prev(corner)] as usize);
+            let (f, corner) = parts(h);
+            let apex = self.surface.faces[f].vertex[prev(corner)];
+            prefetch(&self.distances, apex as usize);
         }
     }
 }

@@ -14,6 +14,7 @@ pub(crate) mod kernels;
 pub(crate) mod levels;
 pub(crate) mod prefetch;
 pub(crate) mod sample;
+pub(crate) mod sent;
 pub(crate) mod spawn_wedge;
 pub(crate) mod store;
 pub(crate) mod surface;

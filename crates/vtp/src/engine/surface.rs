@@ -4,10 +4,12 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
+use geobench_window::prefetch_line;
 use geobench_window::trimming::KeptWindows;
 
 use super::face_state::FaceState;
 use super::kernels::{Gate, Triangle};
+use super::store::COLUMNS;
 
 /// Stands for a neighbour that does not exist.
 pub(crate) const NOBODY: u32 = u32::MAX;
@@ -132,6 +134,19 @@ impl Face {
     }
 }
 
+/// Paths and a window that start from a vertex across one of its faces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spawn {
+    /// The other two vertices of the face, counter-clockwise.
+    pub(crate) ends: [u32; 2],
+    /// The lengths of the paths to them along the edges.
+    pub(crate) paths: [f64; 2],
+    /// The half-edge to which the window comes, or [`NOBODY`].
+    pub(crate) exit: u32,
+    /// The window, over the whole of it: b0, b1, px, py, σ.
+    pub(crate) window: [f64; COLUMNS],
+}
+
 /// Whether all rays go on straight when they pass `v`, on either side.
 fn is_flat(mesh: &Mesh, v: VertexId) -> bool {
     let bends = mesh.is_boundary(v) || mesh.is_pseudo_source(v);
@@ -213,6 +228,38 @@ impl Surface {
     pub(crate) fn length(&self, h: u32) -> f64 {
         let (f, corner) = parts(h);
         self.faces[f].length[corner]
+    }
+
+    /// The half-edges behind the exits of the face of `h`: behind the left and the right one.
+    #[inline(always)]
+    pub(crate) fn exits(&self, h: u32) -> [u32; 2] {
+        let (f, corner) = parts(h);
+        let face = &self.faces[f];
+        [face.twin[prev(corner)], face.twin[next(corner)]]
+    }
+
+    /// Paths and a window that start across the face of `h` from its tail, at distance `sigma`.
+    #[inline(always)]
+    pub(crate) fn spawn(&self, h: u32, sigma: f64) -> Spawn {
+        let (f, corner) = parts(h);
+        let (after, before) = (next(corner), prev(corner));
+        let face = &self.faces[f];
+        let [px, py] = face.apex_below(after);
+        Spawn {
+            ends: [face.vertex[after], face.vertex[before]],
+            paths: [sigma + face.length[corner], sigma + face.length[before]],
+            exit: face.twin[after],
+            window: [0.0, face.length[after], px, py, sigma],
+        }
+    }
+
+    /// Requests the cache lines of a face.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, f: usize) {
+        if let Some(face) = self.faces.get(f) {
+            prefetch_line(face);
+            prefetch_line(&face.apex_x);
+        }
     }
 
     /// The half-edge `h` as the passes over its list see it, its ends at `ends`.

@@ -1,5 +1,5 @@
-//! VTP for speed; see [`vtp_fast`](crate::algorithms::vtp_fast) for what it does, and
-//! [`wavefront`](crate::wavefront) for how.
+//! [`VtpFast`]: one wavefront on one thread; see
+//! [`wavefront`](crate::wavefront).
 
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]

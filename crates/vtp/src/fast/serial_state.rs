@@ -95,10 +95,7 @@ impl SurfaceState for SerialState {
 
     #[inline(always)]
     fn prefetch_face(&self, f: usize) {
-        if let Some(face) = self.surface.faces.get(f) {
-            prefetch_line(face);
-            prefetch_line(&face.apex_x);
-        }
+        self.surface.prefetch(f);
     }
 
     #[inline(always)]

@@ -8,7 +8,7 @@ use super::options::Options;
 use super::serial_state::SerialState;
 use crate::wavefront::{SurfaceState, Wavefront};
 
-/// VTP for speed, on one mesh; see [the page](crate::algorithms::vtp_fast).
+/// VTP with every improvement that keeps it exact ([`Options`]), on one mesh.
 ///
 /// ```
 /// use geobench_mesh::Mesh;

@@ -33,7 +33,7 @@ use crate::fast::Options;
 /// The most threads of a run.
 const MOST_THREADS: usize = 1024;
 
-/// VTP on several threads, on one mesh; see [the page](crate::algorithms::pvtp).
+/// [`VtpFast`](crate::VtpFast) on several threads, on one mesh.
 ///
 /// ```
 /// use geobench_mesh::Mesh;

@@ -163,10 +163,7 @@ impl SurfaceState for ThreadView<'_> {
 
     #[inline(always)]
     fn prefetch_face(&self, f: usize) {
-        if let Some(face) = self.surface.faces.get(f) {
-            prefetch_line(face);
-            prefetch_line(&face.apex_x);
-        }
+        self.surface.prefetch(f);
         self.prefetch_lists(f);
     }
 

@@ -4,9 +4,9 @@ use geobench_window::simd::{Lanes, Program, Scalar};
 use geobench_window::{Counter, Phase, Probe};
 
 use super::{Improvement, SurfaceState, Wavefront};
-use crate::engine::kernels::{self, BestPath, Gate, Measured, Target, Triangle};
-
 use crate::engine::coalesce::FEW;
+use crate::engine::kernels::{self, BestPath, Gate, Measured, Target, Triangle};
+use crate::engine::sent::Sent;
 use crate::engine::store::NO_LIST;
 use crate::engine::surface::{NOBODY, next, parts, prev};
 use crate::precision::extent;
@@ -162,43 +162,30 @@ impl Wavefront {
             0.0,
             [&mut left, &mut right],
         );
-        let mut after = [left.len, right.len];
-        let children = after[0] + after[1] - before[0] - before[1];
+        let mut sent = Sent {
+            exits,
+            lists,
+            before,
+            after: [left.len, right.len],
+        };
+        let children = sent.children();
         probe.enter(Phase::Management);
         if P::COUNTS && F::COUNTS_LEVELS {
-            let departure = self.levels.leave(h, triangle);
-            for side in (0..2).filter(|&side| lists[side] != NO_LIST) {
-                let children = self
-                    .store
-                    .windows_at(lists[side], before[side]..after[side]);
-                let deepest = self.levels.arrive(exits[side], children, &departure, side);
-                probe.raise(Counter::Levels, u64::from(deepest));
-            }
+            let deepest = sent.record_levels(&mut self.levels, &self.store, h, triangle);
+            probe.raise(Counter::Levels, u64::from(deepest));
         }
         if COALESCE {
             let (f, corner) = parts(h);
             let face = &state.surface().faces[f];
-            after = self
-                .store
-                .coalesce_behind(face, corner, lists, before, after);
+            sent.after = (self.store).coalesce_behind(face, corner, lists, before, sent.after);
         }
-        if !self.kept.is_empty() {
-            for side in 0..2 {
-                if lists[side] == NO_LIST || !self.kept.holds(exits[side] as usize) {
-                    continue;
-                }
-                let places = before[side].min(after[side])..after[side];
-                after[side] = (self.store).admit(&mut self.kept, exits[side], lists[side], places);
-            }
-        }
-        for side in 0..2 {
-            if lists[side] != NO_LIST {
-                let (f, k) = parts(exits[side]);
-                let list = self.store.set_len(lists[side], after[side]);
-                state.set_list(f, k, list);
-                if list != NO_LIST {
-                    self.make_ready(state, f, k);
-                }
+        sent.admit(&mut self.kept, &mut self.store);
+        for side in sent.sides() {
+            let (f, k) = parts(exits[side]);
+            let list = self.store.set_len(lists[side], sent.after[side]);
+            state.set_list(f, k, list);
+            if list != NO_LIST {
+                self.make_ready(state, f, k);
             }
         }
         probe.add(Counter::Propagated, carried.tried as u64);
@@ -217,12 +204,11 @@ impl Wavefront {
     #[inline(always)]
     fn prefetch_beyond(&self, state: &impl SurfaceState, place: usize) {
         if let Some(&h) = self.ready.get(place) {
-            let (f, corner) = parts(h);
-            let face = &state.surface().faces[f];
-            for twin in [face.twin[next(corner)], face.twin[prev(corner)]] {
-                state.prefetch_lists(parts(twin).0);
+            for exit in state.surface().exits(h) {
+                state.prefetch_lists(parts(exit).0);
             }
-            state.prefetch_distance(face.vertex[prev(corner)]);
+            let (f, corner) = parts(h);
+            state.prefetch_distance(state.surface().faces[f].vertex[prev(corner)]);
         }
     }
 }

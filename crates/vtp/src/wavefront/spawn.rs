@@ -6,7 +6,7 @@ use super::{SurfaceState, Wavefront};
 use crate::engine::kernels::LOSES;
 use crate::engine::spawn_wedge::{Origin, SpawnWedge};
 use crate::engine::store::{NO_LIST, admit};
-use crate::engine::surface::{NOBODY, half_edge, next, parts, prev};
+use crate::engine::surface::{NOBODY, half_edge, parts, prev};
 
 impl Wavefront {
     /// The turn of a source, which sends windows all around.
@@ -83,32 +83,21 @@ impl Wavefront {
         last: bool,
         probe: &mut P,
     ) {
-        let (f, corner) = parts(h);
-        let (after, before) = (next(corner), prev(corner));
-        let face = state.surface().faces[f];
         let d = self.spawned[v as usize];
-        let [a, b] = [face.vertex[after], face.vertex[before]];
-        let [to_a, to_b] = [d + face.length[corner], d + face.length[before]];
-        let l = face.length[after];
-        let twin = face.twin[after];
-        let source = face.apex_below(after);
-        let along_b = half_edge(f as u32, before);
-        let length_b = face.length[before];
+        let spawn = state.surface().spawn(h, d);
+        let ([a, b], [to_a, to_b]) = (spawn.ends, spawn.paths);
+        let [_, l, px, py, _] = spawn.window;
         // Seen from the opposite vertices the paths come along the far ends of their half-edges.
-        self.offer_along(
-            state,
-            a,
-            to_a,
-            Origin {
-                h: along_b,
-                entry: length_b,
-            },
-            probe,
-        );
+        let (f, corner) = parts(h);
+        let along_b = Origin {
+            h: half_edge(f as u32, prev(corner)),
+            entry: state.surface().faces[f].length[prev(corner)],
+        };
+        self.offer_along(state, a, to_a, along_b, probe);
         if last || state.surface().vertices[v as usize].boundary {
             self.offer_along(state, b, to_b, Origin { h, entry: 0.0 }, probe);
         }
-        if twin == NOBODY {
+        if spawn.exit == NOBODY {
             return;
         }
         let [at_a, at_b] = [a, b].map(|v| state.distance(v));
@@ -118,10 +107,10 @@ impl Wavefront {
             probe.add(Counter::Filtered, 1);
             return;
         }
-        let (target, k) = parts(twin);
-        let mut window = [0.0, l, source[0], source[1], d];
-        if self.kept.holds(twin as usize) {
-            let Some(part) = admit(&mut self.kept, twin, window) else {
+        let (target, k) = parts(spawn.exit);
+        let mut window = spawn.window;
+        if self.kept.holds(spawn.exit as usize) {
+            let Some(part) = admit(&mut self.kept, spawn.exit, window) else {
                 probe.add(Counter::Filtered, 1);
                 return;
             };
@@ -132,7 +121,7 @@ impl Wavefront {
         debug_assert!(list != NO_LIST);
         self.store.put(list, len, window);
         if P::COUNTS && F::COUNTS_LEVELS {
-            self.levels.start(twin, source, d);
+            self.levels.start(spawn.exit, [px, py], d);
         }
         state.set_list(target, k, self.store.set_len(list, len + 1));
         self.make_ready(state, target, k);

@@ -71,7 +71,7 @@ mod wavefront;
 #[doc(hidden)]
 pub use engine::bench_support;
 pub use exits::{AcrossTheFace, AnyExit, EveryPath, Exits, OneAngleTwoSides};
-pub use fast::{Options as FastOptions, VtpFast};
+pub use fast::{FastOptions, VtpFast};
 pub use merge::{Merge, OrderFree, OrderPreserving};
 pub use parallel::Pvtp;
 pub use propagation::ListPropagation;

@@ -1,12 +1,190 @@
-//! [`VtpFast`]: one wavefront on one thread; see
-//! [`wavefront`](crate::wavefront).
+//! One wavefront on one thread.
 
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
 
-mod options;
 mod serial_state;
-mod solver;
 
-pub use options::Options;
-pub use solver::VtpFast;
+use geobench_mesh::{Mesh, Numbering, VertexId};
+use geobench_window::simd::{Instructions, Lanes, Program, Simd};
+use geobench_window::{Counter, Probe, Propagate, Solution};
+
+use self::serial_state::SerialState;
+use crate::wavefront::{SurfaceState, Wavefront};
+
+/// The improvements of [`VtpFast`](crate::VtpFast). None of them changes a distance by more than
+/// rounding does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FastOptions {
+    /// The instructions to use; fewer if the processor lacks them.
+    pub instructions: Instructions,
+    /// Rules 2 and 3 are applied to one of so many of the longer lists; to all lists if 1, to none
+    /// if 0.
+    pub pairs: u32,
+    /// Width of a bucket of vertices that have their turns together, in mean edge lengths; more
+    /// than 0.
+    pub bucket: f64,
+    /// Whether vertices and faces are put into an order of their own, breadth first.
+    pub renumber: bool,
+    /// Whether pseudo-sources send windows only into the shadow of the path that reached them.
+    pub spawn_wedge: bool,
+    /// Whether windows that a flat vertex has parted become one again behind it, on surfaces where
+    /// at least an eighth of the vertices is flat.
+    pub coalesce: bool,
+}
+
+impl Default for FastOptions {
+    fn default() -> Self {
+        Self {
+            instructions: Instructions::detect(),
+            pairs: 8,
+            bucket: 0.25,
+            renumber: true,
+            spawn_wedge: true,
+            coalesce: true,
+        }
+    }
+}
+
+/// VTP with every improvement that keeps it exact ([`FastOptions`]), on one mesh.
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_vtp::{FastOptions, VtpFast};
+/// use geobench_window::Solver;
+/// use geobench_window::simd::Instructions;
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let best = VtpFast::new(&mesh).distances_from(5)?;
+/// let instructions = Instructions::Scalar;
+/// let options = FastOptions { instructions, ..FastOptions::default() };
+/// let plain = VtpFast::with_options(&mesh, options).distances_from(5)?;
+/// assert_eq!(best, plain); // To the bit.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct VtpFast {
+    vertex_count: usize,
+    options: FastOptions,
+    /// Whether windows parted by flat vertices become one again.
+    coalesces: bool,
+    numbering: Numbering,
+    state: SerialState,
+    wavefront: Wavefront,
+}
+
+impl VtpFast {
+    /// Sets up for `mesh`, with every improvement; O(faces).
+    pub fn new(mesh: &Mesh) -> Self {
+        Self::with_options(mesh, FastOptions::default())
+    }
+
+    /// Sets up for `mesh`; O(faces).
+    pub fn with_options(mesh: &Mesh, options: FastOptions) -> Self {
+        let instructions = options.instructions.or_narrower();
+        let mut numbering = if options.renumber {
+            Numbering::breadth_first(mesh)
+        } else {
+            Numbering::same()
+        };
+        let state = SerialState::new(mesh, &numbering);
+        numbering.keep_new_vertices();
+        Self {
+            vertex_count: mesh.vertex_count(),
+            options: FastOptions {
+                instructions,
+                ..options
+            },
+            coalesces: options.coalesce && state.surface().has_many_flat_vertices(),
+            numbering,
+            wavefront: Wavefront::new(state.surface(), &options),
+            state,
+        }
+    }
+
+    /// The options in force, with instructions that the processor has.
+    pub fn options(&self) -> FastOptions {
+        self.options
+    }
+}
+
+/// A run whose sources have had their turns.
+struct Turns<'s, P, const COALESCE: bool> {
+    wavefront: &'s mut Wavefront,
+    state: &'s mut SerialState,
+    probe: &'s mut P,
+}
+
+impl<P: Probe, const COALESCE: bool> Program for Turns<'_, P, COALESCE> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, simd: L::Token) {
+        let Self {
+            wavefront,
+            state,
+            probe,
+        } = self;
+        loop {
+            wavefront.cross_all::<L, SerialState, P, COALESCE>(simd, state, probe);
+            let Some(bucket) = wavefront.buckets.nearest() else {
+                break;
+            };
+            wavefront.take_turn(state, bucket, probe);
+        }
+    }
+}
+
+impl Propagate for VtpFast {
+    fn counters() -> Vec<Counter> {
+        vec![
+            Counter::Propagated,
+            Counter::Parents,
+            Counter::Children,
+            Counter::Spawned,
+            Counter::Filtered,
+            Counter::PeakWindows,
+            Counter::WindowBytes,
+            Counter::QueuePushes,
+            Counter::QueuePeak,
+            Counter::Iterations,
+            Counter::Levels,
+            Counter::PseudoSources,
+        ]
+    }
+
+    fn vertex_count(&self) -> usize {
+        self.vertex_count
+    }
+
+    fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+        let simd = Simd::new(self.options.instructions);
+        let Self {
+            wavefront, state, ..
+        } = self;
+        wavefront.reset();
+        state.reset();
+        probe.add(Counter::WindowBytes, 40);
+        let new = |&s| self.numbering.new_vertex(s).raw();
+        for s in sources.iter().map(new) {
+            state.distances[s as usize] = 0.0;
+        }
+        for s in sources.iter().map(new) {
+            wavefront.start_from(state, s, probe);
+        }
+        if self.coalesces {
+            simd.run(Turns::<P, true> {
+                wavefront,
+                state,
+                probe,
+            });
+        } else {
+            simd.run(Turns::<P, false> {
+                wavefront,
+                state,
+                probe,
+            });
+        }
+        Solution::new(self.numbering.restore(&self.state.distances))
+    }
+}

@@ -28,7 +28,7 @@ use self::placement::Placement;
 use self::shared::Shared;
 use self::worker::Worker;
 use crate::engine::surface::Surface;
-use crate::fast::Options;
+use crate::fast::FastOptions;
 
 /// The most threads of a run.
 const MOST_THREADS: usize = 1024;
@@ -49,7 +49,7 @@ const MOST_THREADS: usize = 1024;
 #[derive(Debug)]
 pub struct Pvtp {
     vertex_count: usize,
-    options: Options,
+    options: FastOptions,
     numbering: Numbering,
     shared: Shared,
     workers: Vec<Worker>,
@@ -65,11 +65,11 @@ impl Pvtp {
     /// tasks while it waits for the others to end; so a task must not hold a lock meanwhile that
     /// others take. Where the system does not start so many threads, solving is an error.
     pub fn new(mesh: &Mesh, threads: usize) -> Self {
-        Self::with_options(mesh, threads, Options::default())
+        Self::with_options(mesh, threads, FastOptions::default())
     }
 
     /// The same with other options.
-    pub fn with_options(mesh: &Mesh, threads: usize, options: Options) -> Self {
+    pub fn with_options(mesh: &Mesh, threads: usize, options: FastOptions) -> Self {
         let threads = threads.clamp(1, MOST_THREADS);
         let instructions = options.instructions.or_narrower();
         let mut numbering = if options.renumber {
@@ -82,7 +82,7 @@ impl Pvtp {
         numbering.keep_new_vertices();
         Self {
             vertex_count: mesh.vertex_count(),
-            options: Options {
+            options: FastOptions {
                 instructions,
                 ..options
             },
@@ -94,7 +94,7 @@ impl Pvtp {
     }
 
     /// The options in force, with instructions that the processor has.
-    pub fn options(&self) -> Options {
+    pub fn options(&self) -> FastOptions {
         self.options
     }
 
@@ -104,7 +104,7 @@ impl Pvtp {
     }
 }
 
-fn workers(threads: usize, surface: &Surface, options: &Options) -> Vec<Worker> {
+fn workers(threads: usize, surface: &Surface, options: &FastOptions) -> Vec<Worker> {
     (0..threads)
         .map(|thread| Worker::new(thread, surface, options))
         .collect()

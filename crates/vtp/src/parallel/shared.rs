@@ -9,7 +9,7 @@ use super::lag_limit::LagLimit;
 use super::load_estimate::LoadEstimates;
 use super::placement::Placement;
 use crate::engine::surface::Surface;
-use crate::fast::Options;
+use crate::fast::FastOptions;
 
 /// The state of a run that threads share.
 ///
@@ -34,7 +34,7 @@ pub(super) struct Shared {
 impl Shared {
     pub(super) fn new(
         surface: Surface,
-        options: &Options,
+        options: &FastOptions,
         threads: usize,
         placement: Placement,
     ) -> Self {

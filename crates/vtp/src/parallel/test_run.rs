@@ -7,7 +7,7 @@ use super::placement::Placement;
 use super::shared::Shared;
 use super::thread_view::{ThreadState, ThreadView};
 use crate::engine::surface::{Surface, half_edge, next, parts};
-use crate::fast::Options;
+use crate::fast::FastOptions;
 use crate::wavefront::{Improvement, SurfaceState, Wavefront};
 
 /// What a thread has.
@@ -44,9 +44,9 @@ pub(super) fn two_threads() -> (Shared, [Thread; 2]) {
     let numbering = Numbering::breadth_first(&mesh);
     let surface = Surface::new(&mesh, &numbering);
     let placement = Placement::new(&mesh, &numbering, 2);
-    let options = Options {
+    let options = FastOptions {
         bucket: 1.0 / surface.mean_length,
-        ..Options::default()
+        ..FastOptions::default()
     };
     let threads = [0, 1].map(|_| {
         let mut thread = Thread {

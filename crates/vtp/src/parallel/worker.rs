@@ -10,7 +10,7 @@ use super::schedule_fuzz::schedule_fuzz;
 use super::shared::Shared;
 use super::thread_view::{ThreadState, ThreadView};
 use crate::engine::surface::Surface;
-use crate::fast::Options;
+use crate::fast::FastOptions;
 use crate::wavefront::{SurfaceState, Wavefront};
 use geobench_window::simd::Lanes;
 
@@ -41,7 +41,7 @@ pub(super) struct Worker {
 }
 
 impl Worker {
-    pub(super) fn new(thread: usize, surface: &Surface, options: &Options) -> Self {
+    pub(super) fn new(thread: usize, surface: &Surface, options: &FastOptions) -> Self {
         Self {
             thread,
             wavefront: Wavefront::new(surface, options),

@@ -8,22 +8,24 @@
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
 
-mod cross;
-mod spawn;
 mod surface_state;
-mod turns;
 
+use geobench_window::simd::{Lanes, Program, Scalar};
 use geobench_window::trimming::KeptWindows;
+use geobench_window::{Counter, Phase, Probe};
 
 pub(crate) use self::surface_state::SurfaceState;
 use crate::engine::buckets::Buckets;
-use crate::engine::kernels::Cuts;
+use crate::engine::coalesce::FEW;
+use crate::engine::kernels::{self, BestPath, Cuts, Gate, LOSES, Measured, Target, Triangle};
 use crate::engine::levels::Levels;
 use crate::engine::sample::Sample;
-use crate::engine::spawn_wedge::Origin;
-use crate::engine::store::WindowStore;
-use crate::engine::surface::Surface;
-use crate::fast::Options;
+use crate::engine::sent::Sent;
+use crate::engine::spawn_wedge::{Origin, SpawnWedge};
+use crate::engine::store::{NO_LIST, WindowStore, admit};
+use crate::engine::surface::{NOBODY, Surface, half_edge, next, parts, prev};
+use crate::fast::FastOptions;
+use crate::precision::extent;
 
 /// Paths wait for their consequences until so many have come together.
 const IMPROVEMENTS: usize = 4096;
@@ -72,7 +74,7 @@ pub(crate) struct Wavefront {
 
 impl Wavefront {
     /// For a surface; O(vertices).
-    pub(crate) fn new(surface: &Surface, options: &Options) -> Self {
+    pub(crate) fn new(surface: &Surface, options: &FastOptions) -> Self {
         let vertices = surface.vertices.len();
         Self {
             compared: Sample::new(options.pairs),
@@ -115,5 +117,460 @@ impl Wavefront {
         self.spawned.resize(vertices, f64::INFINITY);
         self.passed.clear();
         self.passed.resize(vertices, false);
+    }
+}
+
+/// Turns of vertices, and the effects of paths that reach them.
+impl Wavefront {
+    /// The turns of the vertices of `bucket`, before which no other one may have any.
+    pub(crate) fn take_turn<P: Probe>(
+        &mut self,
+        state: &mut impl SurfaceState,
+        bucket: u32,
+        probe: &mut P,
+    ) {
+        let mut turn = std::mem::take(&mut self.turn);
+        self.buckets.take(bucket, &mut turn);
+        probe.add(Counter::Iterations, 1);
+        for (i, &v) in turn.iter().enumerate() {
+            if let Some(&v) = turn.get(i + 6) {
+                for &h in state.surface().ring(v) {
+                    state.prefetch_lists(parts(h).0);
+                }
+            }
+            self.pass(state, v, probe);
+        }
+        self.turn = turn;
+    }
+
+    /// The turn of vertex `v`: the faces around it join the traversed area.
+    pub(crate) fn pass<P: Probe>(&mut self, state: &mut impl SurfaceState, v: u32, probe: &mut P) {
+        self.passed[v as usize] = true;
+        for place in state.surface().ring_places(v) {
+            let (f, _) = parts(state.surface().rings[place]);
+            if state.join(f) {
+                for corner in 0..3 {
+                    if state.list(f, corner) != NO_LIST {
+                        self.make_ready(state, f, corner);
+                    }
+                }
+            }
+        }
+        self.spawn_if_nearer(state, v, probe);
+    }
+
+    /// Queues the list on half-edge `corner` of face `f` if that has joined.
+    #[inline(always)]
+    pub(crate) fn make_ready(&mut self, state: &mut impl SurfaceState, f: usize, corner: usize) {
+        if state.enqueue(f, corner) {
+            self.ready.push(half_edge(f as u32, corner));
+        }
+    }
+
+    /// Has an improvement wait for its consequences. There is room for one.
+    #[inline(always)]
+    fn note(&mut self, improvement: Improvement, news: bool) {
+        self.improvements[self.improved] = improvement;
+        self.improved += usize::from(news);
+    }
+
+    /// A path that another wavefront had found, to a vertex whose turn is up to this one now.
+    pub(crate) fn hear_of<P: Probe>(
+        &mut self,
+        state: &mut impl SurfaceState,
+        improvement: Improvement,
+        probe: &mut P,
+    ) {
+        self.note(improvement, true);
+        if self.must_settle() {
+            self.settle(state, probe);
+        }
+    }
+
+    /// Whether there is no room for another improvement.
+    #[inline(always)]
+    fn must_settle(&self) -> bool {
+        self.improved == self.improvements.len()
+    }
+
+    /// The consequences of distances that have improved.
+    pub(crate) fn settle<P: Probe>(&mut self, state: &mut impl SurfaceState, probe: &mut P) {
+        for i in 0..std::mem::take(&mut self.improved) {
+            let Improvement {
+                vertex,
+                h,
+                entry,
+                distance,
+            } = self.improvements[i];
+            let v = vertex as usize;
+            // What came later has its own consequences.
+            if distance <= state.reached(vertex) && state.surface().vertices[v].pseudo_source {
+                self.origins[v] = Origin { h, entry };
+                if self.passed[v] {
+                    self.spawn_if_nearer(state, vertex, probe);
+                }
+            }
+            if !self.passed[v] {
+                // Others may have written a longer one since.
+                let nearest = state.distance(vertex).min(state.reached(vertex));
+                let news = self.buckets.push(vertex, nearest);
+                probe.add(Counter::QueuePushes, u64::from(news));
+            }
+        }
+        probe.raise(Counter::QueuePeak, self.buckets.len() as u64);
+    }
+}
+
+/// Windows that start from a vertex.
+impl Wavefront {
+    /// The turn of a source, which sends windows all around.
+    pub(crate) fn start_from<P: Probe>(
+        &mut self,
+        state: &mut impl SurfaceState,
+        source: u32,
+        probe: &mut P,
+    ) {
+        if self.spawned[source as usize] > 0.0 {
+            self.spawned[source as usize] = 0.0;
+            self.spawn(state, source, true, probe);
+            self.pass(state, source, probe);
+        }
+    }
+
+    /// Sends windows from `v` if it is a pseudo-source that has come nearer since it last did.
+    fn spawn_if_nearer<P: Probe>(&mut self, state: &mut impl SurfaceState, v: u32, probe: &mut P) {
+        let (vertex, distance) = (state.surface().vertices[v as usize], state.reached(v));
+        if vertex.pseudo_source
+            && distance < self.spawned[v as usize]
+            // The thread that has found a shorter path sends windows from it.
+            && distance <= state.distance(v)
+        {
+            self.spawned[v as usize] = distance;
+            self.spawn(state, v, vertex.all_around || !self.spawn_wedge, probe);
+        }
+    }
+
+    /// Sends paths along edges of `v` and windows across its faces, in all directions or into the
+    /// shadow of the path that reached it.
+    fn spawn<P: Probe>(
+        &mut self,
+        state: &mut impl SurfaceState,
+        v: u32,
+        all_around: bool,
+        probe: &mut P,
+    ) {
+        probe.add(Counter::PseudoSources, 1);
+        let ring = state.surface().ring_places(v);
+        let wedge = if all_around {
+            SpawnWedge::all(ring.len())
+        } else {
+            SpawnWedge::of(state.surface(), v, self.origins[v as usize])
+        };
+        let mut place = ring.start + wedge.first;
+        for i in 0..wedge.count {
+            let h = state.surface().rings[place];
+            place = if place + 1 == ring.end {
+                ring.start
+            } else {
+                place + 1
+            };
+            // The last edge belongs to the next face, if there is one.
+            let last = !all_around && i + 1 == wedge.count;
+            self.spawn_across(state, v, h, last, probe);
+        }
+        probe.raise(Counter::PeakWindows, self.store.waiting() as u64);
+    }
+
+    /// Sends a path along `h`, which starts at `v`, and a window across its face; along the other
+    /// edge too if that is the last one.
+    #[inline]
+    fn spawn_across<F: SurfaceState, P: Probe>(
+        &mut self,
+        state: &mut F,
+        v: u32,
+        h: u32,
+        last: bool,
+        probe: &mut P,
+    ) {
+        let d = self.spawned[v as usize];
+        let spawn = state.surface().spawn(h, d);
+        let ([a, b], [to_a, to_b]) = (spawn.ends, spawn.paths);
+        let [_, l, px, py, _] = spawn.window;
+        // Seen from the opposite vertices the paths come along the far ends of their half-edges.
+        let (f, corner) = parts(h);
+        let along_b = Origin {
+            h: half_edge(f as u32, prev(corner)),
+            entry: state.surface().faces[f].length[prev(corner)],
+        };
+        self.offer_along(state, a, to_a, along_b, probe);
+        if last || state.surface().vertices[v as usize].boundary {
+            self.offer_along(state, b, to_b, Origin { h, entry: 0.0 }, probe);
+        }
+        if spawn.exit == NOBODY {
+            return;
+        }
+        let [at_a, at_b] = [a, b].map(|v| state.distance(v));
+        probe.add(Counter::Spawned, 1);
+        // The vertex filter: each end's own path along the edge beats the farthest ray.
+        if (at_b + l) * LOSES < to_a || (at_a + l) * LOSES < to_b {
+            probe.add(Counter::Filtered, 1);
+            return;
+        }
+        let (target, k) = parts(spawn.exit);
+        let mut window = spawn.window;
+        if self.kept.holds(spawn.exit as usize) {
+            let Some(part) = admit(&mut self.kept, spawn.exit, window) else {
+                probe.add(Counter::Filtered, 1);
+                return;
+            };
+            window = part;
+        }
+        let list = self.store.reserve(state.list(target, k), 1);
+        let len = self.store.len(list);
+        debug_assert!(list != NO_LIST);
+        self.store.put(list, len, window);
+        if P::COUNTS && F::COUNTS_LEVELS {
+            self.levels.start(spawn.exit, [px, py], d);
+        }
+        state.set_list(target, k, self.store.set_len(list, len + 1));
+        self.make_ready(state, target, k);
+    }
+
+    /// A path of length `d` reaches `v` along an edge.
+    #[inline]
+    fn offer_along<P: Probe>(
+        &mut self,
+        state: &mut impl SurfaceState,
+        v: u32,
+        d: f64,
+        origin: Origin,
+        probe: &mut P,
+    ) {
+        if state.offer(v, d) {
+            self.origins[v as usize] = origin;
+            let news = self.buckets.push(v, state.distance(v).min(d));
+            probe.add(Counter::QueuePushes, u64::from(news));
+        }
+    }
+}
+
+/// Lists that cross faces.
+impl Wavefront {
+    /// Lists cross until none is ready; windows are coalesced if `COALESCE`, of which nothing is left
+    /// otherwise in the code that runs.
+    #[inline(always)]
+    pub(crate) fn cross_all<L: Lanes, F: SurfaceState, P: Probe, const COALESCE: bool>(
+        &mut self,
+        simd: L::Token,
+        state: &mut F,
+        probe: &mut P,
+    ) {
+        let mut place = 0;
+        loop {
+            if place == self.ready.len() || self.must_settle() {
+                self.settle(state, probe);
+            }
+            let Some(&h) = self.ready.get(place) else {
+                break;
+            };
+            self.prefetch_face(state, place + 6);
+            self.prefetch_beyond(state, place + 3);
+            place += 1;
+            if !COALESCE || L::COUNT == 1 {
+                self.cross::<L, F, P, COALESCE>(simd, state, h, probe);
+            } else if self.waiting_at(state, h) <= FEW {
+                self.cross::<Scalar, F, P, COALESCE>((), state, h, probe);
+            } else {
+                let list = List::<F, P, COALESCE> {
+                    wavefront: self,
+                    state,
+                    h,
+                    probe,
+                };
+                L::run_apart(simd, list);
+            }
+        }
+        self.ready.clear();
+    }
+
+    /// How many windows wait on `h`.
+    #[inline(always)]
+    fn waiting_at(&self, state: &impl SurfaceState, h: u32) -> usize {
+        let (f, corner) = parts(h);
+        self.store.len(state.list(f, corner))
+    }
+
+    /// Takes the list on `h` across its face.
+    #[inline(always)]
+    fn cross<L: Lanes, F: SurfaceState, P: Probe, const COALESCE: bool>(
+        &mut self,
+        simd: L::Token,
+        state: &mut F,
+        h: u32,
+        probe: &mut P,
+    ) {
+        let (f, corner) = parts(h);
+        let (after, before) = (next(corner), prev(corner));
+        let list = state.take_list(f, corner);
+        let face = &state.surface().faces[f];
+        let [tail, head, apex] = [corner, after, before].map(|k| face.vertex[k]);
+        let exits = [face.twin[before], face.twin[after]];
+        let triangle = face.triangle(corner);
+        let arrived = self.store.len(list);
+        let mut len = arrived;
+        probe.enter(Phase::Pruning);
+        if self.compared.takes(h, len) {
+            let block = self.store.padded_block(list);
+            let extent = extent(triangle.l, state.surface().behind(h));
+            len = kernels::compare::<L>(simd, block, len, extent, &mut self.cuts);
+        }
+        let gate = Gate {
+            l: triangle.l,
+            apex: triangle.apex,
+            ends: [tail, head].map(|v| state.distance(v)),
+        };
+        let waiting = self.store.first(list, len);
+        let found = kernels::measure::<L, true>(simd, waiting, 0, &gate, &mut self.keep);
+        probe.enter(Phase::Propagation);
+        probe.add(Counter::Filtered, (arrived - found.kept) as u64);
+        probe.add(Counter::Parents, found.kept as u64);
+        if probe.wants_sample(found.kept as u64) {
+            probe.sample(self.store.windows().map(|w| w.min_distance()));
+        }
+        if found.kept > 0 {
+            let waiting = self.store.first(list, len);
+            let size = gate.l + found.distance;
+            let best = BestPath::of(waiting, found.best, gate.apex, size);
+            // The consequences wait: whether a path is the shortest is hard to predict.
+            let news = state.offer(apex, found.distance);
+            let path = Improvement {
+                vertex: apex,
+                h,
+                entry: best.entry,
+                distance: found.distance,
+            };
+            self.note(path, news);
+            self.send::<L, F, P, COALESCE>(
+                simd, state, list, h, exits, &triangle, &found, &best, probe,
+            );
+        }
+        probe.enter(Phase::Management);
+        self.store.set_len(list, 0);
+        if P::COUNTS && F::COUNTS_LEVELS {
+            self.levels.forget(h);
+        }
+        probe.raise(Counter::PeakWindows, self.store.waiting() as u64);
+    }
+
+    /// Sends what `found` counted in the `list` on `h` across its face, which is `triangle`, into
+    /// the lists behind its two exits.
+    #[allow(clippy::too_many_arguments)] // All of what the caller has found out.
+    #[inline(always)]
+    fn send<L: Lanes, F: SurfaceState, P: Probe, const COALESCE: bool>(
+        &mut self,
+        simd: L::Token,
+        state: &mut F,
+        list: u32,
+        h: u32,
+        exits: [u32; 2],
+        triangle: &Triangle,
+        found: &Measured,
+        best: &BestPath,
+        probe: &mut P,
+    ) {
+        let mut lists = [NO_LIST; 2];
+        for side in 0..2 {
+            if exits[side] != NOBODY && found.bound[side] > 0 {
+                let (f, k) = parts(exits[side]);
+                lists[side] = self.store.reserve(state.list(f, k), found.bound[side]);
+            }
+        }
+        let before = lists.map(|list| self.store.len(list));
+        let [block, left, right] = self.store.blocks([list, lists[0], lists[1]]);
+        let mut left = Target {
+            block: left,
+            len: before[0],
+            open: lists[0] != NO_LIST,
+        };
+        let mut right = Target {
+            block: right,
+            len: before[1],
+            open: lists[1] != NO_LIST,
+        };
+        let carried = kernels::carry::<L, BestPath>(
+            simd,
+            block.columns(found.len),
+            &self.keep,
+            triangle,
+            best,
+            0.0,
+            [&mut left, &mut right],
+        );
+        let mut sent = Sent {
+            exits,
+            lists,
+            before,
+            after: [left.len, right.len],
+        };
+        let children = sent.children();
+        probe.enter(Phase::Management);
+        if P::COUNTS && F::COUNTS_LEVELS {
+            let deepest = sent.record_levels(&mut self.levels, &self.store, h, triangle);
+            probe.raise(Counter::Levels, u64::from(deepest));
+        }
+        if COALESCE {
+            let (f, corner) = parts(h);
+            let face = &state.surface().faces[f];
+            sent.after = (self.store).coalesce_behind(face, corner, lists, before, sent.after);
+        }
+        sent.admit(&mut self.kept, &mut self.store);
+        for side in sent.sides() {
+            let (f, k) = parts(exits[side]);
+            let list = self.store.set_len(lists[side], sent.after[side]);
+            state.set_list(f, k, list);
+            if list != NO_LIST {
+                self.make_ready(state, f, k);
+            }
+        }
+        probe.add(Counter::Propagated, carried.tried as u64);
+        probe.add(Counter::Children, children as u64);
+    }
+
+    /// Asks for the face that the list at `place` of the queue will cross.
+    #[inline(always)]
+    fn prefetch_face(&self, state: &impl SurfaceState, place: usize) {
+        if let Some(&h) = self.ready.get(place) {
+            state.prefetch_face(parts(h).0);
+        }
+    }
+
+    /// Asks for what the list at `place` of the queue touches beyond its face.
+    #[inline(always)]
+    fn prefetch_beyond(&self, state: &impl SurfaceState, place: usize) {
+        if let Some(&h) = self.ready.get(place) {
+            for exit in state.surface().exits(h) {
+                state.prefetch_lists(parts(exit).0);
+            }
+            let (f, corner) = parts(h);
+            state.prefetch_distance(state.surface().faces[f].vertex[prev(corner)]);
+        }
+    }
+}
+
+/// A list about to cross.
+struct List<'a, F, P, const COALESCE: bool> {
+    wavefront: &'a mut Wavefront,
+    state: &'a mut F,
+    h: u32,
+    probe: &'a mut P,
+}
+
+impl<F: SurfaceState, P: Probe, const COALESCE: bool> Program for List<'_, F, P, COALESCE> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, simd: L::Token) {
+        self.wavefront
+            .cross::<L, F, P, COALESCE>(simd, self.state, self.h, self.probe);
     }
 }

@@ -13,7 +13,7 @@ use crate::engine::levels::Levels;
 use crate::engine::prefetch::prefetch;
 use crate::engine::sent::Sent;
 use crate::engine::store::{NO_LIST, admit};
-use crate::engine::surface::{Face, NOBODY, Surface, next, parts, prev};
+use crate::engine::surface::{Face, NO_TWIN, Surface, next, parts, prev};
 use crate::exits::{Crossing, Exits};
 use crate::front::{Arrival, Front};
 use crate::merge::Merge;
@@ -156,7 +156,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             if has_border {
                 self.offer(spawn.ends[1], spawn.paths[1], probe);
             }
-            if spawn.exit == NOBODY {
+            if spawn.exit == NO_TWIN {
                 continue;
             }
             probe.add(Counter::Spawned, 1);
@@ -273,7 +273,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         let (mut lists, mut alone) = ([NO_LIST; 2], [false; 2]);
         for side in 0..2 {
             let exit = exits[side];
-            if exit != NOBODY && bound[side] > 0 {
+            if exit != NO_TWIN && bound[side] > 0 {
                 // A secondary merge.
                 alone[side] = M::PRESERVES_ORDER && !is_new && !self.front.contains(parts(exit).0);
                 lists[side] = self
@@ -302,7 +302,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             });
             for side in 0..2 {
                 targets[side].len = before[side];
-                targets[side].open = exits[side] != NOBODY;
+                targets[side].open = exits[side] != NO_TWIN;
             }
             let program = Carry::new(&self.active, &triangle, &rule, self.threshold, &mut targets);
             let carried = self.simd.run(program);

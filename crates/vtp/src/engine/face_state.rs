@@ -1,9 +1,9 @@
-//! What changes of a face while windows wait on it and cross it.
+//! The state of a face that changes during a run.
 
 use super::store::NO_LIST;
 
-/// What a wavefront knows of a face: the lists that wait on its half-edges to cross it, which of them
-/// are queued, and the run in which it joined the traversed area last.
+/// A face under one wavefront: the lists that wait on its half-edges, which of them are queued, and
+/// the last run in which the face joined the traversed area.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FaceState {
     list: [u32; 3],

@@ -11,14 +11,14 @@ use super::face_state::FaceState;
 use super::kernels::{Gate, Triangle};
 use super::store::COLUMNS;
 
-/// Stands for a neighbour that does not exist.
-pub(crate) const NOBODY: u32 = u32::MAX;
+/// The twin of a half-edge on the boundary.
+pub(crate) const NO_TWIN: u32 = u32::MAX;
 
 /// By how much the angle around a flat vertex may differ from 2π, in radians; whether windows fit
 /// together is asked of each two of them.
 const FLATNESS: f64 = 1e-8;
 
-/// Number 4f + k for corner k of face f, so that the face and the corner are bits of it.
+/// Number 4f + k for corner k of face f, so that face and corner are read off its bits.
 pub(crate) const fn half_edge(face: u32, corner: usize) -> u32 {
     4 * face + corner as u32
 }
@@ -46,8 +46,8 @@ pub(crate) const fn prev(corner: usize) -> usize {
     0b01_00_10 >> (2 * corner) & 3
 }
 
-/// All that is needed of a face, in two cache lines: the first has what is looked at and changed
-/// when windows arrive, the second what is needed to cross.
+/// A face, in two cache lines: the first is read and changed when windows arrive, the second is
+/// read when they cross.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(128))]
 pub(crate) struct Face {
@@ -55,7 +55,7 @@ pub(crate) struct Face {
     pub(crate) length: [f64; 3],
     /// The vertex at which each half-edge starts.
     pub(crate) vertex: [u32; 3],
-    /// The half-edge of the neighbour along each, or [`NOBODY`].
+    /// The half-edge of the neighbour along each, or [`NO_TWIN`].
     pub(crate) twin: [u32; 3],
     /// What changes, for a solver that keeps it here.
     pub(crate) state: FaceState,
@@ -79,7 +79,7 @@ impl Face {
         Self {
             length,
             vertex: sides.map(|h| numbering.new_vertex(mesh.tail(h)).raw()),
-            twin: sides.map(|h| mesh.twin(h).map_or(NOBODY, |twin| number(numbering, twin))),
+            twin: sides.map(|h| mesh.twin(h).map_or(NO_TWIN, |twin| number(numbering, twin))),
             state: FaceState::default(),
             apex_x: apexes.map(|[x, _]| x),
             inverse_length: length.map(f64::recip),
@@ -141,9 +141,9 @@ pub(crate) struct Spawn {
     pub(crate) ends: [u32; 2],
     /// The lengths of the paths to them along the edges.
     pub(crate) paths: [f64; 2],
-    /// The half-edge to which the window comes, or [`NOBODY`].
+    /// The half-edge to which the window comes, or [`NO_TWIN`].
     pub(crate) exit: u32,
-    /// The window, over the whole of it: b0, b1, px, py, σ.
+    /// The window, over the whole half-edge: b0, b1, px, py, σ.
     pub(crate) window: [f64; COLUMNS],
 }
 
@@ -178,7 +178,7 @@ pub(crate) struct Surface {
     /// The angle between each and the next edge, in radians.
     pub(crate) angles: Vec<f32>,
     pub(crate) mean_length: f64,
-    /// Empty: what is to be kept of a run beside thin faces.
+    /// The windows kept beside thin faces, at the start of a run.
     pub(crate) kept: KeptWindows,
 }
 
@@ -280,7 +280,7 @@ impl Surface {
     pub(crate) fn behind(&self, h: u32) -> [f64; 2] {
         let (f, corner) = parts(h);
         let twin = self.faces[f].twin[corner];
-        if twin == NOBODY {
+        if twin == NO_TWIN {
             return [0.0, f64::NEG_INFINITY];
         }
         let (f, corner) = parts(twin);

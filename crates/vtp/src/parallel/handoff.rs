@@ -1,4 +1,4 @@
-//! Parts of the wavefront that change hands.
+//! Parts of the wavefront that one thread hands off to another.
 
 use std::mem;
 use std::sync::atomic::AtomicBool;
@@ -15,13 +15,13 @@ use crate::engine::store::{COLUMNS, NO_LIST};
 use crate::engine::surface::{half_edge, parts};
 use crate::wavefront::{Improvement, SurfaceState, Wavefront};
 
-/// Vertices that are to have their turns, with all windows of the giver that wait on the faces
-/// around them.
+/// Vertices whose turns are to come, with all windows of the sender that wait on the faces around
+/// them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Handoff {
-    /// The bucket at which the giver is.
+    /// The bucket of the sender.
     bucket: u32,
-    /// The vertices, with the shortest paths that the giver had to them.
+    /// The vertices, with the sender's shortest paths to them.
     turns: Vec<Improvement>,
     /// The half-edges on which windows wait, and how many.
     lists: Vec<(u32, u32)>,
@@ -41,10 +41,10 @@ impl Handoff {
         self.windows.len() / COLUMNS
     }
 
-    /// Adds `v`, whose turn was to come in `wavefront`, and the windows around it. Returns what they
-    /// weigh, `each` for each list and one for each window.
+    /// Adds `v`, whose turn was to come in `wavefront`, and the windows around it. Returns their
+    /// weight, `each` for a list and one for a window.
     ///
-    /// None of the wavefront's lists may be ready to cross, and no path may wait for its consequences.
+    /// No list of the wavefront may be ready to cross, and no effects may be deferred.
     pub(super) fn add(
         &mut self,
         wavefront: &mut Wavefront,
@@ -61,7 +61,7 @@ impl Handoff {
             distance: view.give_up(v),
         });
         let mut weight = 0;
-        // A list may wait on a face only if the wavefront has the turn of one of its vertices to come.
+        // A list may wait on a face only if the turn of one of its vertices is to come.
         for place in view.surface().ring_places(v) {
             let (f, _) = parts(view.surface().rings[place]);
             for corner in 0..3 {
@@ -78,7 +78,7 @@ impl Handoff {
         weight
     }
 
-    /// Takes all of it into a wavefront.
+    /// Moves all vertices and windows into a wavefront.
     fn unpack<P: Probe>(
         &self,
         wavefront: &mut Wavefront,
@@ -103,7 +103,7 @@ impl Handoff {
     }
 }
 
-/// Where a handoff to a thread lies.
+/// The mailbox of a thread.
 #[derive(Debug, Default)]
 struct Slot {
     full: AtomicBool,
@@ -123,8 +123,8 @@ impl Handoffs {
         }
     }
 
-    /// Has `fill` pack what a thread at `bucket` gives to thread `to`, unless something is on its
-    /// way there already.
+    /// Sends the handoff that `fill` packs from a thread at `bucket` to thread `to`, unless one is on
+    /// its way there.
     pub(super) fn send(
         &self,
         bucket: u32,
@@ -151,14 +151,14 @@ impl Handoffs {
         }
     }
 
-    /// Whether there is one for a thread.
+    /// Whether a handoff waits for a thread.
     #[inline(always)]
     pub(super) fn has(&self, to: usize) -> bool {
         self.slots[to].0.full.load(Relaxed)
     }
 
-    /// Takes the handoff to a thread, if there is one, into its wavefront; `spare` is for its room. Returns
-    /// whether there was one.
+    /// Unpacks the handoff to a thread into its wavefront, if there is one, and returns whether there
+    /// was; `spare` is swapped into the mailbox, so that its memory is used again.
     pub(super) fn receive<P: Probe>(
         &self,
         to: usize,

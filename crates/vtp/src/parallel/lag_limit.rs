@@ -1,4 +1,4 @@
-//! How far threads have come, how they wait for each other, and when all is done.
+//! How far threads may be ahead of each other, how they wait, and when a run is over.
 
 use std::hint::spin_loop;
 use std::sync::atomic::Ordering::{Acquire, Relaxed, Release};
@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use super::padded::Padded;
 
-/// The place of a thread that has no vertex to wait for.
+/// The bucket of a thread in which no vertex waits.
 const NOWHERE: u32 = u32::MAX;
 
 /// How many buckets one of two threads may be ahead of the other. With none they would wait for
@@ -20,21 +20,21 @@ const LEAD_OF_TWO: u32 = 4;
 /// windows than one, with 2 less than 30 % (on two processors, before handoffs went by place).
 const LEAD_OF_MORE: u32 = 2;
 
-/// Turns of a loop of some 40 ns each in which a thread looks again before it lets others run.
+/// Checks of some 40 ns each before a waiting thread yields.
 const SPINS: u32 = 2000;
 
-/// Times that it lets others run before it sleeps, and for how long it does.
+/// Yields before a waiting thread sleeps, and the length of a sleep.
 const YIELDS: u32 = 64;
 const NAP: Duration = Duration::from_micros(50);
 
-/// Where the threads of a run are.
+/// The buckets that the threads of a run have reached, and the work that is left.
 #[derive(Debug)]
 pub(super) struct LagLimit {
     /// The bucket whose turn each thread takes or wants to take.
     places: Vec<Padded<AtomicU32>>,
-    /// Threads at work and handoffs on their way: when there are none, nothing will ever happen.
+    /// Threads at work and handoffs on their way. At 0 the run is over.
     pending: Padded<AtomicUsize>,
-    /// Threads that have come to the end of the run, and how many are to come.
+    /// Threads that have reached the end of the run, and the number expected there.
     arrived: Padded<AtomicUsize>,
     expected: usize,
     broken: AtomicBool,
@@ -71,15 +71,14 @@ impl LagLimit {
         self.broken = AtomicBool::new(false);
     }
 
-    /// A thread has come to a bucket, or has no vertex that waits.
+    /// A thread has reached a bucket, or no vertex waits in it.
     pub(super) fn come_to(&self, thread: usize, bucket: Option<u32>) {
         self.places[thread]
             .0
             .store(bucket.unwrap_or(NOWHERE), Relaxed);
     }
 
-    /// A thread gets something from one that is at `bucket`, and falls back until it has taken it
-    /// in: it may be far ahead or have nothing to do.
+    /// Receiving a handoff moves a thread back to the sender's bucket, until it is unpacked.
     pub(super) fn call_back(&self, to: usize, bucket: u32) {
         self.places[to].0.fetch_min(bucket, Relaxed);
     }
@@ -90,25 +89,24 @@ impl LagLimit {
         last.unwrap_or(NOWHERE).saturating_add(self.lead)
     }
 
-    /// A thread goes to work again, or a handoff is sent; by a thread that is at work, or that has a
-    /// handoff.
+    /// A thread resumes work, or sends a handoff. Called by a thread that is at work or has received
+    /// a handoff.
     pub(super) fn begin(&self) {
         self.pending.0.fetch_add(1, Relaxed);
     }
 
-    /// A thread has nothing left to do, or has taken in all of a handoff; what that leads to is
-    /// counted by the thread, which is at work.
+    /// A thread runs out of work, or has unpacked a handoff, whose effects count as its own work.
     pub(super) fn end(&self) {
         self.pending.0.fetch_sub(1, Release);
     }
 
-    /// Whether no thread has anything left to do. What all have done is seen then.
+    /// Whether no work is left. All writes of the threads are visible then.
     pub(super) fn is_over(&self) -> bool {
         self.pending.0.load(Acquire) == 0
     }
 
-    /// Waits until all threads have come here. What they have done before is seen then. Returns
-    /// whether no thread has panicked.
+    /// Waits until all threads have arrived; their earlier writes are visible then. Returns whether
+    /// no thread has panicked.
     pub(super) fn meet(&self) -> bool {
         let arrived = &self.arrived.0;
         arrived.fetch_add(1, Release);
@@ -119,7 +117,7 @@ impl LagLimit {
         !self.is_broken()
     }
 
-    /// A thread has panicked; no other may wait for it.
+    /// A thread has panicked, and the others stop waiting.
     pub(super) fn break_up(&self) {
         self.broken.store(true, Relaxed);
     }
@@ -128,7 +126,7 @@ impl LagLimit {
         self.broken.load(Relaxed)
     }
 
-    /// For a thread that is to wait.
+    /// The waiting strategy of a thread.
     pub(super) fn backoff(&self) -> Backoff {
         Backoff {
             spins: self.spins,
@@ -137,8 +135,8 @@ impl LagLimit {
     }
 }
 
-/// Waits a little longer each time: threads wait for microseconds mostly, and waking one that
-/// sleeps takes tens. Where there are more threads than processors, it lets others run.
+/// Spins, then yields, then sleeps: most waits take microseconds, and waking a sleeping thread takes
+/// tens. With more threads than processors it yields at once.
 #[derive(Debug)]
 pub(super) struct Backoff {
     spins: u32,
@@ -159,7 +157,7 @@ impl Backoff {
     }
 }
 
-/// Lets the others go if the thread that holds this panics.
+/// Releases the other threads if the thread that holds this panics.
 #[derive(Debug)]
 pub(super) struct BreakOnPanic<'a>(pub(super) &'a LagLimit);
 

@@ -1,39 +1,38 @@
-//! How much threads have before them, and who gives how much to whom.
+//! How long the work of each thread will take, and which thread hands off how much to which.
 
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
 
 use super::padded::Padded;
 
-/// What a list that waits costs besides its windows, in windows.
+/// The cost of a waiting list beyond its windows, in windows.
 pub(super) const LIST: usize = 16;
 
-/// How much more than the mean a thread must have before it gives, relatively. With 0.05 it is the
-/// same, with 0.2 two threads take up to 2 % longer, with 0.35 4 %.
+/// A thread hands off work if its estimate exceeds the mean by this fraction. 0.05 makes no
+/// difference; with 0.2 two threads take up to 2 % longer, with 0.35 4 %.
 const TOO_MUCH: f64 = 0.1;
 
-/// How much of what turns have taken so far counts against what the last one took.
+/// The weight of earlier turns beside the last one.
 const KEPT: f64 = 0.9;
 
-/// What a thread's part of the wavefront weighs, and how long turns of so much take it.
+/// The work that waits in one thread, and the time that the thread takes for a unit of it.
 #[derive(Debug, Default)]
 pub(super) struct LoadEstimate {
-    /// Lists and windows that waited when the thread told last.
+    /// The weight of lists and windows that waited at the last estimate.
     weight: f64,
-    /// How long it had worked then.
+    /// The time that the thread had worked then.
     worked: u64,
-    /// Sums over the turns so far, of which older ones count less and less.
+    /// Sums over the turns so far, older ones with less weight.
     times: f64,
     weights: f64,
 }
 
 impl LoadEstimate {
-    /// A thread that has [worked](super::clock::Clock) for so long has so many windows and lists
-    /// that wait. Returns how long their turns are likely to take, in no unit but the same for all
-    /// threads.
+    /// Estimates how long the turns of so many waiting windows and lists will take a thread that
+    /// has [worked](super::clock::Clock) for so long; in a unit that all threads share.
     ///
-    /// It does so after each turn and once more when it has waited. So a thread that waits seems
-    /// faster than it is, is given more and waits less.
+    /// Called after each turn and after each wait. So a thread that waits seems faster than it is,
+    /// receives more work and waits less.
     pub(super) fn note(&mut self, windows: usize, lists: usize, worked: u64) -> u64 {
         let took = worked.saturating_sub(self.worked);
         self.times = KEPT * self.times + took as f64;
@@ -45,8 +44,8 @@ impl LoadEstimate {
         expected
     }
 
-    /// Time for each unit of weight; before anything is measured little, so that whoever has just
-    /// woken up is given more.
+    /// Time for a unit of weight. Low before the first measurement, so that a thread that has just
+    /// woken up receives work.
     fn time_for_each(&self) -> f64 {
         if self.weights > 0.0 && self.times > 0.0 {
             1000.0 * self.times / self.weights
@@ -60,7 +59,7 @@ impl LoadEstimate {
         self.weight
     }
 
-    /// So much of it has been given away; returns which part that was.
+    /// Removes the weight of a handoff; returns the fraction that it was.
     pub(super) fn lose(&mut self, weight: usize) -> f64 {
         let part = (weight as f64 / self.weight.max(1.0)).min(1.0);
         self.weight *= 1.0 - part;
@@ -68,10 +67,10 @@ impl LoadEstimate {
     }
 }
 
-/// Stands for what a thread expects that has not woken up.
+/// The estimate of a thread that has not woken up.
 const ABSENT: u64 = u64::MAX;
 
-/// What all threads expect.
+/// The estimates of all threads.
 #[derive(Debug)]
 pub(super) struct LoadEstimates(Vec<Padded<AtomicU64>>);
 
@@ -86,31 +85,31 @@ impl LoadEstimates {
         self.0.fill_with(|| Padded(AtomicU64::new(ABSENT)));
     }
 
-    /// What a thread expects now.
+    /// Publishes the estimate of a thread.
     pub(super) fn publish(&self, thread: usize, expected: u64) {
         self.0[thread].0.store(expected, Relaxed);
     }
 
-    /// To whom a thread is to give, and how much of what it has: so much that both have the same,
-    /// if it has too much.
+    /// The thread to which `thread` should hand off work, and the fraction that evens out both; `None`
+    /// if it has not too much.
     pub(super) fn advice(&self, thread: usize) -> Option<(usize, f64)> {
         let loads = self.0.iter().map(|load| load.0.load(Relaxed)).enumerate();
         let awake = loads.filter(|&(_, load)| load != ABSENT);
-        let (mut total, mut count, mut poorest) = (0.0, 0.0, None);
+        let (mut total, mut count, mut least_loaded) = (0.0, 0.0, None);
         for (other, load) in awake {
             total += load as f64;
             count += 1.0;
-            if poorest.is_none_or(|(_, least)| load < least) {
-                poorest = Some((other, load));
+            if least_loaded.is_none_or(|(_, least)| load < least) {
+                least_loaded = Some((other, load));
             }
         }
-        let (to, least) = poorest?;
+        let (to, least) = least_loaded?;
         let own = self.0[thread].0.load(Relaxed) as f64;
         let share = (own - least as f64) / (2.0 * own);
         (own > (1.0 + TOO_MUCH) * total / count).then_some((to, share))
     }
 
-    /// `from` has given `to` so much of what it expected.
+    /// `from` has handed off this fraction of its work to `to`.
     pub(super) fn moved(&self, from: usize, to: usize, share: f64) {
         #[allow(clippy::cast_sign_loss)] // No share is negative.
         let moved = (self.0[from].0.load(Relaxed) as f64 * share) as u64;
@@ -124,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn whoever_has_too_much_shares_with_whoever_has_least() {
+    fn a_thread_with_too_much_hands_off_to_the_one_with_least() {
         let loads = LoadEstimates::new(4);
         for (thread, load) in [(0, 900), (1, 100), (2, 200)] {
             loads.publish(thread, load);

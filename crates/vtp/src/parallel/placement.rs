@@ -1,4 +1,4 @@
-//! Where on the surface the parts of threads lie.
+//! The regions of the surface in which threads work.
 
 use std::sync::atomic::AtomicU32;
 use std::sync::atomic::Ordering::Relaxed;
@@ -7,14 +7,14 @@ use geobench_mesh::{Mesh, Numbering, VertexId};
 
 use super::padded::Padded;
 
-/// A place in space; single precision is enough to tell what lies nearer.
+/// A position; single precision is enough to compare distances.
 type Position = [f32; 3];
 
-/// Where vertices are, and where each thread is at work.
+/// The positions of vertices, and of the region of each thread.
 ///
-/// Parts of the wavefront that lie together have few half-edges on which two threads have windows,
-/// and windows that travel away from the source stay beside each other. So a thread gives what lies
-/// on the side of the receiver.
+/// Compact regions have few half-edges on which two threads have windows, and windows that travel
+/// away from the source stay beside each other. So a thread hands off vertices on the side of the
+/// receiver.
 #[derive(Debug)]
 pub(super) struct Placement {
     positions: Vec<Position>,
@@ -43,7 +43,7 @@ impl Placement {
         }
     }
 
-    /// No thread has a place.
+    /// Clears the regions of all threads.
     pub(super) fn reset(&mut self) {
         self.centers.fill_with(Padded::default);
     }
@@ -102,7 +102,7 @@ impl Placement {
     }
 }
 
-/// A vertex that might be given away.
+/// A vertex that may be handed off.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
     pub(super) vertex: u32,

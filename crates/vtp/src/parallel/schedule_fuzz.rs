@@ -1,16 +1,15 @@
-//! Delays at random, in unit tests alone.
+//! Random delays in unit tests, which change the schedule of threads.
 //!
-//! What goes wrong only when two threads do something in the same moment, or one of them stops
-//! between two steps, happens once in many thousand runs. With delays where others might come
-//! between, it happens in a few.
+//! A race that shows once in many thousand runs shows in a few with delays between the steps that
+//! other threads may interrupt.
 
-/// Might take a while.
+/// Does nothing outside of unit tests.
 #[cfg(not(test))]
 #[inline(always)]
 pub(super) fn schedule_fuzz() {}
 
-/// Might take a while: nothing mostly, up to some microseconds or as long as others want now and
-/// then, and a quarter of a millisecond at most once in two thousand times.
+/// Mostly returns at once; now and then spins for some microseconds or yields, and once in two
+/// thousand times sleeps for at most a quarter of a millisecond.
 #[cfg(test)]
 pub(super) fn schedule_fuzz() {
     use std::cell::RefCell;

@@ -1,4 +1,4 @@
-//! What all threads see of a run.
+//! State that the threads of a run share.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicU64;
@@ -13,10 +13,10 @@ use crate::fast::FastOptions;
 
 /// The state of a run that threads share.
 ///
-/// Distances are atomic, but in no order of their own, and whoever finds a shorter path than the
-/// one that it sees writes its length without regard for what others write meanwhile. So a distance
-/// that a thread sees may be too long, which prunes less. Whoever writes one keeps it for itself
-/// too, or hands it over with a handoff, and brings it in at the end
+/// Distances are atomic with relaxed order, and a thread that finds a shorter path than it sees
+/// stores its length without an atomic minimum. So a distance that a thread sees may be too long,
+/// which prunes less. The thread that wrote it keeps a copy, or passes it on with a handoff, and
+/// repairs the shared distances at the end
 /// ([`ThreadState::repair`](super::part::ThreadState::repair)).
 #[derive(Debug)]
 pub(super) struct Shared {
@@ -51,13 +51,13 @@ impl Shared {
         }
     }
 
-    /// Forgets what a run has left behind that was broken off.
+    /// Clears the handoffs of a run that has panicked.
     pub(super) fn recover(&mut self) {
         self.handoffs = Handoffs::new(self.threads);
     }
 
-    /// Starts another run, in which so many threads take part. Nothing may be on its way, as after
-    /// a run or when it has [recovered](Self::recover).
+    /// Starts another run of so many threads. No handoff may be on its way, as after a run or after
+    /// [`recover`](Self::recover).
     pub(super) fn start(&mut self, threads: usize) {
         self.distances.fill_with(Distance::unknown);
         self.placement.reset();
@@ -92,7 +92,7 @@ impl Distance {
         self.0.store(value.to_bits(), Relaxed);
     }
 
-    /// Takes a lesser value, whatever other threads do.
+    /// Takes a lesser value, as an atomic minimum.
     pub(super) fn lower(&self, value: f64) {
         // The bits of such numbers are in the same order.
         self.0.fetch_min(value.to_bits(), Relaxed);

@@ -1,4 +1,4 @@
-//! The surface as the wavefront of one thread finds it.
+//! The surface as one thread sees it.
 
 use std::hint::select_unpredictable;
 
@@ -10,17 +10,17 @@ use crate::engine::surface::Surface;
 use crate::wavefront::SurfaceState;
 use geobench_window::prefetch_line;
 
-/// What a thread keeps of faces and vertices, for itself.
+/// Faces and vertices: the state that a thread does not share.
 #[derive(Debug)]
 pub(super) struct ThreadState {
     faces: Vec<FaceState>,
-    /// The length of the first path to each vertex that this thread has found or been given, and
-    /// from then on of those that were shorter than this and than the distance that it saw;
-    /// infinite if there is none, or if the vertex was given away since. So whoever wrote a
-    /// distance, or was given the vertex, has one that is no longer. Where it is finite the vertex
-    /// has had its turn in this wavefront or is to have it.
+    /// For each vertex the length of the first path that this thread has found or received, and
+    /// later of each path that is shorter than this and than the distance that the thread saw.
+    /// Infinite if there is none, or once the vertex is handed off. So the thread that wrote a
+    /// distance, or received the vertex, has a path that is no longer. If it is finite, the vertex
+    /// has had its turn in this wavefront or waits for it.
     reached: Vec<f64>,
-    /// Where what need not be written is written to.
+    /// The target of writes that have no effect, which saves a branch.
     nowhere: Distance,
     /// The number of this run.
     run: u8,
@@ -36,7 +36,7 @@ impl ThreadState {
         }
     }
 
-    /// Forgets what the last run has learnt.
+    /// Clears the state of the last run.
     pub(super) fn reset(&mut self) {
         if self.run == u8::MAX {
             self.run = 0;
@@ -46,10 +46,8 @@ impl ThreadState {
         self.reached.fill(f64::INFINITY);
     }
 
-    /// Lowers the distances that all threads share to what this one has found.
-    ///
-    /// Threads write them without regard for each other, so that a longer path may have overwritten
-    /// a shorter one.
+    /// Lowers the shared distances to those that this thread has found: threads write without
+    /// atomic minima, so a longer path may have overwritten a shorter one.
     pub(super) fn repair(&self, distances: &[Distance]) {
         for (distance, &reached) in distances.iter().zip(&self.reached) {
             if reached < f64::INFINITY && reached < distance.get() {
@@ -59,7 +57,7 @@ impl ThreadState {
     }
 }
 
-/// What threads share and what this one has for itself, at hand without detours.
+/// A thread's view of the surface: references to shared and to own state.
 #[derive(Debug)]
 pub(super) struct ThreadView<'a> {
     surface: &'a Surface,
@@ -84,14 +82,12 @@ impl<'a> ThreadView<'a> {
 }
 
 impl ThreadView<'_> {
-    /// The turn of `v` is up to another thread; returns the length of the path that this one has to
-    /// it.
+    /// Hands off the turn of `v`; returns the length of this thread's path to it.
     pub(super) fn give_up(&mut self, v: u32) -> f64 {
         std::mem::replace(&mut self.reached[v as usize], f64::INFINITY)
     }
 
-    /// The turn of `v`, to which another thread has found a path of length `d`, is up to this one
-    /// from now on.
+    /// Takes over the turn of `v`, to which another thread has found a path of length `d`.
     pub(super) fn take_over(&mut self, v: u32, d: f64) {
         let reached = &mut self.reached[v as usize];
         *reached = reached.min(d);
@@ -136,8 +132,8 @@ impl SurfaceState for ThreadView<'_> {
         self.distances[v as usize].get()
     }
 
-    /// A vertex that another thread has reached by a shorter path is to have a turn in this wavefront
-    /// too, for the lists of this wavefront around it.
+    /// A vertex that another thread has reached by a shorter path has a turn in this wavefront too,
+    /// for the lists of this wavefront around it.
     ///
     /// Without a branch: whether a path is the shortest is hard to predict. And without an atomic
     /// minimum: where another thread writes a longer path at the same time, threads may see that

@@ -1,4 +1,4 @@
-//! What one thread does in a run.
+//! The work of one thread in a run.
 
 use geobench_window::Probe;
 
@@ -14,29 +14,28 @@ use crate::fast::FastOptions;
 use crate::wavefront::{SurfaceState, Wavefront};
 use geobench_window::simd::Lanes;
 
-/// Buckets between two times that a thread looks whether it has too much. From 1 to 4 it makes no
-/// difference.
+/// Buckets between two checks of a thread's load. 1 to 4 make no difference.
 const BUCKETS: u32 = 4;
 
-/// A thread's own things, kept from run to run; in cache lines of their own.
+/// The state of a thread, kept from run to run; in cache lines of its own.
 #[derive(Debug)]
 #[repr(align(128))]
 pub(super) struct Worker {
     pub(super) thread: usize,
     wavefront: Wavefront,
     state: ThreadState,
-    /// The vertices near the wavefront that it might give away.
+    /// The vertices near the wavefront that may be handed off.
     near: Vec<Candidate>,
-    /// The handoff that it got last.
+    /// The handoff received last.
     handoff: Handoff,
     estimate: LoadEstimate,
-    /// The bucket from which on it looks again whether it has too much.
+    /// The bucket of the next check of the load.
     looks: u32,
-    /// The last bucket whose turn it may take, as far as it has looked. Threads that fall back
-    /// since only make this one go further ahead.
+    /// The last bucket whose turn it may take, as read last. Threads that have moved back since only
+    /// let this one go further ahead.
     limit: u32,
     clock: Clock,
-    /// Windows given to other threads in this run.
+    /// Windows handed off in this run.
     pub(super) given: usize,
 }
 
@@ -56,8 +55,7 @@ impl Worker {
         }
     }
 
-    /// All that is this thread's in a run from `sources`; windows that flat vertices have parted
-    /// become one again if `COALESCE`.
+    /// Runs this thread's part of a run from `sources`. Windows are coalesced if `COALESCE`.
     #[inline(always)]
     pub(super) fn run<L: Lanes, P: Probe, const COALESCE: bool>(
         &mut self,
@@ -100,9 +98,8 @@ impl Worker {
         );
     }
 
-    /// The first thread starts with the turns of the sources, the others wait until they are given
-    /// something: nobody waits for a thread that takes its time to wake up. Returns whether there
-    /// is anything to do.
+    /// The first thread starts with the turns of the sources; the others wait for a handoff, so that
+    /// no thread waits for one that wakes up late. Returns whether there is work.
     fn start<P: Probe>(&mut self, shared: &Shared, sources: &[u32], probe: &mut P) -> bool {
         self.wavefront.reset();
         self.state.reset();
@@ -125,13 +122,13 @@ impl Worker {
         true
     }
 
-    /// Brings the distances that all threads share in order, as far as this one knows better.
+    /// Repairs the shared distances where this thread has found shorter paths.
     pub(super) fn repair(&self, shared: &Shared) {
         self.state.repair(&shared.distances);
     }
 
-    /// Whether the turn of a bucket may be taken. The places of the others are looked at only if
-    /// they must be, since each look waits for what they have written.
+    /// Whether the turn of a bucket may be taken. Reads the buckets of the other threads only if it
+    /// must, since each read may miss the cache.
     fn may_take(&mut self, shared: &Shared, bucket: u32) -> bool {
         if bucket > self.limit {
             self.limit = shared.lag.limit();
@@ -139,7 +136,7 @@ impl Worker {
         bucket <= self.limit
     }
 
-    /// Tells the others how much it has before it.
+    /// Publishes the estimate of this thread's load.
     fn publish_estimate(&mut self, shared: &Shared) {
         if shared.threads > 1 {
             let store = &self.wavefront.store;
@@ -149,9 +146,8 @@ impl Worker {
         }
     }
 
-    /// Gives a part of the wavefront to the thread that has least, if this one has too much and the
-    /// last time is a while ago: what lies on the side of that thread. The bucket is that of the
-    /// next turn.
+    /// Hands off vertices on the side of the thread with the least load, if this one has too much and
+    /// the last check was some buckets ago. `bucket` is that of the next turn.
     fn give(&mut self, shared: &Shared, bucket: u32) {
         if shared.threads == 1 || bucket < self.looks {
             return;
@@ -182,7 +178,7 @@ impl Worker {
         });
     }
 
-    /// Takes in what another thread has given it; returns whether there was anything.
+    /// Unpacks a handoff; returns whether there was one.
     fn receive<P: Probe>(&mut self, shared: &Shared, probe: &mut P) -> bool {
         let view = &mut ThreadView::new(shared, &mut self.state);
         let (handoff, wavefront) = (&mut self.handoff, &mut self.wavefront);
@@ -190,8 +186,8 @@ impl Worker {
         handoffs.receive(self.thread, &shared.lag, handoff, wavefront, view, probe)
     }
 
-    /// Waits for a handoff, or until `nearest`, the nearest bucket that has a vertex, may have its
-    /// turn; returns whether there is anything left to do, and no thread has panicked.
+    /// Waits for a handoff, or until `nearest`, the nearest bucket with a vertex, may have its turn.
+    /// Returns whether work is left and no thread has panicked.
     fn wait(&mut self, shared: &Shared, nearest: Option<u32>) -> bool {
         let Some(bucket) = nearest else {
             shared.lag.end();
@@ -210,7 +206,7 @@ impl Worker {
         })
     }
 
-    /// Waits for a handoff, with nothing else to do; returns whether there is one.
+    /// Waits for a handoff without other work; returns whether one has come.
     fn rest(&mut self, shared: &Shared) -> bool {
         let mut backoff = shared.lag.backoff();
         self.clock.pause(|| {

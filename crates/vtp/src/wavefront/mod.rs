@@ -1,8 +1,8 @@
-//! What `vtp-fast` and each thread of `pvtp` run: buckets of vertices have their turns, and lists
-//! cross faces until all wait.
+//! The loop of `vtp-fast` and of each thread of `pvtp`: the vertices of a bucket have their turns,
+//! then lists cross faces until all wait.
 //!
-//! A [`Wavefront`] holds what one thread alone changes, its windows and its queues; what it runs over is
-//! a [`SurfaceState`]. The two programs differ in their fields, in how a wavefront starts and in what happens
+//! A [`Wavefront`] holds the windows and queues of one thread; a [`SurfaceState`] holds the faces and
+//! distances. The two algorithms differ in the latter, in how a wavefront starts, and in the steps
 //! between turns.
 
 // The kernels must be inlined into the functions that have the features of the processor.
@@ -23,28 +23,28 @@ use crate::engine::sample::Sample;
 use crate::engine::sent::Sent;
 use crate::engine::spawn_wedge::{Origin, SpawnWedge};
 use crate::engine::store::{NO_LIST, WindowStore, admit};
-use crate::engine::surface::{NOBODY, Surface, half_edge, next, parts, prev};
+use crate::engine::surface::{NO_TWIN, Surface, half_edge, next, parts, prev};
 use crate::fast::FastOptions;
 use crate::precision::extent;
 
-/// Paths wait for their consequences until so many have come together.
+/// The most paths whose effects are deferred.
 const IMPROVEMENTS: usize = 4096;
 
-/// A path to a vertex whose consequences wait: it was the shortest that this wavefront saw when it was
-/// found; or it is the first, at all or since the vertex was given away, to one that other wavefronts
-/// know, which is to have a turn in this one too; or another wavefront has given it, with the vertex.
+/// A distance update whose effects are deferred. One of: the shortest path that this wavefront saw
+/// when it was found; the first path of this wavefront to a vertex that others have reached; a path
+/// received in a handoff.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Improvement {
     pub(crate) vertex: u32,
     /// The half-edge that it crossed last.
     pub(crate) h: u32,
-    /// Where.
+    /// The abscissa of that crossing.
     pub(crate) entry: f64,
     /// Its length.
     pub(crate) distance: f64,
 }
 
-/// Windows on their way, and the queues that say where they go next.
+/// The windows of one thread, and its queues of lists and vertices.
 #[derive(Clone, Debug)]
 pub(crate) struct Wavefront {
     /// Lists whose pairs are compared.
@@ -61,8 +61,8 @@ pub(crate) struct Wavefront {
     passed: Vec<bool>,
     /// The distance at which each pseudo-source has sent out windows last.
     spawned: Vec<f64>,
-    /// How the path reached each pseudo-source that is as long as the field has it
-    /// [reached](Field::reached).
+    /// The origin of the path to each pseudo-source, that of length
+    /// [`reached`](SurfaceState::reached).
     pub(crate) origins: Vec<Origin>,
     improvements: Vec<Improvement>,
     improved: usize,
@@ -105,8 +105,7 @@ impl Wavefront {
         &self.turn
     }
 
-    /// Forgets what the last run has learnt. Every list and queue must be empty, as after a run
-    /// that was not broken off.
+    /// Clears the state of the last run. Every list and queue must be empty, as after a complete run.
     pub(crate) fn reset(&mut self) {
         let vertices = self.origins.len();
         self.buckets.reset();
@@ -167,14 +166,14 @@ impl Wavefront {
         }
     }
 
-    /// Has an improvement wait for its consequences. There is room for one.
+    /// Defers the effects of an improvement if `news`. There is room for one.
     #[inline(always)]
     fn note(&mut self, improvement: Improvement, news: bool) {
         self.improvements[self.improved] = improvement;
         self.improved += usize::from(news);
     }
 
-    /// A path that another wavefront had found, to a vertex whose turn is up to this one now.
+    /// Takes over a path of another wavefront to a vertex that was handed off to this one.
     pub(crate) fn hear_of<P: Probe>(
         &mut self,
         state: &mut impl SurfaceState,
@@ -193,7 +192,7 @@ impl Wavefront {
         self.improved == self.improvements.len()
     }
 
-    /// The consequences of distances that have improved.
+    /// Applies the effects of distances that have improved.
     pub(crate) fn settle<P: Probe>(&mut self, state: &mut impl SurfaceState, probe: &mut P) {
         for i in 0..std::mem::take(&mut self.improved) {
             let Improvement {
@@ -203,7 +202,7 @@ impl Wavefront {
                 distance,
             } = self.improvements[i];
             let v = vertex as usize;
-            // What came later has its own consequences.
+            // A later path has effects of its own.
             if distance <= state.reached(vertex) && state.surface().vertices[v].pseudo_source {
                 self.origins[v] = Origin { h, entry };
                 if self.passed[v] {
@@ -306,7 +305,7 @@ impl Wavefront {
         if last || state.surface().vertices[v as usize].boundary {
             self.offer_along(state, b, to_b, Origin { h, entry: 0.0 }, probe);
         }
-        if spawn.exit == NOBODY {
+        if spawn.exit == NO_TWIN {
             return;
         }
         let [at_a, at_b] = [a, b].map(|v| state.distance(v));
@@ -356,8 +355,7 @@ impl Wavefront {
 
 /// Lists that cross faces.
 impl Wavefront {
-    /// Lists cross until none is ready; windows are coalesced if `COALESCE`, of which nothing is left
-    /// otherwise in the code that runs.
+    /// Lists cross until none is ready. Windows are coalesced if `COALESCE`.
     #[inline(always)]
     pub(crate) fn cross_all<L: Lanes, F: SurfaceState, P: Probe, const COALESCE: bool>(
         &mut self,
@@ -441,7 +439,7 @@ impl Wavefront {
             let waiting = self.store.first(list, len);
             let size = gate.l + found.distance;
             let best = BestPath::of(waiting, found.best, gate.apex, size);
-            // The consequences wait: whether a path is the shortest is hard to predict.
+            // Effects are deferred: whether a path is the shortest is hard to predict.
             let news = state.offer(apex, found.distance);
             let path = Improvement {
                 vertex: apex,
@@ -480,7 +478,7 @@ impl Wavefront {
     ) {
         let mut lists = [NO_LIST; 2];
         for side in 0..2 {
-            if exits[side] != NOBODY && found.bound[side] > 0 {
+            if exits[side] != NO_TWIN && found.bound[side] > 0 {
                 let (f, k) = parts(exits[side]);
                 lists[side] = self.store.reserve(state.list(f, k), found.bound[side]);
             }
@@ -536,7 +534,7 @@ impl Wavefront {
         probe.add(Counter::Children, children as u64);
     }
 
-    /// Asks for the face that the list at `place` of the queue will cross.
+    /// Prefetches the face that the list at `place` of the queue will cross.
     #[inline(always)]
     fn prefetch_face(&self, state: &impl SurfaceState, place: usize) {
         if let Some(&h) = self.ready.get(place) {
@@ -544,7 +542,7 @@ impl Wavefront {
         }
     }
 
-    /// Asks for what the list at `place` of the queue touches beyond its face.
+    /// Prefetches the lists and the distance that the list at `place` of the queue will change.
     #[inline(always)]
     fn prefetch_beyond(&self, state: &impl SurfaceState, place: usize) {
         if let Some(&h) = self.ready.get(place) {

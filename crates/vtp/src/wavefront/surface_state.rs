@@ -1,12 +1,11 @@
-//! What a wavefront runs over.
+//! The state of the surface under a wavefront.
 
 use crate::engine::surface::Surface;
 
-/// The surface as one wave finds it: the faces, the lists of this wavefront that wait on them, and what
-/// is known of distances.
+/// The faces, the lists of one wavefront that wait on them, and the distances known.
 pub(crate) trait SurfaceState {
-    /// Whether the levels of windows are counted: not where windows come from other wavefronts, which
-    /// know them.
+    /// Whether the levels of windows are counted. They are not where windows come from other
+    /// wavefronts, which have their levels.
     const COUNTS_LEVELS: bool;
 
     /// The faces and vertices.
@@ -15,7 +14,7 @@ pub(crate) trait SurfaceState {
     /// The list that waits on a half-edge, given by its face and corner.
     fn list(&self, f: usize, corner: usize) -> u32;
 
-    /// Has `list` wait on a half-edge, and nothing else.
+    /// Sets the list that waits on a half-edge.
     fn set_list(&mut self, f: usize, corner: usize, list: u32);
 
     /// Takes the list from a half-edge, which is not queued any more.
@@ -32,20 +31,20 @@ pub(crate) trait SurfaceState {
     fn distance(&self, v: u32) -> f64;
 
     /// A path of length `d` reaches `v`. Returns whether the wavefront must
-    /// [settle](super::Wave::settle) that: if it is shorter than all that are known, or if the
-    /// vertex is to have a turn of which this wavefront does not know.
+    /// [settle](super::Wavefront::settle) it: if it is the shortest known, or the first path of this
+    /// wavefront to a vertex that must have a turn in it.
     fn offer(&mut self, v: u32, d: f64) -> bool;
 
-    /// The length of the path to `v` that this wavefront has [settled](super::Wavefront::settle) last or is
-    /// to settle: the one whose origin it knows.
+    /// The length of the last path to `v` that this wavefront has
+    /// [settled](super::Wavefront::settle) or will settle: the path whose origin it knows.
     fn reached(&self, v: u32) -> f64;
 
-    /// Asks the processor for a face, and for the lists on it.
+    /// Requests the cache lines of a face and of the lists on it.
     fn prefetch_face(&self, f: usize);
 
-    /// Asks the processor for the lists on a face.
+    /// Requests the cache line of the lists on a face.
     fn prefetch_lists(&self, f: usize);
 
-    /// Asks the processor for the distance of a vertex.
+    /// Requests the cache line of the distance of a vertex.
     fn prefetch_distance(&self, v: u32);
 }

@@ -62,8 +62,9 @@ impl ListCuts<'_> {
     }
 }
 
-/// Compares neighbours among the first `len` windows of `block`, on an edge with this [`extent`](crate::precision::extent); cuts what each loses,
-/// drops windows that have lost all, and returns how many are left.
+/// Compares neighbours among the first `len` windows of `block`, on an edge with this
+/// [`extent`](crate::precision::extent), cuts each by its losses, drops those that have lost
+/// everything, and returns how many are left.
 ///
 /// As [`check_pair`](crate::pairs::check_pair) for windows that overlap, but all comparisons are
 /// made with the windows as they came: a ray that is cut crosses a real path that is shorter, and

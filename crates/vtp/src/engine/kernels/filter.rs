@@ -6,11 +6,11 @@ use super::columns::Windows;
 use crate::engine::store::{Block, Columns};
 use crate::precision::MARGIN;
 
-/// What a path through a vertex and the edge are multiplied by before they are compared with a
-/// window: rounding may be that of the edge, where the vertex is much nearer than its length.
+/// The factor of a path through a vertex and the edge before it is compared with a window: rounding
+/// may be that of the edge, where the vertex is much nearer than its length.
 pub(crate) const LOSES: f64 = 1.0 + MARGIN;
 
-/// What the passes must know of the half-edge.
+/// The half-edge on which a list waits, as the passes see it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gate {
     /// Length of the half-edge.

@@ -6,8 +6,8 @@ use geobench_window::simd::{Lanes, Line};
 use super::kernels::{Cuts, Gate, Measured, gather, measure};
 use super::store::{Block, COLUMNS, Columns, PaddedBlock};
 
-/// A list taken from its half-edge, in a block of its own, with the scratch memory of the passes over
-/// it.
+/// A list taken from its half-edge, in a block of its own, with the scratch memory of the passes
+/// over it.
 #[derive(Clone, Debug)]
 pub(crate) struct ActiveList {
     /// A block and a line behind it.

@@ -123,8 +123,8 @@ impl Handoffs {
         }
     }
 
-    /// Sends the handoff that `fill` packs from a thread at `bucket` to thread `to`, unless one is on
-    /// its way there.
+    /// Sends the handoff that `fill` packs from a thread at `bucket` to thread `to`, unless one is
+    /// on its way there.
     pub(super) fn send(
         &self,
         bucket: u32,
@@ -157,8 +157,8 @@ impl Handoffs {
         self.slots[to].0.full.load(Relaxed)
     }
 
-    /// Unpacks the handoff to a thread into its wavefront, if there is one, and returns whether there
-    /// was; `spare` is swapped into the mailbox, so that its memory is used again.
+    /// Unpacks the handoff to a thread into its wavefront, if there is one, and returns whether
+    /// there was; `spare` is swapped into the mailbox, so that its memory is used again.
     pub(super) fn receive<P: Probe>(
         &self,
         to: usize,

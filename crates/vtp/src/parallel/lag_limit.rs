@@ -89,8 +89,8 @@ impl LagLimit {
         last.unwrap_or(NOWHERE).saturating_add(self.lead)
     }
 
-    /// A thread resumes work, or sends a handoff. Called by a thread that is at work or has received
-    /// a handoff.
+    /// A thread resumes work, or sends a handoff. Called by a thread that is at work or has
+    /// received a handoff.
     pub(super) fn begin(&self) {
         self.pending.0.fetch_add(1, Relaxed);
     }
@@ -135,8 +135,8 @@ impl LagLimit {
     }
 }
 
-/// Spins, then yields, then sleeps: most waits take microseconds, and waking a sleeping thread takes
-/// tens. With more threads than processors it yields at once.
+/// Spins, then yields, then sleeps: most waits take microseconds, and waking a sleeping thread
+/// takes tens. With more threads than processors it yields at once.
 #[derive(Debug)]
 pub(super) struct Backoff {
     spins: u32,

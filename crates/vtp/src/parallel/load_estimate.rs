@@ -90,8 +90,8 @@ impl LoadEstimates {
         self.0[thread].0.store(expected, Relaxed);
     }
 
-    /// The thread to which `thread` should hand off work, and the fraction that evens out both; `None`
-    /// if it has not too much.
+    /// The thread to which `thread` should hand off work, and the fraction that evens out both;
+    /// `None` if it has not too much.
     pub(super) fn advice(&self, thread: usize) -> Option<(usize, f64)> {
         let loads = self.0.iter().map(|load| load.0.load(Relaxed)).enumerate();
         let awake = loads.filter(|&(_, load)| load != ABSENT);

@@ -31,8 +31,8 @@ pub(super) struct Worker {
     estimate: LoadEstimate,
     /// The bucket of the next check of the load.
     looks: u32,
-    /// The last bucket whose turn it may take, as read last. Threads that have moved back since only
-    /// let this one go further ahead.
+    /// The last bucket whose turn it may take, as read last. Threads that have moved back since
+    /// only let this one go further ahead.
     limit: u32,
     clock: Clock,
     /// Windows handed off in this run.
@@ -98,8 +98,8 @@ impl Worker {
         );
     }
 
-    /// The first thread starts with the turns of the sources; the others wait for a handoff, so that
-    /// no thread waits for one that wakes up late. Returns whether there is work.
+    /// The first thread starts with the turns of the sources; the others wait for a handoff, so
+    /// that no thread waits for one that wakes up late. Returns whether there is work.
     fn start<P: Probe>(&mut self, shared: &Shared, sources: &[u32], probe: &mut P) -> bool {
         self.wavefront.reset();
         self.state.reset();
@@ -146,8 +146,8 @@ impl Worker {
         }
     }
 
-    /// Hands off vertices on the side of the thread with the least load, if this one has too much and
-    /// the last check was some buckets ago. `bucket` is that of the next turn.
+    /// Hands off vertices on the side of the thread with the least load, if this one has too much
+    /// and the last check was some buckets ago. `bucket` is that of the next turn.
     fn give(&mut self, shared: &Shared, bucket: u32) {
         if shared.threads == 1 || bucket < self.looks {
             return;
@@ -186,8 +186,8 @@ impl Worker {
         handoffs.receive(self.thread, &shared.lag, handoff, wavefront, view, probe)
     }
 
-    /// Waits for a handoff, or until `nearest`, the nearest bucket with a vertex, may have its turn.
-    /// Returns whether work is left and no thread has panicked.
+    /// Waits for a handoff, or until `nearest`, the nearest bucket with a vertex, may have its
+    /// turn. Returns whether work is left and no thread has panicked.
     fn wait(&mut self, shared: &Shared, nearest: Option<u32>) -> bool {
         let Some(bucket) = nearest else {
             shared.lag.end();

@@ -1,9 +1,9 @@
 //! The loop of `vtp-fast` and of each thread of `pvtp`: the vertices of a bucket have their turns,
 //! then lists cross faces until all wait.
 //!
-//! A [`Wavefront`] holds the windows and queues of one thread; a [`SurfaceState`] holds the faces and
-//! distances. The two algorithms differ in the latter, in how a wavefront starts, and in the steps
-//! between turns.
+//! A [`Wavefront`] holds the windows and queues of one thread; a [`SurfaceState`] holds the faces
+//! and distances. The two algorithms differ in the latter, in how a wavefront starts, and in the
+//! steps between turns.
 
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
@@ -105,7 +105,8 @@ impl Wavefront {
         &self.turn
     }
 
-    /// Clears the state of the last run. Every list and queue must be empty, as after a complete run.
+    /// Clears the state of the last run. Every list and queue must be empty, as after a complete
+    /// run.
     pub(crate) fn reset(&mut self) {
         let vertices = self.origins.len();
         self.buckets.reset();

@@ -31,8 +31,8 @@ pub(crate) trait SurfaceState {
     fn distance(&self, v: u32) -> f64;
 
     /// A path of length `d` reaches `v`. Returns whether the wavefront must
-    /// [settle](super::Wavefront::settle) it: if it is the shortest known, or the first path of this
-    /// wavefront to a vertex that must have a turn in it.
+    /// [settle](super::Wavefront::settle) it: if it is the shortest known, or the first path of
+    /// this wavefront to a vertex that must have a turn in it.
     fn offer(&mut self, v: u32, d: f64) -> bool;
 
     /// The length of the last path to `v` that this wavefront has

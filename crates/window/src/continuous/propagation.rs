@@ -71,8 +71,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// Uses `instructions`, or narrower ones if the processor lacks them; by default the widest that
-    /// it has. Distances and counts are the same.
+    /// Uses `instructions`, or narrower ones if the processor lacks them; by default the widest
+    /// that it has. Distances and counts are the same.
     #[must_use]
     pub fn with_instructions(self, instructions: Instructions) -> Self {
         Self {
@@ -334,8 +334,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         self.end(h, tried, probe);
     }
 
-    /// As [`split`](Self::split), for a window that has crossed ahead of its turn; `d` is the length
-    /// of its straight path to the apex.
+    /// As [`split`](Self::split), for a window that has crossed ahead of its turn; `d` is the
+    /// length of its straight path to the apex.
     #[inline(never)]
     fn split_ahead<P: Probe>(
         &mut self,

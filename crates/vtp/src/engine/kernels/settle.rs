@@ -9,9 +9,9 @@ use crate::engine::store::PaddedBlock;
 use crate::pairs::{BLURRED, INSIDE};
 use crate::precision::{CLEARANCE, WINS, extent};
 
-/// Compares neighbours among the first `len` windows of `block`, cuts each by its losses, drops those
-/// that have lost everything, compares new neighbours, and so on. Returns how many windows are left,
-/// and whether they have settled.
+/// Compares neighbours among the first `len` windows of `block`, cuts each by its losses, drops
+/// those that have lost everything, compares new neighbours, and so on. Returns how many windows
+/// are left, and whether they have settled.
 ///
 /// If `TRIM` says so, neighbours also give up the stretches of their overlap on which the other is
 /// shorter. If one of them would be left in several pieces by that, or out of order, the list has

@@ -4,7 +4,7 @@
 //! [`Simd`] is the proof that the processor has a set; it is made by detection, and its
 //! [`run`](Simd::run) hands the program a zero-sized *token* ([`Lanes::Token`]), without which no
 //! vector exists. [`Columns`], [`Block`], [`InPlace`] and [`Scratch`] are bounded views of
-//! structures of arrays. So only the files of this module have unsafe code.
+//! structures of arrays. So programs need no unsafe code.
 //!
 //! All operations round as IEEE 754 says and none is fused: every set gives the same bits.
 //!

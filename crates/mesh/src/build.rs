@@ -1,5 +1,6 @@
 //! From oriented triangles with edge lengths to a [`Mesh`].
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -35,10 +36,37 @@ pub(crate) fn build(
         outgoing: Vec::new(),
         total_angles: Vec::new(),
         flags: vec![VertexFlags::default(); vertex_count],
+        frames: BTreeMap::new(),
     };
     let data = Arc::new(data);
     let mut mesh = Mesh { data };
     link_fans(&mut mesh);
+    mark_slivers(&mut mesh);
+    mesh
+}
+
+impl MeshData {
+    /// Adds a vertex with a total angle of 2π, or π on the boundary.
+    pub(crate) fn add_flat_vertex(&mut self, boundary: bool) {
+        self.total_angles.push(if boundary { PI } else { 2.0 * PI });
+        self.flags.push(VertexFlags {
+            boundary,
+            ..VertexFlags::default()
+        });
+    }
+}
+
+/// Builds a mesh of `data` with the angles and flags that it has, which rounding in split faces
+/// must not change; the corners of new slivers are flagged.
+pub(crate) fn build_refined(data: MeshData) -> Mesh {
+    let (angles, flags) = (data.total_angles.clone(), data.flags.clone());
+    let mut mesh = Mesh {
+        data: Arc::new(data),
+    };
+    link_fans(&mut mesh);
+    let data = data_of(&mut mesh);
+    data.total_angles = angles;
+    data.flags = flags;
     mark_slivers(&mut mesh);
     mesh
 }

@@ -69,7 +69,7 @@ fn twice_area_from_lengths(lengths: [f64; 3]) -> f64 {
 }
 
 /// `twice_area`, but enough to keep a triangle with these sides upright.
-fn at_least_a_sliver(twice_area: f64, [a, b, c]: [f64; 3]) -> f64 {
+pub(crate) fn at_least_a_sliver(twice_area: f64, [a, b, c]: [f64; 3]) -> f64 {
     let (longest, shortest) = (a.max(b).max(c), a.min(b).min(c));
     twice_area.max(LEAST_HEIGHT * longest * shortest)
 }

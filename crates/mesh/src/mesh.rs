@@ -1,5 +1,6 @@
 //! The half-edge mesh that every solver reads.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -58,6 +59,8 @@ pub(crate) struct MeshData {
     pub(crate) outgoing: Vec<HalfEdgeId>,
     pub(crate) total_angles: Vec<f64>,
     pub(crate) flags: Vec<VertexFlags>,
+    /// The apexes of parts of split faces, which no positions determine as well.
+    pub(crate) frames: BTreeMap<FaceId, [[f64; 2]; 3]>,
 }
 
 /// What is special about a vertex; see the accessors of [`Mesh`] for the meanings.
@@ -235,6 +238,11 @@ impl Mesh {
 
     /// The [`apex`](Self::apex) in the frame of each half-edge of `face`.
     pub fn apexes(&self, face: FaceId) -> [[f64; 2]; 3] {
+        if !self.data.frames.is_empty()
+            && let Some(&apexes) = self.data.frames.get(&face)
+        {
+            return apexes;
+        }
         let lengths = [0, 1, 2].map(|k| self.length(face.half_edge(k)));
         if self.data.positions.is_empty() {
             apexes_from_lengths(lengths)

@@ -1,0 +1,362 @@
+//! The point of a surface nearest to a position.
+
+use crate::ids::{FaceId, VertexId};
+use crate::mesh::Mesh;
+use crate::point::{PointError, SurfacePoint};
+use crate::vector::{cross, dot, norm, sub};
+
+/// Faces of a leaf of the tree.
+const LEAF: usize = 4;
+
+/// Finds the points of a surface nearest to positions: a tree of boxes around faces, built once for
+/// many questions.
+///
+/// ```
+/// use geobench_mesh::{Mesh, NearestPoint};
+///
+/// let mesh = Mesh::generate("cube,n=2")?; // From -0.5 to 0.5.
+/// let nearest = NearestPoint::new(&mesh)?;
+/// let (point, distance) = nearest.to([0.1, 0.2, 3.5])?;
+/// assert_eq!(distance, 3.0);
+/// assert_eq!(mesh.position_of(&point), Some([0.1, 0.2, 0.5]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct NearestPoint {
+    mesh: Mesh,
+    /// The faces, those of a box next to each other.
+    faces: Vec<FaceId>,
+    /// The tree in order: a box of more than [`LEAF`] faces is followed by the tree of its first
+    /// half.
+    boxes: Vec<Box3>,
+    /// The nearest thing of a mesh without faces, and a part of the others: vertices of no face.
+    isolated: Vec<VertexId>,
+}
+
+/// A box along the axes, and what is in it.
+#[derive(Clone, Copy, Debug)]
+struct Box3 {
+    low: [f64; 3],
+    high: [f64; 3],
+    /// Its faces, by their places.
+    faces: [usize; 2],
+    /// The box of its second half; none of a leaf.
+    second: Option<usize>,
+}
+
+impl Box3 {
+    /// Least distance from `position`, never more than that of a face in it, even rounded.
+    fn distance(&self, position: [f64; 3]) -> f64 {
+        let outside = |i: usize| {
+            (self.low[i] - position[i])
+                .max(position[i] - self.high[i])
+                .max(0.0)
+        };
+        length([0, 1, 2].map(outside)) * (1.0 - 8.0 * f64::EPSILON)
+    }
+}
+
+/// The length of a vector, which may be long.
+fn length([x, y, z]: [f64; 3]) -> f64 {
+    libm::hypot(libm::hypot(x, y), z)
+}
+
+impl NearestPoint {
+    /// Builds the tree, in O(n log n) time.
+    ///
+    /// # Errors
+    ///
+    /// When the mesh has no positions.
+    pub fn new(mesh: &Mesh) -> Result<Self, PointError> {
+        if mesh.positions().is_empty() {
+            return Err(PointError::NoPositions);
+        }
+        let isolated = mesh.vertices().filter(|&v| mesh.outgoing(v).is_empty());
+        let mut nearest = Self {
+            mesh: mesh.clone(),
+            faces: mesh.faces().collect(),
+            boxes: Vec::new(),
+            isolated: isolated.collect(),
+        };
+        if !nearest.faces.is_empty() {
+            nearest.add_box(0, nearest.faces.len());
+        }
+        Ok(nearest)
+    }
+
+    fn corners(&self, face: FaceId) -> [[f64; 3]; 3] {
+        let positions = self.mesh.positions();
+        self.mesh.face_vertices(face).map(|v| positions[v.index()])
+    }
+
+    /// Adds the box of the faces at these places, and those below it. They are as deep as the
+    /// number of faces has digits, in the base 2.
+    fn add_box(&mut self, first: usize, end: usize) -> usize {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for &face in &self.faces[first..end] {
+            for corner in self.corners(face) {
+                low = [0, 1, 2].map(|i| corner[i].min(low[i]));
+                high = [0, 1, 2].map(|i| corner[i].max(high[i]));
+            }
+        }
+        let place = self.boxes.len();
+        self.boxes.push(Box3 {
+            low,
+            high,
+            faces: [first, end],
+            second: None,
+        });
+        if end - first > LEAF {
+            let widths = [0, 1, 2].map(|i| high[i] - low[i]);
+            let axis = crate::point::largest(widths);
+            let positions = self.mesh.positions();
+            let middle = |face: FaceId| -> f64 {
+                let corners = self.mesh.face_vertices(face);
+                corners
+                    .iter()
+                    .map(|v| positions[v.index()][axis] / 3.0)
+                    .sum()
+            };
+            let half = first.midpoint(end);
+            let by_middle =
+                |a: &FaceId, b: &FaceId| middle(*a).total_cmp(&middle(*b)).then(a.cmp(b));
+            self.faces[first..end].select_nth_unstable_by(half - first, by_middle);
+            self.add_box(first, half);
+            let second = self.add_box(half, end);
+            self.boxes[place].second = Some(second);
+        }
+        place
+    }
+
+    /// The point of the surface nearest to `position`, and its distance from there. Of points
+    /// equally near it takes that of the face with the lowest number.
+    ///
+    /// # Errors
+    ///
+    /// When a coordinate is not finite.
+    pub fn to(&self, position: [f64; 3]) -> Result<(SurfacePoint, f64), PointError> {
+        if let Some(&value) = position.iter().find(|x| !x.is_finite()) {
+            return Err(PointError::Position { value });
+        }
+        let mut best = (f64::INFINITY, FaceId::new(u32::MAX), [0.0; 3]);
+        let mut open = Vec::new();
+        if !self.boxes.is_empty() {
+            open.push((self.boxes[0].distance(position), 0));
+        }
+        while let Some((bound, place)) = open.pop() {
+            if bound > best.0 {
+                continue;
+            }
+            let node = &self.boxes[place];
+            if let Some(second) = node.second {
+                let mut halves =
+                    [place + 1, second].map(|half| (self.boxes[half].distance(position), half));
+                // The nearer one comes first.
+                if halves[0].0 < halves[1].0 {
+                    halves.swap(0, 1);
+                }
+                open.extend(halves);
+                continue;
+            }
+            for &face in &self.faces[node.faces[0]..node.faces[1]] {
+                let (distance, weights) = nearest_in_triangle(self.corners(face), position);
+                if distance < best.0 || distance == best.0 && face < best.1 {
+                    best = (distance, face, weights);
+                }
+            }
+        }
+        let from = |v: VertexId| length(sub(self.mesh.positions()[v.index()], position));
+        let lone = self.isolated.iter().map(|&v| (from(v), v));
+        if let Some((distance, vertex)) = lone.min_by(|a, b| a.0.total_cmp(&b.0))
+            && distance < best.0
+        {
+            return Ok((vertex.into(), distance));
+        }
+        let (distance, face, weights) = best;
+        Ok((self.mesh.point_in_face(face, weights)?, distance))
+    }
+}
+
+impl Mesh {
+    /// The point of the surface nearest to `position`, and its distance from there. For more than
+    /// one question keep a [`NearestPoint`].
+    ///
+    /// # Errors
+    ///
+    /// When the mesh has no positions or a coordinate is not finite.
+    pub fn nearest_point(&self, position: [f64; 3]) -> Result<(SurfacePoint, f64), PointError> {
+        NearestPoint::new(self)?.to(position)
+    }
+}
+
+/// The distance of a triangle from a position, and the barycentric coordinates of its nearest
+/// point: the foot of the perpendicular if that is inside, else the nearest point of a side.
+fn nearest_in_triangle(corners: [[f64; 3]; 3], position: [f64; 3]) -> (f64, [f64; 3]) {
+    let mut best = (f64::INFINITY, [1.0, 0.0, 0.0]);
+    for k in 0..3 {
+        let (a, b) = (corners[k], corners[(k + 1) % 3]);
+        let (t, rest) = along(a, b, position);
+        let mut weights = [0.0; 3];
+        weights[k] = rest;
+        weights[(k + 1) % 3] = t;
+        let point = if t <= 0.5 {
+            [0, 1, 2].map(|i| a[i] + t * (b[i] - a[i]))
+        } else {
+            [0, 1, 2].map(|i| b[i] + rest * (a[i] - b[i]))
+        };
+        let distance = length(sub(point, position));
+        if distance < best.0 {
+            best = (distance, weights);
+        }
+    }
+    if let Some(inside) = foot(corners, position)
+        && inside.0 < best.0
+    {
+        return inside;
+    }
+    best
+}
+
+/// The place of the point of the segment from `a` to `b` that is nearest to `position`: its
+/// fractions of the way from `a` and from `b`, each accurate near its end.
+fn along(a: [f64; 3], b: [f64; 3], position: [f64; 3]) -> (f64, f64) {
+    let edge = sub(b, a);
+    let scale = length(edge);
+    let unit = edge.map(|x| x / scale);
+    let from_a = dot(sub(position, a), unit) / scale;
+    let from_b = -dot(sub(position, b), unit) / scale;
+    if from_a <= 0.0 {
+        (0.0, 1.0)
+    } else if from_b <= 0.0 {
+        (1.0, 0.0)
+    } else if from_a < from_b {
+        (from_a, 1.0 - from_a)
+    } else {
+        (1.0 - from_b, from_b)
+    }
+}
+
+/// The distance of the plane of a triangle from a position, and the foot of the perpendicular, if
+/// it is inside the triangle.
+fn foot(corners: [[f64; 3]; 3], position: [f64; 3]) -> Option<(f64, [f64; 3])> {
+    let scale = (0..3)
+        .map(|k| length(sub(corners[(k + 1) % 3], corners[k])))
+        .fold(0.0, f64::max);
+    let edge = |k: usize| sub(corners[(k + 1) % 3], corners[k]).map(|x| x / scale);
+    let edges = [0, 1, 2].map(edge);
+    let normal = cross(edges[0], edges[1]);
+    let twice_area = norm(normal);
+    if twice_area == 0.0 {
+        return None;
+    }
+    let unit = normal.map(|x| x / twice_area);
+    let from = corners.map(|corner| sub(position, corner).map(|x| x / scale));
+    // The weight of a corner is the area over the opposite side.
+    let mut weights = [0, 1, 2].map(|k| {
+        let opposite = (k + 1) % 3;
+        dot(cross(edges[opposite], from[opposite]), unit) / twice_area
+    });
+    if !weights.iter().all(|&w| w > 0.0 && w < 1.0) {
+        return None;
+    }
+    let sum: f64 = weights.iter().sum();
+    weights = weights.map(|w| w / sum);
+    let base = crate::point::largest(weights);
+    Some((dot(from[base], unit).abs() * scale, weights))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SplitMix64;
+
+    /// A number from -1 to 1.
+    fn number(random: &mut SplitMix64) -> f64 {
+        (random.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    #[test]
+    fn nothing_is_nearer_than_the_nearest_point() {
+        for spec in [
+            "terrain,n=9,seed=4",
+            "torus,faces=300,bump=0.2,seed=1",
+            "cube,n=3",
+        ] {
+            let mesh = Mesh::generate(spec).unwrap();
+            let nearest = NearestPoint::new(&mesh).unwrap();
+            let mut random = SplitMix64::new(5);
+            for _ in 0..200 {
+                let position = [0; 3].map(|_| 2.0 * number(&mut random));
+                let (point, distance) = nearest.to(position).unwrap();
+                let found = mesh.position_of(&point).unwrap();
+                assert!(
+                    (length(sub(found, position)) - distance).abs() < 1e-12,
+                    "{spec}"
+                );
+                let all = mesh
+                    .faces()
+                    .map(|face| nearest_in_triangle(nearest.corners(face), position).0);
+                assert_eq!(all.fold(f64::INFINITY, f64::min), distance, "{spec}");
+                // No point of any face is nearer.
+                for _ in 0..200 {
+                    let face = FaceId::new(random.below(mesh.face_count()) as u32);
+                    let (u, v) = (number(&mut random).abs(), number(&mut random).abs());
+                    let (u, v) = if u + v > 1.0 {
+                        (1.0 - u, 1.0 - v)
+                    } else {
+                        (u, v)
+                    };
+                    let other = mesh.point_in_face(face, [u, v, 1.0 - u - v]).unwrap();
+                    let other = mesh.position_of(&other).unwrap();
+                    assert!(length(sub(other, position)) >= distance - 1e-12, "{spec}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn vertices_are_nearest_to_themselves_exactly_far_from_the_origin_too() {
+        for shift in [0.0, 1e6] {
+            let mesh = Mesh::generate("sphere,subdiv=2").unwrap();
+            let moved = mesh
+                .positions()
+                .iter()
+                .map(|p| p.map(|x| x + shift))
+                .collect();
+            let faces = mesh
+                .faces()
+                .map(|f| mesh.face_vertices(f).map(VertexId::raw))
+                .collect();
+            let mesh = Mesh::new(moved, faces).unwrap();
+            let nearest = NearestPoint::new(&mesh).unwrap();
+            for v in mesh.vertices() {
+                let (point, distance) = nearest.to(mesh.positions()[v.index()]).unwrap();
+                assert_eq!((point.vertex(), distance), (Some(v), 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn flat_faces_isolated_vertices_and_long_ways() {
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [9.0, 9.0, 0.0]];
+        let mesh = Mesh::new(positions, vec![[0, 2, 1]]).unwrap();
+        let (point, distance) = mesh.nearest_point([2.0, 1.0, 0.0]).unwrap();
+        assert_eq!(
+            (mesh.position_of(&point), distance),
+            (Some([2.0, 0.0, 0.0]), 1.0)
+        );
+        let (point, distance) = mesh.nearest_point([9.0, 8.0, 0.0]).unwrap();
+        assert_eq!((point, distance), (3.into(), 1.0));
+        let (point, distance) = mesh.nearest_point([-1e200, 0.0, 0.0]).unwrap();
+        assert_eq!((point, distance), (0.into(), 1e200));
+        for bad in [f64::NAN, f64::INFINITY] {
+            let refused = mesh.nearest_point([0.0, bad, 0.0]);
+            assert!(matches!(refused, Err(PointError::Position { .. })));
+        }
+        let (mesh, _) = Mesh::from_lengths(3, &[[0, 1, 2]], &[[1.0; 3]]).unwrap();
+        assert_eq!(
+            mesh.nearest_point([0.0; 3]).unwrap_err(),
+            PointError::NoPositions
+        );
+    }
+}

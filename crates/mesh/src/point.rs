@@ -1,0 +1,412 @@
+//! Points of the surface: at vertices, on edges, in faces.
+
+use crate::defect::SHORTEST_EDGE;
+use crate::ids::{FaceId, HalfEdgeId, VertexId};
+use crate::mesh::Mesh;
+
+/// A point this close to an edge or a vertex, as a fraction of the longest edge of its face, is
+/// taken for a point of that edge or for that vertex.
+pub(crate) const SNAP: f64 = 1e-12;
+
+/// How far the sum of three barycentric coordinates may be from 1.
+const SUM_SLACK: f64 = 1e-9;
+
+/// A point of the surface of a mesh.
+///
+/// [`Mesh::point_on_edge`] and [`Mesh::point_in_face`] check their arguments and recognise points
+/// that lie on edges and vertices; a vertex converts by itself. [`Mesh::nearest_point`] finds the
+/// one next to a position.
+///
+/// ```
+/// use geobench_mesh::{FaceId, Mesh, Place, PointError, VertexId};
+///
+/// let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 3.0, 0.0]];
+/// let mesh = Mesh::new(positions, vec![[0, 1, 2]])?;
+/// let middle = mesh.point_in_face(FaceId::new(0), [1.0, 1.0, 1.0].map(|w| w / 3.0))?;
+/// assert_eq!(mesh.position_of(&middle), Some([1.0, 1.0, 0.0]));
+///
+/// let corner = mesh.point_in_face(FaceId::new(0), [0.0, 1.0, 0.0])?;
+/// assert_eq!(corner.place(), Place::Vertex(VertexId::new(1)));
+/// assert_eq!(corner, VertexId::new(1).into());
+///
+/// let outside = mesh.point_in_face(FaceId::new(0), [-0.5, 1.0, 0.5]);
+/// assert!(matches!(outside, Err(PointError::Coordinate { .. })));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    place: Place,
+    moved: f64,
+}
+
+/// Where a [`SurfacePoint`] is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// At a vertex.
+    Vertex(VertexId),
+    /// Inside an edge: the weights of the tail and of the head of this half-edge, which has a
+    /// lower number than its twin. Both are positive, and their sum is 1.
+    Edge(HalfEdgeId, [f64; 2]),
+    /// Inside a face: its barycentric coordinates, which are positive and have the sum 1.
+    Face(FaceId, [f64; 3]),
+}
+
+impl SurfacePoint {
+    /// Where it is.
+    pub const fn place(&self) -> Place {
+        self.place
+    }
+
+    /// How far it was moved to an edge or a vertex next to it, at most 1e-12 of the longest edge of
+    /// its face; 0 if it is exactly where it was asked for.
+    pub const fn moved(&self) -> f64 {
+        self.moved
+    }
+
+    /// The vertex at which it is, if any.
+    pub const fn vertex(&self) -> Option<VertexId> {
+        match self.place {
+            Place::Vertex(vertex) => Some(vertex),
+            Place::Edge(..) | Place::Face(..) => None,
+        }
+    }
+}
+
+impl From<VertexId> for SurfacePoint {
+    fn from(vertex: VertexId) -> Self {
+        Self {
+            place: Place::Vertex(vertex),
+            moved: 0.0,
+        }
+    }
+}
+
+impl From<u32> for SurfacePoint {
+    fn from(vertex: u32) -> Self {
+        VertexId::new(vertex).into()
+    }
+}
+
+/// Why there is no such point.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PointError {
+    /// No vertex has this number.
+    #[error("vertex {vertex} does not exist: the mesh has {vertices} vertices, numbered from 0")]
+    NoSuchVertex {
+        /// The vertex asked for.
+        vertex: VertexId,
+        /// Number of vertices of the mesh.
+        vertices: usize,
+    },
+    /// No face has this number.
+    #[error("face {face} does not exist: the mesh has {faces} faces, numbered from 0")]
+    NoSuchFace {
+        /// The face asked for.
+        face: FaceId,
+        /// Number of faces of the mesh.
+        faces: usize,
+    },
+    /// No edge joins these vertices.
+    #[error("no edge joins the vertices {} and {}", ends[0], ends[1])]
+    NoSuchEdge {
+        /// The ends asked for.
+        ends: [VertexId; 2],
+    },
+    /// The place on an edge is outside of it, or no number.
+    #[error("{value} is not a place on an edge: give a number from 0 to 1")]
+    Parameter {
+        /// The value.
+        value: f64,
+    },
+    /// A barycentric coordinate is negative or not finite.
+    #[error("the barycentric coordinate {value} is not a number from 0 to 1")]
+    Coordinate {
+        /// The value.
+        value: f64,
+    },
+    /// The sum of the barycentric coordinates is not 1.
+    #[error("the barycentric coordinates have the sum {sum}, not 1")]
+    Sum {
+        /// Their sum.
+        sum: f64,
+    },
+    /// A coordinate of a position is infinite or not a number.
+    #[error("{value} is not a coordinate of a position")]
+    Position {
+        /// The value.
+        value: f64,
+    },
+    /// The mesh was built from lengths: its points have no positions.
+    #[error("the mesh is known by its edge lengths alone, so no position is near it")]
+    NoPositions,
+    /// The mesh has no room for the vertices of so many points.
+    #[error("{points} points are more than the mesh can have vertices for")]
+    TooMany {
+        /// Number of points.
+        points: usize,
+    },
+}
+
+/// `weights`, so that their sum is 1; the largest takes what rounding leaves.
+fn normalised<const N: usize>(weights: [f64; N]) -> [f64; N] {
+    let sum: f64 = weights.iter().sum();
+    if sum == 1.0 {
+        return weights;
+    }
+    let mut weights = weights.map(|w| w / sum);
+    let largest = largest(weights);
+    weights[largest] = 0.0;
+    weights[largest] = 1.0 - weights.iter().sum::<f64>();
+    weights
+}
+
+/// The place of the largest of `weights`.
+pub(crate) fn largest<const N: usize>(weights: [f64; N]) -> usize {
+    (0..N).fold(
+        0,
+        |best, k| if weights[k] > weights[best] { k } else { best },
+    )
+}
+
+impl Mesh {
+    /// The point at `vertex`.
+    ///
+    /// # Errors
+    ///
+    /// When there is no such vertex.
+    pub fn point_at_vertex(&self, vertex: VertexId) -> Result<SurfacePoint, PointError> {
+        let vertices = self.vertex_count();
+        if vertex.index() >= vertices {
+            return Err(PointError::NoSuchVertex { vertex, vertices });
+        }
+        Ok(vertex.into())
+    }
+
+    /// The point at the fraction `t` of the way from `ends[0]` to `ends[1]`, which an edge joins.
+    ///
+    /// # Errors
+    ///
+    /// When a vertex or the edge does not exist, or `t` is not from 0 to 1.
+    pub fn point_on_edge(&self, ends: [VertexId; 2], t: f64) -> Result<SurfacePoint, PointError> {
+        for end in ends {
+            self.point_at_vertex(end)?;
+        }
+        if !(0.0..=1.0).contains(&t) {
+            return Err(PointError::Parameter { value: t });
+        }
+        let [from, to] = ends;
+        let leaving = |from: VertexId, to: VertexId| {
+            let mut outgoing = self.outgoing(from).iter().copied();
+            outgoing.find(|&h| self.head(h) == to)
+        };
+        let (h, weights) = match (leaving(from, to), leaving(to, from)) {
+            (Some(h), _) => (h, [1.0 - t, t]),
+            (None, Some(h)) => (h, [t, 1.0 - t]),
+            (None, None) => return Err(PointError::NoSuchEdge { ends }),
+        };
+        let snap = (SNAP * self.length(h)).max(SHORTEST_EDGE);
+        Ok(self.snapped_on_edge(h, weights, snap, 0.0))
+    }
+
+    /// The point of `face` with these barycentric coordinates, in the order of
+    /// [`face_vertices`](Self::face_vertices).
+    ///
+    /// # Errors
+    ///
+    /// When there is no such face, a coordinate is negative or not finite, or their sum is not 1
+    /// (up to 1e-9; it is made 1).
+    pub fn point_in_face(
+        &self,
+        face: FaceId,
+        barycentric: [f64; 3],
+    ) -> Result<SurfacePoint, PointError> {
+        let faces = self.face_count();
+        if face.index() >= faces {
+            return Err(PointError::NoSuchFace { face, faces });
+        }
+        let is_weight = |w: &f64| (-SNAP..=2.0).contains(w);
+        if let Some(&value) = barycentric.iter().find(|w| !is_weight(w)) {
+            return Err(PointError::Coordinate { value });
+        }
+        let sum: f64 = barycentric.iter().sum();
+        if (sum - 1.0).abs() > SUM_SLACK {
+            return Err(PointError::Sum { sum });
+        }
+        let weights = normalised(barycentric.map(|w| w.max(0.0)));
+        let lengths = [0, 1, 2].map(|k| self.length(face.half_edge(k)));
+        let snap = (SNAP * lengths[largest(lengths)]).max(SHORTEST_EDGE);
+        let twice_area = lengths[0] * self.apexes(face)[0][1];
+        // Corner k is opposite to half-edge k + 1.
+        let height = |k: usize| weights[k] * twice_area / lengths[(k + 1) % 3];
+        let nearest = (0..3).min_by(|&i, &j| height(i).total_cmp(&height(j)));
+        let k = nearest.unwrap_or_default();
+        if height(k) > snap {
+            return Ok(SurfacePoint {
+                place: Place::Face(face, weights),
+                moved: 0.0,
+            });
+        }
+        let h = face.half_edge(k as u32).next();
+        let on_edge = normalised([weights[(k + 1) % 3], weights[(k + 2) % 3]]);
+        Ok(self.snapped_on_edge(h, on_edge, snap, height(k)))
+    }
+
+    /// The point on `h` with these weights, which was moved there by `moved` from inside its face;
+    /// the end of `h` within `snap`, if there is one.
+    fn snapped_on_edge(
+        &self,
+        h: HalfEdgeId,
+        weights: [f64; 2],
+        snap: f64,
+        moved: f64,
+    ) -> SurfacePoint {
+        let length = self.length(h);
+        let nearer = usize::from(weights[1] >= weights[0]);
+        let along = weights[1 - nearer] * length;
+        if along <= snap {
+            let vertex = [self.tail(h), self.head(h)][nearer];
+            return SurfacePoint {
+                place: Place::Vertex(vertex),
+                moved: libm::hypot(moved, along),
+            };
+        }
+        let place = match self.twin(h).filter(|&twin| twin < h) {
+            Some(twin) => Place::Edge(twin, [weights[1], weights[0]]),
+            None => Place::Edge(h, weights),
+        };
+        SurfacePoint { place, moved }
+    }
+
+    /// A face that holds `point`, and its barycentric coordinates there; `None` at an isolated
+    /// vertex and for a point of another mesh.
+    pub fn face_of(&self, point: &SurfacePoint) -> Option<(FaceId, [f64; 3])> {
+        let at = |h: HalfEdgeId, weights: [f64; 2]| {
+            let mut all = [0.0; 3];
+            all[h.corner() as usize] = weights[0];
+            all[h.next().corner() as usize] = weights[1];
+            (h.face(), all)
+        };
+        match point.place {
+            Place::Vertex(v) if v.index() >= self.vertex_count() => None,
+            Place::Vertex(v) => Some(at(*self.outgoing(v).first()?, [1.0, 0.0])),
+            Place::Edge(h, weights) => (h.index() < self.half_edge_count()).then(|| at(h, weights)),
+            Place::Face(face, weights) => {
+                (face.index() < self.face_count()).then_some((face, weights))
+            }
+        }
+    }
+
+    /// The position of `point`; `None` for a mesh that was built from lengths alone and for a point
+    /// of another mesh.
+    pub fn position_of(&self, point: &SurfacePoint) -> Option<[f64; 3]> {
+        if let Some(vertex) = point.vertex() {
+            return self.positions().get(vertex.index()).copied();
+        }
+        let (face, weights) = self.face_of(point)?;
+        let corners = self.face_vertices(face).map(|v| v.index());
+        let positions = self.positions();
+        if positions.is_empty() {
+            return None;
+        }
+        let base = largest(weights);
+        let origin = positions[corners[base]];
+        let toward = |k: usize, i: usize| weights[k] * (positions[corners[k]][i] - origin[i]);
+        let (next, last) = ((base + 1) % 3, (base + 2) % 3);
+        Some([0, 1, 2].map(|i| origin[i] + (toward(next, i) + toward(last, i))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two triangles, 0 1 2 and 1 3 2, of a square of side 4.
+    fn square() -> Mesh {
+        let positions = vec![[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [4.0, 4.0, 0.0]];
+        Mesh::new(positions, vec![[0, 1, 2], [1, 3, 2]]).unwrap()
+    }
+
+    fn in_face(face: u32, barycentric: [f64; 3]) -> Result<SurfacePoint, PointError> {
+        square().point_in_face(FaceId::new(face), barycentric)
+    }
+
+    fn on_edge(a: u32, b: u32, t: f64) -> Result<SurfacePoint, PointError> {
+        square().point_on_edge([a, b].map(VertexId::new), t)
+    }
+
+    #[test]
+    fn points_on_edges_and_vertices_are_recognised_from_every_side() {
+        let middle = on_edge(1, 2, 0.25).unwrap();
+        assert_eq!(middle, on_edge(2, 1, 0.75).unwrap());
+        assert_eq!(middle, in_face(0, [0.0, 0.75, 0.25]).unwrap());
+        assert_eq!(middle, in_face(1, [0.75, 0.0, 0.25]).unwrap());
+        assert!(matches!(middle.place(), Place::Edge(..)) && middle.moved() == 0.0);
+        assert_eq!(square().position_of(&middle), Some([3.0, 1.0, 0.0]));
+        for (a, b, t) in [(1, 2, 0.0), (2, 1, 1.0), (1, 3, 0.0), (0, 1, 1.0)] {
+            assert_eq!(on_edge(a, b, t).unwrap().vertex(), Some(VertexId::new(1)));
+        }
+        assert_eq!(in_face(1, [0.0, 0.0, 1.0]).unwrap(), 2.into());
+    }
+
+    #[test]
+    fn points_next_to_edges_and_vertices_are_moved_there_and_say_so() {
+        let near = in_face(0, [1e-13, 0.5, 0.5 - 1e-13]).unwrap();
+        assert!(matches!(near.place(), Place::Edge(..)));
+        assert!(near.moved() > 0.0 && near.moved() <= 1e-12 * 32.0_f64.sqrt());
+        let near = in_face(0, [1e-13, 1e-13, 1.0 - 2e-13]).unwrap();
+        assert_eq!(near.vertex(), Some(VertexId::new(2)));
+        assert!(near.moved() > 0.0);
+        assert!(on_edge(0, 1, 1.0 - 1e-13).unwrap().moved() > 0.0);
+        // A little further away they stay.
+        assert!(matches!(
+            in_face(0, [1e-11, 0.5, 0.5 - 1e-11]).unwrap().place(),
+            Place::Face(..)
+        ));
+        assert_eq!(on_edge(0, 1, 1e-11).unwrap().vertex(), None);
+        // A sum that rounding left is made 1, exactly.
+        let Place::Face(_, sum) = in_face(0, [0.1, 0.2, 0.7 + 1e-10]).unwrap().place() else {
+            panic!("not inside");
+        };
+        assert!((sum.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_is_not_a_point_is_named() {
+        let says = |result: Result<SurfacePoint, PointError>| result.unwrap_err().to_string();
+        assert_eq!(
+            says(on_edge(0, 9, 0.5)),
+            "vertex 9 does not exist: the mesh has 4 vertices, numbered from 0"
+        );
+        assert_eq!(
+            says(on_edge(0, 3, 0.5)),
+            "no edge joins the vertices 0 and 3"
+        );
+        assert_eq!(
+            says(on_edge(2, 2, 0.5)),
+            "no edge joins the vertices 2 and 2"
+        );
+        assert_eq!(
+            says(in_face(2, [1.0, 0.0, 0.0])),
+            "face 2 does not exist: the mesh has 2 faces, numbered from 0"
+        );
+        assert_eq!(
+            says(in_face(0, [0.5, 0.6, 0.0])),
+            "the barycentric coordinates have the sum 1.1, not 1"
+        );
+        for bad in [-0.1, f64::NAN, f64::INFINITY, -f64::INFINITY] {
+            assert!(matches!(
+                on_edge(0, 1, bad),
+                Err(PointError::Parameter { .. })
+            ));
+            assert!(matches!(
+                in_face(0, [bad, 0.5, 0.5]),
+                Err(PointError::Coordinate { .. })
+            ));
+        }
+        let lengths = [[1.0; 3]];
+        let (mesh, _) = Mesh::from_lengths(3, &[[0, 1, 2]], &lengths).unwrap();
+        let point = mesh.point_in_face(FaceId::new(0), [0.2, 0.3, 0.5]).unwrap();
+        assert_eq!(mesh.position_of(&point), None);
+    }
+}

@@ -1,0 +1,325 @@
+//! Meshes refined so that points of their surface are vertices.
+
+mod patch;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+
+use crate::build::build_refined;
+use crate::ids::{FaceId, HalfEdgeId, VertexId};
+use crate::mesh::{Mesh, NO_TWIN};
+use crate::point::{Place, PointError, SNAP, SurfacePoint};
+use patch::{Neighbour, Patch};
+
+/// A mesh with the same surface as another one, in which given points are vertices.
+///
+/// Every solver finds the same distances on both, up to rounding: the surface and its lengths are
+/// the same, and the angle at an added vertex is 2π, or π on the boundary.
+#[derive(Clone, Debug)]
+pub struct Refined {
+    /// The refined mesh. The vertices of the original keep their numbers, and the added ones
+    /// follow; so do faces, of which split ones leave one part in their place.
+    pub mesh: Mesh,
+    /// The vertex at each point, in the order of the points; one for all points of the same place.
+    pub vertices: Vec<VertexId>,
+    original_faces: usize,
+    /// Parents of the added faces.
+    parents: Vec<FaceId>,
+}
+
+impl Refined {
+    /// The face of the original mesh of which `face` is the whole or a part.
+    ///
+    /// # Panics
+    ///
+    /// When the refined mesh has no such face.
+    pub fn parent(&self, face: FaceId) -> FaceId {
+        match face.index().checked_sub(self.original_faces) {
+            None => face,
+            Some(added) => self.parents[added],
+        }
+    }
+}
+
+/// An added vertex on an edge.
+#[derive(Clone, Copy)]
+struct Stop {
+    /// Weights of the tail and the head of the half-edge with the lower number.
+    weights: [f64; 2],
+    vertex: u32,
+}
+
+/// The distance along an edge of two places on it, as a fraction of it; exact for close ones.
+fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let near_head = a[1].min(b[1]) > 0.5;
+    let k = usize::from(!near_head);
+    (a[k] - b[k]).abs()
+}
+
+impl Mesh {
+    /// The mesh with a vertex at each of `points`; see [`Refined`].
+    ///
+    /// A face is split into the Delaunay triangulation of its points, which avoids slivers where
+    /// that is possible. New lengths follow from barycentric coordinates and the lengths of the
+    /// face, not from positions in space. Points closer to each other than 1e-12 of the longest
+    /// edge of their face get one vertex. It takes time linear in the size of the mesh, and
+    /// quadratic in the number of points of one face.
+    ///
+    /// ```
+    /// use geobench_mesh::{FaceId, Mesh};
+    ///
+    /// let mesh = Mesh::generate("sphere,subdiv=1")?;
+    /// let point = mesh.point_in_face(FaceId::new(7), [0.2, 0.3, 0.5])?;
+    /// let refined = mesh.with_points(&[point, 3.into()])?;
+    /// assert_eq!(refined.mesh.vertex_count(), mesh.vertex_count() + 1);
+    /// assert_eq!(refined.mesh.face_count(), mesh.face_count() + 2);
+    /// assert_eq!(refined.vertices, [42.into(), 3.into()]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// When a point is not one of this mesh, or the numbers of vertices or faces do not fit into 32
+    /// bits.
+    pub fn with_points(&self, points: &[SurfacePoint]) -> Result<Refined, PointError> {
+        let mut edges: BTreeMap<HalfEdgeId, Vec<Stop>> = BTreeMap::new();
+        let mut faces: BTreeMap<FaceId, Vec<([f64; 3], u32)>> = BTreeMap::new();
+        let mut vertices = Vec::with_capacity(points.len());
+        let mut places = Vec::new();
+        // Each point adds at most one vertex and two faces.
+        let most = self.half_edge_count() as u64 + 6 * points.len() as u64;
+        if most.max((self.vertex_count() + points.len()) as u64) >= u64::from(u32::MAX) {
+            let points = points.len();
+            return Err(PointError::TooMany { points });
+        }
+        let next = |places: &Vec<SurfacePoint>| (self.vertex_count() + places.len()) as u32;
+        for point in points {
+            let vertex = match point.place() {
+                Place::Vertex(vertex) => {
+                    self.point_at_vertex(vertex)?;
+                    vertex.raw()
+                }
+                Place::Edge(h, weights) => {
+                    self.check_face(h.face())?;
+                    let h = self.twin(h).map_or(h, |twin| twin.min(h));
+                    let stops = edges.entry(h).or_default();
+                    let same = |stop: &&Stop| apart(stop.weights, weights) <= SNAP;
+                    if let Some(stop) = stops.iter().find(same) {
+                        stop.vertex
+                    } else {
+                        let vertex = next(&places);
+                        stops.push(Stop { weights, vertex });
+                        places.push(*point);
+                        vertex
+                    }
+                }
+                Place::Face(face, weights) => {
+                    self.check_face(face)?;
+                    let inside = faces.entry(face).or_default();
+                    let shape = patch::Shape::new(self, face);
+                    let same = |(other, _): &&([f64; 3], u32)| {
+                        shape.distance(*other, weights) <= SNAP * shape.longest()
+                    };
+                    if let Some(&(_, vertex)) = inside.iter().find(same) {
+                        vertex
+                    } else {
+                        let vertex = next(&places);
+                        inside.push((weights, vertex));
+                        places.push(*point);
+                        vertex
+                    }
+                }
+            };
+            vertices.push(VertexId::new(vertex));
+        }
+        let refinement = Refinement {
+            mesh: self,
+            edges,
+            faces,
+            places,
+        };
+        let (mesh, parents) = refinement.build();
+        Ok(Refined {
+            mesh,
+            vertices,
+            original_faces: self.face_count(),
+            parents,
+        })
+    }
+
+    fn check_face(&self, face: FaceId) -> Result<(), PointError> {
+        let faces = self.face_count();
+        if face.index() < faces {
+            Ok(())
+        } else {
+            Err(PointError::NoSuchFace { face, faces })
+        }
+    }
+}
+
+/// What is added to a mesh.
+struct Refinement<'m> {
+    mesh: &'m Mesh,
+    /// Vertices inside edges, by the half-edge with the lower number.
+    edges: BTreeMap<HalfEdgeId, Vec<Stop>>,
+    /// Vertices inside faces, with their barycentric coordinates.
+    faces: BTreeMap<FaceId, Vec<([f64; 3], u32)>>,
+    /// Where the added vertices are.
+    places: Vec<SurfacePoint>,
+}
+
+impl Refinement<'_> {
+    /// The refined mesh, and the parents of the faces that it has more.
+    fn build(mut self) -> (Mesh, Vec<FaceId>) {
+        if self.places.is_empty() {
+            return (self.mesh.clone(), Vec::new());
+        }
+        for stops in self.edges.values_mut() {
+            // From the tail on. Near the head the weight of the tail tells places apart.
+            stops.sort_by(|a, b| {
+                let by_head = a.weights[1].total_cmp(&b.weights[1]);
+                by_head.then(b.weights[0].total_cmp(&a.weights[0]))
+            });
+        }
+        let patches = self.patches();
+        let mut faces: Vec<[u32; 3]> = self
+            .mesh
+            .faces()
+            .map(|face| self.mesh.face_vertices(face).map(VertexId::raw))
+            .collect();
+        let mut lengths = self.mesh.data.lengths.as_chunks::<3>().0.to_vec();
+        let mut twins = self.mesh.data.twins.clone();
+        let mut parents = Vec::new();
+        let mut frames = self.mesh.data.frames.clone();
+        // Half-edges along the edges of the original, by their half-edge there and their place on
+        // it from its tail on.
+        let mut along: BTreeMap<(HalfEdgeId, usize), u32> = BTreeMap::new();
+        for (&face, patch) in &patches {
+            let first = faces.len();
+            let number = |t: usize| if t == 0 { face.index() } else { first + t - 1 };
+            for (t, triangle) in patch.triangles().iter().enumerate() {
+                let place = number(t);
+                if t > 0 {
+                    faces.push([0; 3]);
+                    lengths.push([0.0; 3]);
+                    twins.extend([NO_TWIN; 3]);
+                    parents.push(face);
+                }
+                faces[place] = triangle.corners.map(|p| patch.vertex(p));
+                let shape = patch.shape_of(triangle, |side, rank| self.part(face, side, rank));
+                lengths[place] = shape.lengths;
+                frames.insert(FaceId::new(place as u32), shape.apexes);
+                for (k, neighbour) in triangle.neighbours.iter().enumerate() {
+                    let h = (3 * place + k) as u32;
+                    match *neighbour {
+                        Neighbour::Inside(other, edge) => {
+                            twins[h as usize] = (3 * number(other) + edge) as u32;
+                        }
+                        Neighbour::Side(side) => {
+                            let rank = patch.rank_of_edge(triangle, k, side);
+                            along.insert((face.half_edge(side as u32), rank), h);
+                        }
+                    }
+                }
+            }
+        }
+        for (&(parent, rank), &h) in &along {
+            twins[h as usize] = self.mesh.twin(parent).map_or(NO_TWIN, |twin| {
+                let parts = self.stops(parent).len() + 1;
+                let rank = parts - 1 - rank;
+                along.get(&(twin, rank)).copied().unwrap_or(twin.raw())
+            });
+            // The neighbour may be whole.
+            if twins[h as usize] != NO_TWIN {
+                let twin = twins[h as usize] as usize;
+                twins[twin] = h;
+            }
+        }
+        let mut data = (*self.mesh.data).clone();
+        if !data.positions.is_empty() {
+            let added = self.places.iter().filter_map(|p| self.mesh.position_of(p));
+            data.positions.extend(added);
+        }
+        data.tails = faces
+            .into_flattened()
+            .into_iter()
+            .map(VertexId::new)
+            .collect();
+        data.lengths = lengths.into_flattened();
+        data.twins = twins;
+        data.frames = frames;
+        for place in &self.places {
+            let boundary =
+                matches!(place.place(), Place::Edge(h, _) if self.mesh.twin(h).is_none());
+            data.add_flat_vertex(boundary);
+        }
+        (build_refined(data), parents)
+    }
+
+    /// The faces that are split.
+    fn patches(&self) -> BTreeMap<FaceId, Patch> {
+        let mut patches = BTreeMap::new();
+        let mut touched: Vec<FaceId> = self.faces.keys().copied().collect();
+        for &h in self.edges.keys() {
+            touched.extend(
+                [Some(h), self.mesh.twin(h)]
+                    .into_iter()
+                    .flatten()
+                    .map(HalfEdgeId::face),
+            );
+        }
+        for face in touched {
+            patches.entry(face).or_insert_with(|| self.patch(face));
+        }
+        patches
+    }
+
+    fn patch(&self, face: FaceId) -> Patch {
+        let mut patch = Patch::new(self.mesh, face);
+        for side in 0..3 {
+            for stop in self.stops(face.half_edge(side)) {
+                patch.add_on_side(side as usize, stop.weights, stop.vertex);
+            }
+        }
+        for &(weights, vertex) in self.faces.get(&face).into_iter().flatten() {
+            patch.add_inside(weights, vertex);
+        }
+        patch
+    }
+
+    /// The added vertices on `h` from its tail on, with the weights of its tail and its head.
+    fn stops(&self, h: HalfEdgeId) -> Vec<Stop> {
+        let turned = self.mesh.twin(h).filter(|&twin| twin < h);
+        let Some(stops) = self.edges.get(&turned.unwrap_or(h)) else {
+            return Vec::new();
+        };
+        if turned.is_none() {
+            return stops.clone();
+        }
+        let turn = |stop: &Stop| Stop {
+            weights: [stop.weights[1], stop.weights[0]],
+            ..*stop
+        };
+        stops.iter().rev().map(turn).collect()
+    }
+
+    /// Length of a part of a side of `face`, counted from the tail of the side on: the same bits
+    /// from both faces of the edge.
+    fn part(&self, face: FaceId, side: usize, rank: usize) -> f64 {
+        let h = face.half_edge(side as u32);
+        let turned = self.mesh.twin(h).filter(|&twin| twin < h);
+        let length = self.mesh.length(h);
+        let Some(stops) = self.edges.get(&turned.unwrap_or(h)) else {
+            return length;
+        };
+        let rank = if turned.is_some() {
+            stops.len() - rank
+        } else {
+            rank
+        };
+        let before = rank.checked_sub(1).map_or([1.0, 0.0], |r| stops[r].weights);
+        let after = stops.get(rank).map_or([0.0, 1.0], |stop| stop.weights);
+        apart(before, after) * length
+    }
+}

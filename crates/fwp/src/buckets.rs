@@ -299,6 +299,17 @@ impl Discipline for Buckets {
         Some(taken)
     }
 
+    /// Where the first bucket of the round starts: no label is below it but by rounding.
+    #[inline]
+    fn bound(&self, _: f64) -> Option<f64> {
+        let first = self.calendar.first();
+        Some(if first == 0 {
+            0.0
+        } else {
+            first as f64 * self.calendar.width()
+        })
+    }
+
     #[inline]
     fn is_due(&self, label: f64) -> bool {
         self.calendar.place(label) < self.round.limit

@@ -304,7 +304,7 @@ impl Mesh {
             return self.positions().get(vertex.index()).copied();
         }
         let (face, weights) = self.face_of(point)?;
-        let corners = self.face_vertices(face).map(|v| v.index());
+        let corners = self.face_vertices(face).map(VertexId::index);
         let positions = self.positions();
         if positions.is_empty() {
             return None;

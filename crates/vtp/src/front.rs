@@ -58,8 +58,14 @@ impl Front {
         }
     }
 
-    /// Forgets the last run, at the end of which no list was ready.
+    /// Forgets the last run, at the end of which no list was ready. O(faces) after one that ended
+    /// while windows waited.
     pub(crate) fn reset(&mut self) {
+        if self.waiting() > 0 {
+            for face in 0..self.places.len() as u32 {
+                (0..3).for_each(|corner| self.clear(half_edge(face, corner)));
+            }
+        }
         self.before = self.step;
         // A run has fewer steps than that.
         if self.step > u32::MAX / 2 {

@@ -2,9 +2,9 @@
 
 use std::marker::PhantomData;
 
-use geobench_mesh::{Mesh, Numbering, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
 use geobench_window::trimming::KeptWindows;
-use geobench_window::{Counter, Phase, Probe, Propagate, Solution, Window};
+use geobench_window::{Counter, Lookout, Phase, Probe, Propagate, Solution, Way, Window};
 
 use crate::crossing::{Carry, Inspect, Least};
 use crate::engine::active_list::ActiveList;
@@ -13,7 +13,7 @@ use crate::engine::levels::Levels;
 use crate::engine::prefetch::prefetch;
 use crate::engine::sent::Sent;
 use crate::engine::store::{NO_LIST, admit};
-use crate::engine::surface::{Face, NO_TWIN, Surface, next, parts, prev};
+use crate::engine::surface::{Face, NO_TWIN, Surface, half_edge, next, parts, prev};
 use crate::exits::{Crossing, Exits};
 use crate::front::{Arrival, Front};
 use crate::merge::Merge;
@@ -39,7 +39,7 @@ use geobench_window::simd::{Instructions, Simd};
 /// ```
 #[derive(Clone, Debug)]
 pub struct ListPropagation<S, M, P, E> {
-    vertex_count: usize,
+    mesh: Mesh,
     simd: Simd,
     numbering: Numbering,
     surface: Surface,
@@ -50,6 +50,7 @@ pub struct ListPropagation<S, M, P, E> {
     /// Vertices whose turn has come.
     passed: Vec<bool>,
     distances: Vec<f64>,
+    lookout: Lookout,
     levels: Levels,
     kept: KeptWindows,
     /// Children narrower than this are dropped.
@@ -66,7 +67,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         let faces = mesh.face_count();
         let kept = surface.kept.clone();
         Self {
-            vertex_count: mesh.vertex_count(),
+            mesh: mesh.clone(),
             simd: Simd::new(Instructions::detect()),
             numbering,
             surface,
@@ -76,6 +77,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             exits: E::new(faces),
             passed: Vec::new(),
             distances: Vec::new(),
+            lookout: Lookout::default(),
             levels: Levels::default(),
             kept,
             threshold: 0.0,
@@ -104,25 +106,39 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         }
     }
 
-    /// Every list and queue is empty after a run, so there is only what the run has learnt.
+    /// Clears the state of the last run, and what waited when it ended.
     fn reset(&mut self) {
+        self.lookout.clear();
         self.schedule.reset();
         self.front.reset();
         self.exits.reset();
         self.levels.clear();
         self.kept.clear();
         self.passed.clear();
-        self.passed.resize(self.vertex_count, false);
+        self.passed.resize(self.mesh.vertex_count(), false);
         self.distances.clear();
-        self.distances.resize(self.vertex_count, f64::INFINITY);
+        self.distances
+            .resize(self.mesh.vertex_count(), f64::INFINITY);
     }
 
-    /// A path of length `d` reaches `v`. If faces join by vertices every vertex has a turn, and
+    /// Whether all that is wanted is final before the turn at distance `d`, where no list is ready.
+    fn ends<B: Probe>(&mut self, d: f64, probe: &mut B) -> bool {
+        let distance = |v| self.distances[self.numbering.new_vertex(v).index()];
+        let windows = || self.front.windows().map(|w| w.min_distance());
+        self.lookout
+            .ends(probe, d, distance, || windows().chain([d]))
+    }
+
+    /// A path of length `d` reaches `v`, as `way` tells of half-edges that start there. If faces join by vertices every vertex has a turn, and
     /// one from which windows start another one whenever it improves; else only the latter do.
     #[inline]
-    fn offer<B: Probe>(&mut self, v: u32, d: f64, probe: &mut B) {
+    fn offer<B: Probe>(&mut self, v: u32, d: f64, way: impl FnOnce() -> (u32, Way), probe: &mut B) {
         let i = v as usize;
         if d < self.distances[i] {
+            if B::TRACES {
+                let (corner, way) = way();
+                probe.reach(VertexId::new(v), HalfEdgeId::new(corner), way);
+            }
             self.distances[i] = d;
             if (S::BY_VERTEX && !self.passed[i]) || self.surface.vertices[i].pseudo_source {
                 self.schedule.push_vertex(v, d, probe);
@@ -151,10 +167,18 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         let sigma = self.distances[v as usize];
         let has_border = self.surface.vertices[v as usize].boundary;
         for place in self.surface.ring_places(v) {
-            let spawn = self.surface.spawn(self.surface.rings[place], sigma);
-            self.offer(spawn.ends[0], spawn.paths[0], probe);
+            let h = self.surface.rings[place];
+            let spawn = self.surface.spawn(h, sigma);
+            let (f, corner) = parts(h);
+            let along = |corner, way| move || (half_edge(f as u32, corner), way);
+            let ways = [
+                along(next(corner), Way::FromHead),
+                along(prev(corner), Way::FromTail),
+            ];
+            let [to_a, to_b] = ways;
+            self.offer(spawn.ends[0], spawn.paths[0], to_a, probe);
             if has_border {
-                self.offer(spawn.ends[1], spawn.paths[1], probe);
+                self.offer(spawn.ends[1], spawn.paths[1], to_b, probe);
             }
             if spawn.exit == NO_TWIN {
                 continue;
@@ -219,6 +243,9 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             arrived.saturating_sub(self.active.len) as u64,
         );
         probe.add(Counter::Parents, self.active.len as u64);
+        if B::STOPS {
+            self.lookout.advance(self.active.len);
+        }
         if self.active.len > arrived {
             let alive = (self.front.waiting() + self.active.len) as u64;
             probe.raise(Counter::PeakWindows, alive);
@@ -239,9 +266,13 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             );
         }
         if self.active.len > 0 {
-            self.offer(apex, found.distance, probe);
             let size = gate.l + found.distance;
             let best = BestPath::of(self.active.columns(), found.best, gate.apex, size);
+            let way = || {
+                let way = Way::through(best.entry, best.source, gate.l);
+                (half_edge(f as u32, prev(corner)), way)
+            };
+            self.offer(apex, found.distance, way, probe);
             self.send_children(h, &face, gate, best, found.distance, found.bound, probe);
         }
         if B::COUNTS {
@@ -398,7 +429,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
     }
 
     fn vertex_count(&self) -> usize {
-        self.vertex_count
+        self.mesh.vertex_count()
     }
 
     fn propagate<B: Probe>(&mut self, sources: &[VertexId], probe: &mut B) -> Solution {
@@ -419,7 +450,14 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
                 self.prefetch();
                 self.cross(h, probe);
             }
-            match self.schedule.pop() {
+            let turn = self.schedule.pop();
+            if let Some((d, _)) = turn
+                && B::STOPS
+                && self.ends(d, probe)
+            {
+                break;
+            }
+            match turn {
                 // An entry is void once its vertex has improved or its face has joined.
                 Some((d, Turn::Vertex(v))) if d == self.distances[v as usize] => {
                     self.pass(v, false, probe);
@@ -431,6 +469,9 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
                 Some(_) => {}
                 None => break,
             }
+        }
+        if B::TRACES {
+            self.surface.renumber(&self.mesh, &self.numbering, probe);
         }
         Solution::new(self.numbering.restore(&self.distances))
     }

@@ -22,7 +22,7 @@ pub trait Schedule: Send {
     /// solver.
     fn new(faces: usize) -> Self;
 
-    /// Forgets the last run, which has emptied the queue.
+    /// Forgets the last run.
     fn reset(&mut self);
 
     /// Vertex `v` is to have a turn, at distance `d`.
@@ -51,7 +51,9 @@ impl Schedule for NearestVertex {
         }
     }
 
-    fn reset(&mut self) {}
+    fn reset(&mut self) {
+        self.front.clear();
+    }
 
     #[inline]
     fn push_vertex<P: Probe>(&mut self, v: u32, d: f64, probe: &mut P) {
@@ -87,6 +89,7 @@ impl Schedule for NearestFace {
     }
 
     fn reset(&mut self) {
+        self.front.clear();
         self.offers.fill(f64::INFINITY);
     }
 

@@ -4,7 +4,10 @@
 //! whose methods are empty and compile to nothing; counts and phases come from separate runs, so
 //! that observing never disturbs a time.
 
+use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+
 use crate::counters::{Counter, Counters};
+use crate::origins::Way;
 use crate::wavefront::Wavefront;
 
 /// What a solver does at a moment, for [`Phases`](crate::Phases).
@@ -36,6 +39,12 @@ pub trait Probe {
     /// Whether counts are wanted: what serves counters only is kept in that case only.
     const COUNTS: bool = false;
 
+    /// Whether the run may end before all distances are final.
+    const STOPS: bool = false;
+
+    /// Whether it is told where paths come from.
+    const TRACES: bool = false;
+
     /// Adds `n` to a counter.
     #[inline]
     fn add(&mut self, counter: Counter, n: u64) {
@@ -65,6 +74,39 @@ pub trait Probe {
     #[inline]
     fn enter(&mut self, phase: Phase) {
         let _ = phase;
+    }
+
+    /// Whether all that is wanted is final if nothing that waits leads to a path shorter than
+    /// `bound`, given the distances known. Asked of a probe that [stops](Self::STOPS) runs.
+    #[inline]
+    fn is_reached(&mut self, bound: f64, distance: impl Fn(VertexId) -> f64) -> bool {
+        let _ = (bound, distance);
+        false
+    }
+
+    /// A path to `v` is the shortest so far; it crosses the face of `corner`, a half-edge that
+    /// starts at `v`, last. In the numbers of the solver. Told to a probe that
+    /// [traces](Self::TRACES) paths.
+    #[inline]
+    fn reach(&mut self, v: VertexId, corner: HalfEdgeId, way: Way) {
+        let _ = (v, corner, way);
+    }
+
+    /// The run has ended. The solver has the number `vertex(v)` for vertex `v` of `mesh`, and
+    /// `corner(v, i)` for its outgoing half-edge at place `i`.
+    fn renumber(
+        &mut self,
+        mesh: &Mesh,
+        vertex: impl Fn(VertexId) -> VertexId,
+        corner: impl Fn(VertexId, usize) -> HalfEdgeId,
+    ) {
+        let _ = (mesh, vertex, corner);
+    }
+
+    /// The run ends; nothing that waits leads to a path shorter than `bound`.
+    #[inline]
+    fn end(&mut self, bound: f64) {
+        let _ = bound;
     }
 }
 

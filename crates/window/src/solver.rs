@@ -3,6 +3,8 @@
 use geobench_mesh::VertexId;
 
 use crate::counters::{Counter, Counters};
+use crate::goal::{Goal, Until};
+use crate::origins::Origins;
 use crate::phases::PhaseSampler;
 use crate::probe::{Count, Probe};
 
@@ -39,6 +41,19 @@ pub enum SolveError {
         /// Number of vertices of the mesh.
         vertices: usize,
     },
+    /// A target is not a vertex of the mesh.
+    #[error(
+        "target vertex {vertex} does not exist: the mesh has {vertices} vertices, numbered from 0"
+    )]
+    NoSuchTarget {
+        /// The vertex asked for.
+        vertex: VertexId,
+        /// Number of vertices of the mesh.
+        vertices: usize,
+    },
+    /// The algorithm does not remember where paths come from.
+    #[error("this algorithm traces no paths; choose another one")]
+    NoPaths,
     /// The system did not start the threads of a parallel algorithm.
     #[error("the system does not start {threads} threads; ask for fewer, or raise its limits")]
     NoThreads {
@@ -118,6 +133,53 @@ pub trait Solver: Send {
     ///
     /// As [`solve`](Solver::solve).
     fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError>;
+
+    /// Distances from the nearest of `sources`, until all that `goal` asks for is final: that of a
+    /// vertex which is not final then, or not within the radius, is infinite. What is final is
+    /// [`solve`](Solver::solve)'s to the bit.
+    ///
+    /// A solver that cannot end early goes to its end.
+    ///
+    /// # Errors
+    ///
+    /// As [`solve`](Solver::solve), and when a target does not exist.
+    fn solve_until(&mut self, sources: &[VertexId], goal: &Goal) -> Result<Solution, SolveError> {
+        let mut solution = self.solve(sources)?;
+        check_goal(solution.distances.len(), goal)?;
+        goal.cut(&mut solution);
+        Ok(solution)
+    }
+
+    /// [`solve_until`](Solver::solve_until) with its events counted.
+    ///
+    /// # Errors
+    ///
+    /// As [`solve_until`](Solver::solve_until).
+    fn count_until(
+        &mut self,
+        sources: &[VertexId],
+        goal: &Goal,
+    ) -> Result<(Solution, Counters), SolveError> {
+        let (mut solution, counters) = self.count(sources)?;
+        check_goal(solution.distances.len(), goal)?;
+        goal.cut(&mut solution);
+        Ok((solution, counters))
+    }
+
+    /// [`solve_until`](Solver::solve_until), with what it takes to trace the path to each vertex
+    /// whose distance is finite.
+    ///
+    /// # Errors
+    ///
+    /// As [`solve_until`](Solver::solve_until), and when the algorithm cannot.
+    fn trace(
+        &mut self,
+        sources: &[VertexId],
+        goal: &Goal,
+    ) -> Result<(Solution, Origins), SolveError> {
+        let _ = (sources, goal);
+        Err(SolveError::NoPaths)
+    }
 
     /// The same with its phases sampled.
     ///
@@ -204,11 +266,48 @@ impl<T: Propagate> Solver for T {
     }
 
     fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
+        self.count_until(sources, &Goal::everything())
+    }
+
+    fn solve_until(&mut self, sources: &[VertexId], goal: &Goal) -> Result<Solution, SolveError> {
+        if goal.is_everything() {
+            return self.solve(sources);
+        }
         check_sources(self.vertex_count(), sources)?;
+        check_goal(self.vertex_count(), goal)?;
         self.check()?;
-        let mut count = Count::default();
-        let solution = self.propagate(sources, &mut count);
-        Ok((solution, count.counters(&T::counters())))
+        let mut until = Until::new((), goal);
+        let mut solution = self.propagate(sources, &mut until);
+        until.cut(&mut solution);
+        Ok(solution)
+    }
+
+    fn count_until(
+        &mut self,
+        sources: &[VertexId],
+        goal: &Goal,
+    ) -> Result<(Solution, Counters), SolveError> {
+        check_sources(self.vertex_count(), sources)?;
+        check_goal(self.vertex_count(), goal)?;
+        self.check()?;
+        let mut until = Until::new(Count::default(), goal);
+        let mut solution = self.propagate(sources, &mut until);
+        until.cut(&mut solution);
+        Ok((solution, until.probe.counters(&T::counters())))
+    }
+
+    fn trace(
+        &mut self,
+        sources: &[VertexId],
+        goal: &Goal,
+    ) -> Result<(Solution, Origins), SolveError> {
+        check_sources(self.vertex_count(), sources)?;
+        check_goal(self.vertex_count(), goal)?;
+        self.check()?;
+        let mut until = Until::new(Origins::new(self.vertex_count()), goal);
+        let mut solution = self.propagate(sources, &mut until);
+        until.cut(&mut solution);
+        Ok((solution, until.probe))
     }
 
     fn profile(
@@ -226,6 +325,14 @@ fn check_sources(vertices: usize, sources: &[VertexId]) -> Result<(), SolveError
     match sources.iter().find(|v| v.index() >= vertices) {
         Some(&vertex) => Err(SolveError::NoSuchVertex { vertex, vertices }),
         None if sources.is_empty() => Err(SolveError::NoSource),
+        None => Ok(()),
+    }
+}
+
+fn check_goal(vertices: usize, goal: &Goal) -> Result<(), SolveError> {
+    let mut targets = goal.vertices().unwrap_or(&[]).iter();
+    match targets.find(|v| v.index() >= vertices) {
+        Some(&vertex) => Err(SolveError::NoSuchTarget { vertex, vertices }),
         None => Ok(()),
     }
 }

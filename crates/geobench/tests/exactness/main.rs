@@ -7,6 +7,7 @@
 
 mod disguises;
 mod formulas;
+mod goals;
 mod invariants;
 mod models;
 mod support;

@@ -53,6 +53,11 @@ impl Discipline for NearestLists {
     }
 
     #[inline]
+    fn bound(&self, label: f64) -> Option<f64> {
+        self.queue.bound(label)
+    }
+
+    #[inline]
     fn is_due(&self, label: f64) -> bool {
         label <= self.label + self.slack
     }

@@ -5,8 +5,8 @@ use geobench_window::continuous::Surface;
 use geobench_window::queue::{Discipline, Event, EventKind};
 use geobench_window::trimming::ThinFaces;
 use geobench_window::{
-    Counter, Crossing, Exit, FaceView, Frame, Phase, Probe, Propagate, Side, Solution,
-    VertexFilter, Window, spawn_window,
+    Counter, Crossing, Exit, FaceView, Frame, Lookout, Phase, Probe, Propagate, Side, Solution,
+    VertexFilter, Way, Window, spawn_window,
 };
 
 use super::merge::{Batch, Merger};
@@ -78,6 +78,7 @@ struct State<Q> {
     prefilter: Prefilter,
     thin: ThinFaces,
     eviction: Eviction,
+    lookout: Lookout,
     retention: Retention,
     /// Number of waiting windows. Counted runs only.
     waiting: usize,
@@ -99,6 +100,7 @@ impl<Q: Discipline> Batched<Q> {
                     order.new_half_edge(h).index()
                 }),
                 eviction: Eviction::default(),
+                lookout: Lookout::default(),
                 retention: Retention::default(),
                 waiting: 0,
             },
@@ -152,6 +154,9 @@ impl<Q: Discipline> Batched<Q> {
             return;
         }
         probe.enter(Phase::Propagation);
+        if P::STOPS {
+            state.lookout.advance(taken.windows.len());
+        }
         if P::COUNTS {
             state.waiting -= taken.windows.len();
             let parents = taken.windows.len() as u64;
@@ -177,7 +182,7 @@ impl<Q: Discipline> Batched<Q> {
         let known = face.corners.map(|v| state.surface.distance(v));
         let exits = [Side::Left, Side::Right].map(|side| face.exit(side));
         let frame = &face.frame;
-        let least = cross_all(
+        let (least, best) = cross_all(
             &self.taken,
             frame,
             &exits,
@@ -195,6 +200,12 @@ impl<Q: Discipline> Batched<Q> {
         let [_, _, apex] = face.corners;
         if least < known[2] {
             state.offer(apex, least, probe);
+            if P::TRACES
+                && let Some(best) = best
+            {
+                let way = Way::of(&self.taken.windows[best], frame);
+                probe.reach(apex, h.prev(), way);
+            }
         }
         for (exit, batch) in exits.iter().zip(&self.children) {
             if let Some(target) = exit.half_edge
@@ -238,13 +249,22 @@ impl<Q: Discipline> State<Q> {
         self.eviction.step(&mut self.store, windows, || label);
     }
 
+    /// Whether all that is wanted is final, now that an event under `label` has come out.
+    fn ends<P: Probe>(&mut self, label: f64, probe: &mut P) -> bool {
+        let surface = &self.surface;
+        let distance = |v| surface.distance(v);
+        self.queue.ends(label, &mut self.lookout, distance, probe)
+    }
+
     /// Offers `v` a path of length `d`. Only pseudo-sources are queued, unless the discipline orders
-    /// all vertices.
+    /// all vertices. Returns whether it is the shortest so far.
     #[inline]
-    fn offer<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) {
-        if self.surface.offer(v, d) && (Q::EVERY_VERTEX || self.mesh.is_pseudo_source(v)) {
+    fn offer<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) -> bool {
+        let improves = self.surface.offer(v, d);
+        if improves && (Q::EVERY_VERTEX || self.mesh.is_pseudo_source(v)) {
             self.queue.push(d, Event::vertex(v), probe);
         }
+        improves
     }
 
     /// Offers paths along the edges of `v` and spawns windows across its faces; `batch` is scratch
@@ -257,8 +277,14 @@ impl<Q: Discipline> State<Q> {
         for i in 0..degree {
             let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
             let edges = self.surface.faces().edges_at_tail(h);
-            for (neighbour, length) in edges.into_iter().flatten() {
-                self.offer(neighbour, sigma + length, probe);
+            for (k, edge) in edges.into_iter().enumerate() {
+                let Some((neighbour, length)) = edge else {
+                    continue;
+                };
+                if self.offer(neighbour, sigma + length, probe) && P::TRACES {
+                    let (corner, way) = [(h.next(), Way::FromHead), (h.prev(), Way::FromTail)][k];
+                    probe.reach(neighbour, corner, way);
+                }
             }
         }
         for i in 0..degree {
@@ -372,8 +398,9 @@ fn cross_all<P: Probe>(
     thin: Option<&ThinFaces>,
     children: &mut [Batch; 2],
     probe: &mut P,
-) -> f64 {
+) -> (f64, Option<usize>) {
     let [tail, head, mut least] = known;
+    let mut best = None;
     for batch in &mut *children {
         batch.clear();
         batch.windows.reserve(taken.windows.len());
@@ -401,8 +428,12 @@ fn cross_all<P: Probe>(
     };
     for (k, window) in taken.windows.iter().enumerate() {
         let crossing = Crossing::new(frame, window);
+        let before = least;
         if crossing.covers_apex() {
             least = least.min(crossing.straight_distance());
+            if P::TRACES && least < before {
+                best = Some(k);
+            }
             put(0, crossing.left_child(&exits[0]), least, k);
             put(1, crossing.right_child(&exits[1]), least, k);
             continue;
@@ -414,10 +445,13 @@ fn cross_all<P: Probe>(
         // Not if nothing is to spare either: with its sign, the square tells both at once.
         if x * x + y * y < spare * spare.abs() {
             least = least.min(crossing.bent_distance(&exits[side]));
+            if P::TRACES && least < before {
+                best = Some(k);
+            }
         }
         put(side, crossing.only_child(&exits[side]), least, k);
     }
-    least
+    (least, best)
 }
 
 /// The number of children tried. The left exit is tried first; the right one only if some ray of
@@ -446,6 +480,7 @@ impl<Q: Discipline> Propagate for Batched<Q> {
         state.store.clear(P::COUNTS);
         state.queue.clear();
         state.eviction.clear();
+        state.lookout.clear();
         state.waiting = 0;
         probe.add(Counter::WindowBytes, Store::WINDOW_BYTES as u64);
         for &s in sources {
@@ -456,6 +491,9 @@ impl<Q: Discipline> Propagate for Batched<Q> {
             state.spawn(s, &mut self.taken, probe);
         }
         while let Some((label, event)) = self.state.queue.pop(probe) {
+            if P::STOPS && self.state.ends(label, probe) {
+                break;
+            }
             self.state.read_ahead();
             match event.kind() {
                 EventKind::Vertex(v) => {
@@ -472,6 +510,10 @@ impl<Q: Discipline> Propagate for Batched<Q> {
         }
         let state = &mut self.state;
         probe.add(Counter::StoredWindows, state.store.stored_in_all() as u64);
+        if P::TRACES {
+            let (mesh, faces) = (&state.mesh, state.surface.faces());
+            probe.renumber(mesh, |v| v, |v, i| faces.number(mesh.outgoing(v)[i]));
+        }
         Solution::new(state.surface.take_distances())
     }
 }

@@ -39,9 +39,33 @@ impl Buckets {
         }
     }
 
-    /// Starts again from distance 0; the queue is empty.
+    /// Forgets all vertices, and starts again from distance 0.
     pub(crate) fn reset(&mut self) {
         self.current = 0;
+        if self.len() > 0 {
+            for v in self.ring.iter_mut().flat_map(|entries| entries.drain(..)) {
+                self.bucket_of[v as usize] = NONE;
+            }
+            for (v, _) in self.far.drain(..) {
+                self.bucket_of[v as usize] = NONE;
+            }
+            self.in_ring = 0;
+        }
+        self.far_least = NONE;
+    }
+
+    /// The distance at which `bucket` ends.
+    pub(crate) fn end_of(&self, bucket: u32) -> f64 {
+        f64::from(bucket.saturating_add(1)) / self.inverse_width
+    }
+
+    /// The vertices that wait.
+    pub(crate) fn vertices(&self) -> impl Iterator<Item = u32> {
+        let far = self
+            .far
+            .iter()
+            .filter(|&&(v, bucket)| self.bucket_of[v as usize] == bucket);
+        self.near().chain(far.map(|&(v, _)| v))
     }
 
     /// Number of entries, void ones included.
@@ -211,6 +235,9 @@ mod tests {
             assert!(buckets.push(v as u32, d));
         }
         assert_eq!(buckets.len(), 7);
+        let mut waiting: Vec<u32> = buckets.vertices().collect();
+        waiting.sort_unstable();
+        assert_eq!(waiting, [0, 1, 2, 3, 4, 5, 6]);
         let turns = drain(&mut buckets);
         assert_eq!(turns, [vec![1, 4], vec![2], vec![3], vec![6], vec![0, 5]]);
         assert_eq!(buckets.len(), 0);
@@ -229,6 +256,14 @@ mod tests {
         buckets.push(2, 1.0);
         buckets.push(0, 2.0);
         assert_eq!(drain(&mut buckets), [[2], [0]]);
+        // What has had no turn is forgotten.
+        for (v, d) in [(0, 1.0), (1, 9.0), (2, 1e5)] {
+            buckets.push(v, d);
+        }
+        assert_eq!(buckets.end_of(9), 10.0);
+        buckets.reset();
+        buckets.push(1, 9.0);
+        assert_eq!(drain(&mut buckets), [[1]]);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
+use geobench_window::Probe;
 use geobench_window::prefetch_line;
 use geobench_window::trimming::KeptWindows;
 
@@ -221,6 +222,15 @@ impl Surface {
                 number(numbering, h) as usize
             }),
         }
+    }
+
+    /// Tells `probe` which numbers here vertices and half-edges of `mesh` have.
+    pub(crate) fn renumber<P: Probe>(&self, mesh: &Mesh, numbering: &Numbering, probe: &mut P) {
+        let corner = |v, i| {
+            let ring = self.ring(numbering.new_vertex(v).raw());
+            HalfEdgeId::new(ring[i])
+        };
+        probe.renumber(mesh, |v| numbering.new_vertex(v), corner);
     }
 
     /// The length of `h`.

@@ -64,7 +64,7 @@ impl Default for FastOptions {
 /// ```
 #[derive(Clone, Debug)]
 pub struct VtpFast {
-    vertex_count: usize,
+    mesh: Mesh,
     options: FastOptions,
     /// Whether windows parted by flat vertices become one again.
     coalesces: bool,
@@ -90,7 +90,7 @@ impl VtpFast {
         let state = SerialState::new(mesh, &numbering);
         numbering.keep_new_vertices();
         Self {
-            vertex_count: mesh.vertex_count(),
+            mesh: mesh.clone(),
             options: FastOptions {
                 instructions,
                 ..options
@@ -112,6 +112,7 @@ impl VtpFast {
 struct Turns<'s, P, const COALESCE: bool> {
     wavefront: &'s mut Wavefront,
     state: &'s mut SerialState,
+    numbering: &'s Numbering,
     probe: &'s mut P,
 }
 
@@ -123,13 +124,19 @@ impl<P: Probe, const COALESCE: bool> Program for Turns<'_, P, COALESCE> {
         let Self {
             wavefront,
             state,
+            numbering,
             probe,
         } = self;
+        let number = |v| numbering.new_vertex(v).raw();
         loop {
             wavefront.cross_all::<L, SerialState, P, COALESCE>(simd, state, probe);
             let Some(bucket) = wavefront.buckets.nearest() else {
                 break;
             };
+            if P::STOPS && wavefront.ends(state, bucket, number, probe) {
+                wavefront.abandon(state);
+                break;
+            }
             wavefront.take_turn(state, bucket, probe);
         }
     }
@@ -154,7 +161,7 @@ impl Propagate for VtpFast {
     }
 
     fn vertex_count(&self) -> usize {
-        self.vertex_count
+        self.mesh.vertex_count()
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
@@ -176,14 +183,20 @@ impl Propagate for VtpFast {
             simd.run(Turns::<P, true> {
                 wavefront,
                 state,
+                numbering: &self.numbering,
                 probe,
             });
         } else {
             simd.run(Turns::<P, false> {
                 wavefront,
                 state,
+                numbering: &self.numbering,
                 probe,
             });
+        }
+        if P::TRACES {
+            let surface = self.state.surface();
+            surface.renumber(&self.mesh, &self.numbering, probe);
         }
         Solution::new(self.numbering.restore(&self.state.distances))
     }

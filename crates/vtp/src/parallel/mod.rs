@@ -28,7 +28,7 @@ use self::placement::Placement;
 use self::shared::Shared;
 use self::worker::Worker;
 use crate::engine::surface::Surface;
-use crate::fast::FastOptions;
+use crate::fast::{FastOptions, VtpFast};
 
 /// The most threads of a run.
 const MOST_THREADS: usize = 1024;
@@ -48,7 +48,7 @@ const MOST_THREADS: usize = 1024;
 /// ```
 #[derive(Debug)]
 pub struct Pvtp {
-    vertex_count: usize,
+    mesh: Mesh,
     options: FastOptions,
     numbering: Numbering,
     shared: Shared,
@@ -81,7 +81,7 @@ impl Pvtp {
         let placement = Placement::new(mesh, &numbering, threads);
         numbering.keep_new_vertices();
         Self {
-            vertex_count: mesh.vertex_count(),
+            mesh: mesh.clone(),
             options: FastOptions {
                 instructions,
                 ..options
@@ -204,7 +204,7 @@ impl Propagate for Pvtp {
     }
 
     fn vertex_count(&self) -> usize {
-        self.vertex_count
+        self.mesh.vertex_count()
     }
 
     fn check(&self) -> Result<(), SolveError> {
@@ -216,6 +216,10 @@ impl Propagate for Pvtp {
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+        if P::TRACES {
+            // What each thread knows of origins would have to be compared.
+            return VtpFast::with_options(&self.mesh, self.options).propagate(sources, probe);
+        }
         let others = self.threads() - 1;
         if !P::COUNTS {
             return self.propagate_with(sources, probe, &mut vec![(); others]);
@@ -257,7 +261,7 @@ impl Pvtp {
             .iter()
             .map(|&s| self.numbering.new_vertex(s).raw())
             .collect();
-        let vertices = self.vertex_count;
+        let vertices = self.mesh.vertex_count();
         let mut distances = vec![0.0; vertices];
         let run = Run {
             shared: &self.shared,

@@ -10,9 +10,10 @@
 
 mod surface_state;
 
+use geobench_mesh::{HalfEdgeId, VertexId};
 use geobench_window::simd::{Lanes, Program, Scalar};
 use geobench_window::trimming::KeptWindows;
-use geobench_window::{Counter, Phase, Probe};
+use geobench_window::{Counter, Lookout, Phase, Probe, Way};
 
 pub(crate) use self::surface_state::SurfaceState;
 use crate::engine::buckets::Buckets;
@@ -70,6 +71,9 @@ pub(crate) struct Wavefront {
     cuts: Cuts,
     levels: Levels,
     kept: KeptWindows,
+    lookout: Lookout,
+    /// The faces that have joined, of a run that may end early.
+    joined: Vec<u32>,
 }
 
 impl Wavefront {
@@ -92,6 +96,8 @@ impl Wavefront {
             cuts: Cuts::default(),
             levels: Levels::default(),
             kept: surface.kept.clone(),
+            lookout: Lookout::default(),
+            joined: Vec::new(),
         }
     }
 
@@ -105,11 +111,47 @@ impl Wavefront {
         &self.turn
     }
 
-    /// Clears the state of the last run. Every list and queue must be empty, as after a complete
-    /// run.
+    /// Whether all that `probe` wants is final before the turn of `bucket`, where no list is ready
+    /// and nothing is to be [settled](Self::settle); `number` is that of a vertex of the mesh.
+    pub(crate) fn ends<P: Probe>(
+        &mut self,
+        state: &impl SurfaceState,
+        bucket: u32,
+        number: impl Fn(VertexId) -> u32,
+        probe: &mut P,
+    ) -> bool {
+        let distance = |v| state.distance(number(v));
+        let waiting = || {
+            let vertices = self.buckets.vertices().map(|v| state.distance(v));
+            let windows = self.store.windows().map(|w| w.min_distance());
+            vertices.chain(windows)
+        };
+        let nearest = self.buckets.end_of(bucket);
+        self.lookout.ends(probe, nearest, distance, waiting)
+    }
+
+    /// Takes all windows off the surface, which wait on the border of the faces that have joined.
+    pub(crate) fn abandon(&mut self, state: &mut impl SurfaceState) {
+        for f in std::mem::take(&mut self.joined) {
+            let twins = state.surface().faces[f as usize].twin;
+            let own = (0..3).map(|corner| half_edge(f, corner));
+            for h in own.chain(twins).filter(|&h| h != NO_TWIN) {
+                let (f, corner) = parts(h);
+                let list = state.take_list(f, corner);
+                if list != NO_LIST {
+                    self.store.set_len(list, 0);
+                }
+            }
+        }
+    }
+
+    /// Clears the state of the last run. Every list must be empty, as after a complete run
+    /// and one that was [abandoned](Self::abandon).
     pub(crate) fn reset(&mut self) {
         let vertices = self.origins.len();
         self.buckets.reset();
+        self.lookout.clear();
+        self.joined.clear();
         self.turn.clear();
         self.levels.clear();
         self.kept.clear();
@@ -149,6 +191,9 @@ impl Wavefront {
         for place in state.surface().ring_places(v) {
             let (f, _) = parts(state.surface().rings[place]);
             if state.join(f) {
+                if P::STOPS {
+                    self.joined.push(f as u32);
+                }
                 for corner in 0..3 {
                     if state.list(f, corner) != NO_LIST {
                         self.make_ready(state, f, corner);
@@ -347,6 +392,16 @@ impl Wavefront {
         probe: &mut P,
     ) {
         if state.offer(v, d) {
+            if P::TRACES {
+                let (f, corner) = parts(origin.h);
+                let own = half_edge(f as u32, prev(corner));
+                let way = if origin.entry > 0.0 {
+                    Way::FromHead
+                } else {
+                    Way::FromTail
+                };
+                probe.reach(VertexId::new(v), HalfEdgeId::new(own), way);
+            }
             self.origins[v as usize] = origin;
             let news = self.buckets.push(v, state.distance(v).min(d));
             probe.add(Counter::QueuePushes, u64::from(news));
@@ -433,6 +488,9 @@ impl Wavefront {
         probe.enter(Phase::Propagation);
         probe.add(Counter::Filtered, (arrived - found.kept) as u64);
         probe.add(Counter::Parents, found.kept as u64);
+        if P::STOPS {
+            self.lookout.advance(found.kept);
+        }
         if probe.wants_sample(found.kept as u64) {
             probe.sample(self.store.windows().map(|w| w.min_distance()));
         }
@@ -442,6 +500,11 @@ impl Wavefront {
             let best = BestPath::of(waiting, found.best, gate.apex, size);
             // Effects are deferred: whether a path is the shortest is hard to predict.
             let news = state.offer(apex, found.distance);
+            if P::TRACES && news {
+                let way = Way::through(best.entry, best.source, triangle.l);
+                let own = half_edge(f as u32, before);
+                probe.reach(VertexId::new(apex), HalfEdgeId::new(own), way);
+            }
             let path = Improvement {
                 vertex: apex,
                 h,

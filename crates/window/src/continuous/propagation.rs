@@ -13,6 +13,8 @@ use crate::counters::Counter;
 use crate::crossing::Crossing;
 use crate::crossings::CrossedChild;
 use crate::frame::{Exit, FaceView, Side};
+use crate::goal::Lookout;
+use crate::origins::Way;
 use crate::probe::{Phase, Probe};
 use crate::queue::{Discipline, Event, EventKind};
 use crate::simd::Instructions;
@@ -43,6 +45,7 @@ pub struct Continuous<W, Q> {
     policy: W,
     queue: Q,
     lookahead: Lookahead,
+    lookout: Lookout,
     /// Children narrower than this are dropped.
     threshold: f64,
 }
@@ -56,6 +59,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             policy,
             queue,
             lookahead: Lookahead::default(),
+            lookout: Lookout::default(),
             threshold: 0.0,
         }
     }
@@ -110,12 +114,38 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             })
     }
 
+    /// Whether all that is wanted is final, now that an event under `label` has come out.
+    fn ends<P: Probe>(&mut self, label: f64, probe: &mut P) -> bool {
+        let surface = &self.surface;
+        let distance = |v| surface.distance(v);
+        self.lookout.advance(1);
+        self.queue.ends(label, &mut self.lookout, distance, probe)
+    }
+
     /// A path of length `d` reaches `v`. Only vertices at which a path may turn have a turn, unless
-    /// the discipline goes by vertices.
+    /// the discipline goes by vertices. Returns whether it is the shortest so far.
     #[inline(never)]
-    fn offer<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) {
-        if self.surface.offer(v, d) && (Q::EVERY_VERTEX || self.mesh.is_pseudo_source(v)) {
+    fn offer<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) -> bool {
+        let improves = self.surface.offer(v, d);
+        if improves && (Q::EVERY_VERTEX || self.mesh.is_pseudo_source(v)) {
             self.queue.push(d, Event::vertex(v), probe);
+        }
+        improves
+    }
+
+    /// The same for the apex of `h`, which `window` reaches.
+    #[inline(always)]
+    fn offer_apex<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        apex: VertexId,
+        d: f64,
+        window: impl FnOnce(&Self) -> Window,
+        probe: &mut P,
+    ) {
+        if self.offer(apex, d, probe) && P::TRACES {
+            let way = Way::of(&window(self), &self.surface.faces().frame(h));
+            probe.reach(apex, h.prev(), way);
         }
     }
 
@@ -128,8 +158,14 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         for i in 0..degree {
             let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
             let edges = self.surface.faces().edges_at_tail(h);
-            for (neighbour, length) in edges.into_iter().flatten() {
-                self.offer(neighbour, sigma + length, probe);
+            for (k, edge) in edges.into_iter().enumerate() {
+                let Some((neighbour, length)) = edge else {
+                    continue;
+                };
+                if self.offer(neighbour, sigma + length, probe) && P::TRACES {
+                    let (corner, way) = [(h.next(), Way::FromHead), (h.prev(), Way::FromTail)][k];
+                    probe.reach(neighbour, corner, way);
+                }
             }
         }
         let lineage = self.policy.root(v, &self.surface);
@@ -260,7 +296,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             let exit = faces.exit(h, &frame, crossing.side());
             let d = crossing.bent_distance(&exit);
             if d < self.surface.distance(apex) {
-                self.offer(apex, d, probe);
+                self.offer_apex(h, apex, d, |_| window, probe);
             }
             if let Some(heir) = self.policy.descend(&lineage) {
                 self.send(crossing.only_child(&exit), &exit, heir, probe);
@@ -290,7 +326,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         let crossing = Crossing::new(&frame, &window);
         let d = crossing.straight_distance();
         if d < self.surface.distance(apex) {
-            self.offer(apex, d, probe);
+            self.offer_apex(h, apex, d, |_| window, probe);
         }
         let Some(heir) = self.policy.descend(&lineage) else {
             return [false; 2];
@@ -321,7 +357,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         let covers_apex = crossings.covers_apex(lane);
         let (apex, d) = (crossings.apex(lane), crossings.apex_distance(lane));
         if d < self.surface.distance(apex) {
-            self.offer(apex, d, probe);
+            let window = |run: &Self| run.lookahead.crossings().window(lane);
+            self.offer_apex(h, apex, d, window, probe);
         }
         let tried = if covers_apex {
             self.split_ahead(h, lane, d, lineage, probe)
@@ -411,6 +448,7 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
         self.policy.reset();
         self.queue.clear();
         self.lookahead.clear();
+        self.lookout.clear();
         probe.add(Counter::WindowBytes, W::WINDOW_BYTES as u64);
         for &s in sources {
             self.surface.offer(s, 0.0);
@@ -420,6 +458,9 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
             self.spawn(s, probe);
         }
         while let Some((label, event)) = self.queue.pop(probe) {
+            if P::STOPS && self.ends(label, probe) {
+                break;
+            }
             if !W::FORESEES {
                 self.read_ahead();
             }
@@ -452,6 +493,10 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
             }
         }
         self.policy.finish(probe);
+        if P::TRACES {
+            let (mesh, faces) = (&self.mesh, self.surface.faces());
+            probe.renumber(mesh, |v| v, |v, i| faces.number(mesh.outgoing(v)[i]));
+        }
         Solution::new(self.surface.take_distances())
     }
 }

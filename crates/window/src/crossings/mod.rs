@@ -138,6 +138,18 @@ impl Crossings {
         self.len += 1;
     }
 
+    /// Window `lane`, as it enters.
+    pub(crate) fn window(&self, lane: usize) -> Window {
+        let w = &self.entering;
+        Window {
+            b0: w.b0[lane],
+            b1: w.b1[lane],
+            px: w.px[lane],
+            py: w.py[lane],
+            sigma: w.sigma[lane],
+        }
+    }
+
     /// Takes all windows across their triangles.
     #[inline]
     pub fn cross(&mut self, faces: &Faces) {

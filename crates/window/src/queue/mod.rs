@@ -19,6 +19,7 @@ pub use priority::Priority;
 use geobench_mesh::{HalfEdgeId, VertexId};
 
 use crate::counters::Counter;
+use crate::goal::Lookout;
 use crate::probe::Probe;
 
 /// An order in which events are taken. It sees their labels and places only; results do not
@@ -66,6 +67,14 @@ pub trait Discipline: Send {
     /// Takes the next event, with its label.
     fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)>;
 
+    /// A lower bound of the labels of all that waits and of `label`, that of an event which has just
+    /// come out, if the order of this queue gives one.
+    #[inline]
+    fn bound(&self, label: f64) -> Option<f64> {
+        let _ = label;
+        None
+    }
+
     /// Whether an event that has just come out may be dealt with although its label has grown to
     /// this; of a list, whether a window of this label goes with it.
     #[inline]
@@ -99,4 +108,24 @@ pub trait Discipline: Send {
 
     /// Forgets everything, keeping the memory.
     fn clear(&mut self);
+
+    /// Whether a run ends now that an event under `label` has come out: all that `probe` wants is
+    /// final, given the distances known.
+    fn ends<P: Probe>(
+        &self,
+        label: f64,
+        lookout: &mut Lookout,
+        distance: impl Fn(VertexId) -> f64,
+        probe: &mut P,
+    ) -> bool {
+        let Some(bound) = self.bound(label) else {
+            let waiting = || self.events().map(|(label, _)| label).chain([label]);
+            return lookout.ends(probe, label, distance, waiting);
+        };
+        let ends = probe.is_reached(bound, distance);
+        if ends {
+            probe.end(bound);
+        }
+        ends
+    }
 }

@@ -132,6 +132,11 @@ impl Discipline for Priority {
     }
 
     #[inline]
+    fn bound(&self, label: f64) -> Option<f64> {
+        Some(label)
+    }
+
+    #[inline]
     fn is_due(&self, label: f64) -> bool {
         let next = self.sorted.last();
         next.is_none_or(|&(next, _)| label <= next)

@@ -1,0 +1,286 @@
+//! Runs that end when all that is wanted of them is final.
+
+use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+
+use crate::counters::Counter;
+use crate::origins::Way;
+use crate::probe::{Phase, Probe};
+use crate::solver::Solution;
+
+/// By how much the bound of all that waits must exceed a distance, relatively, for it to be final:
+/// rounding takes far less from the labels of windows on their way.
+const MARGIN: f64 = 1e-9;
+
+/// What a run is to find: the distances of some vertices, those up to a radius, or all.
+///
+/// A run with a goal ends as soon as all of this is *final*: when nothing that still waits can lead
+/// to a shorter path. Of both targets and a radius, targets within the radius are asked for.
+///
+/// ```
+/// use geobench_window::Goal;
+///
+/// let near = Goal::targets([3, 17]).within(2.5);
+/// assert_eq!(near.radius(), 2.5);
+/// assert!(Goal::everything().radius().is_infinite());
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Goal {
+    targets: Option<Vec<VertexId>>,
+    radius: f64,
+}
+
+impl Goal {
+    /// Every distance; the run goes to its end.
+    pub const fn everything() -> Self {
+        Self {
+            targets: None,
+            radius: f64::INFINITY,
+        }
+    }
+
+    /// The distances of these vertices; of none of them, if there is none.
+    pub fn targets(targets: impl IntoIterator<Item = impl Into<VertexId>>) -> Self {
+        Self {
+            targets: Some(targets.into_iter().map(Into::into).collect()),
+            ..Self::everything()
+        }
+    }
+
+    /// The distances up to `radius` only, in the units of the mesh. NaN is no limit.
+    #[must_use]
+    pub fn within(self, radius: f64) -> Self {
+        Self { radius, ..self }
+    }
+
+    /// The vertices asked for; `None` for all.
+    pub fn vertices(&self) -> Option<&[VertexId]> {
+        self.targets.as_deref()
+    }
+
+    /// The largest distance asked for.
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Whether nothing is left out.
+    pub fn is_everything(&self) -> bool {
+        self.targets.is_none() && (self.radius.is_nan() || self.radius == f64::INFINITY)
+    }
+
+    /// Makes the distances beyond the radius infinite, for a run that went to its end.
+    pub fn cut(&self, solution: &mut Solution) {
+        for d in &mut solution.distances {
+            if *d > self.radius {
+                *d = f64::INFINITY;
+            }
+        }
+    }
+}
+
+/// Ends a run that `probe` observes once its goal is reached.
+#[derive(Clone, Debug)]
+pub(crate) struct Until<'g, P> {
+    pub(crate) probe: P,
+    goal: &'g Goal,
+    /// A target that was not final when asked last.
+    open: usize,
+    /// Nothing that waited when the run ended leads to a path shorter than this.
+    bound: f64,
+}
+
+impl<'g, P> Until<'g, P> {
+    pub(crate) fn new(probe: P, goal: &'g Goal) -> Self {
+        Self {
+            probe,
+            goal,
+            open: 0,
+            bound: f64::INFINITY,
+        }
+    }
+
+    /// Makes the distances infinite that are not final, or not within the radius.
+    pub(crate) fn cut(&self, solution: &mut Solution) {
+        for d in &mut solution.distances {
+            if !is_below(*d, self.bound) || *d > self.goal.radius {
+                *d = f64::INFINITY;
+            }
+        }
+    }
+}
+
+/// Whether no path of length `bound` or more could improve `d`.
+#[inline]
+fn is_below(d: f64, bound: f64) -> bool {
+    d < bound * (1.0 - MARGIN)
+}
+
+impl<P: Probe> Probe for Until<'_, P> {
+    const COUNTS: bool = P::COUNTS;
+    const STOPS: bool = true;
+    const TRACES: bool = P::TRACES;
+
+    #[inline]
+    fn add(&mut self, counter: Counter, n: u64) {
+        self.probe.add(counter, n);
+    }
+
+    #[inline]
+    fn raise(&mut self, counter: Counter, value: u64) {
+        self.probe.raise(counter, value);
+    }
+
+    #[inline]
+    fn wants_sample(&mut self, parents: u64) -> bool {
+        self.probe.wants_sample(parents)
+    }
+
+    fn sample(&mut self, labels: impl Iterator<Item = f64>) {
+        self.probe.sample(labels);
+    }
+
+    #[inline]
+    fn enter(&mut self, phase: Phase) {
+        self.probe.enter(phase);
+    }
+
+    #[inline]
+    fn is_reached(&mut self, bound: f64, distance: impl Fn(VertexId) -> f64) -> bool {
+        if is_below(self.goal.radius, bound) {
+            return true;
+        }
+        let Some(targets) = &self.goal.targets else {
+            return false;
+        };
+        let is_open = |i: &usize| !is_below(distance(targets[*i]), bound);
+        if self.open < targets.len() && is_open(&self.open) {
+            return false;
+        }
+        match (0..targets.len()).find(is_open) {
+            Some(open) => {
+                self.open = open;
+                false
+            }
+            None => true,
+        }
+    }
+
+    #[inline]
+    fn reach(&mut self, v: VertexId, corner: HalfEdgeId, way: Way) {
+        self.probe.reach(v, corner, way);
+    }
+
+    fn renumber(
+        &mut self,
+        mesh: &Mesh,
+        vertex: impl Fn(VertexId) -> VertexId,
+        corner: impl Fn(VertexId, usize) -> HalfEdgeId,
+    ) {
+        self.probe.renumber(mesh, vertex, corner);
+    }
+
+    fn end(&mut self, bound: f64) {
+        self.bound = bound;
+    }
+}
+
+/// Tells when a run may end, of a queue that keeps its events in no order or in one of its own.
+///
+/// To look through all that waits takes time. It is done once for as many windows propagated as
+/// were looked at the last time, so that a run takes little longer.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lookout {
+    left: usize,
+}
+
+impl Lookout {
+    /// Forgets the last run.
+    pub fn clear(&mut self) {
+        self.left = 0;
+    }
+
+    /// So many windows were propagated.
+    #[inline]
+    pub fn advance(&mut self, windows: usize) {
+        self.left = self.left.saturating_sub(windows);
+    }
+
+    /// Whether the run ends: what `probe` wants is final, given the labels of all that waits and
+    /// the distances known. `nearest` is a guess at the least label; the goal is not taken for
+    /// reached unless it would be with this one.
+    pub fn ends<P: Probe, L: Iterator<Item = f64>>(
+        &mut self,
+        probe: &mut P,
+        nearest: f64,
+        distance: impl Fn(VertexId) -> f64,
+        waiting: impl FnOnce() -> L,
+    ) -> bool {
+        if self.left > 0 || !probe.is_reached(nearest, &distance) {
+            return false;
+        }
+        let (mut least, mut count) = (f64::INFINITY, 0);
+        for label in waiting() {
+            least = label.min(least);
+            count += 1;
+        }
+        self.left = count;
+        let ends = probe.is_reached(least, &distance);
+        if ends {
+            probe.end(least);
+        }
+        ends
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn known(distances: [f64; 3]) -> impl Fn(VertexId) -> f64 {
+        move |v| distances[v.index()]
+    }
+
+    #[test]
+    fn targets_are_final_once_nothing_nearer_waits() {
+        let goal = Goal::targets([2, 0]);
+        let mut until = Until::new((), &goal);
+        assert!(!until.is_reached(5.0, known([1.0, 9.0, f64::INFINITY])));
+        assert!(!until.is_reached(5.0, known([1.0, 9.0, 5.0])), "a tie");
+        assert!(until.is_reached(5.0, known([1.0, 9.0, 4.0])));
+        assert!(!until.is_reached(1.0, known([1.0, 9.0, 0.5])));
+        until.end(5.0);
+        let mut solution = Solution::new(vec![1.0, 9.0, 4.0]);
+        until.cut(&mut solution);
+        assert_eq!(solution.distances, [1.0, f64::INFINITY, 4.0]);
+    }
+
+    #[test]
+    fn beyond_the_radius_nothing_is_known() {
+        let goal = Goal::everything().within(3.0);
+        let mut until = Until::new((), &goal);
+        assert!(!until.is_reached(3.0, known([1.0, 2.0, 3.0])));
+        assert!(until.is_reached(3.1, known([1.0, 2.0, 3.0])));
+        until.end(4.0);
+        let mut solution = Solution::new(vec![3.0, 3.5, 1.0]);
+        until.cut(&mut solution);
+        assert_eq!(solution.distances, [3.0, f64::INFINITY, 1.0]);
+    }
+
+    #[test]
+    fn a_lookout_looks_again_after_as_many_windows_as_it_saw() {
+        let goal = Goal::targets([0]);
+        let mut until = Until::new((), &goal);
+        let mut lookout = Lookout::default();
+        let mut looks = 0;
+        let mut ends = |lookout: &mut Lookout, waiting: [f64; 2]| {
+            lookout.ends(&mut until, 8.0, known([5.0; 3]), || {
+                looks += 1;
+                waiting.into_iter()
+            })
+        };
+        assert!(!ends(&mut lookout, [4.0, 9.0]));
+        assert!(!ends(&mut lookout, [9.0, 9.0]));
+        lookout.advance(2);
+        assert!(ends(&mut lookout, [9.0, 8.0]));
+        assert_eq!(looks, 2);
+    }
+}

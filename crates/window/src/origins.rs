@@ -1,0 +1,157 @@
+//! Where the shortest path to each vertex comes from.
+
+use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+
+use crate::frame::Frame;
+use crate::probe::Probe;
+use crate::window::Window;
+
+/// How a path crosses the last face before the vertex in which it ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Way {
+    /// Along the edge from the tail of the half-edge opposite to the vertex.
+    FromTail,
+    /// Along the edge from the head of that half-edge.
+    FromHead,
+    /// Straight from the image of a (pseudo-)source, in the frame of that half-edge.
+    From([f64; 2]),
+}
+
+impl Way {
+    /// The way of the shortest path of `window` to the apex of the triangle of `frame`.
+    ///
+    /// A path that bends at an end of the window bends at a vertex, or by no more than rounding.
+    pub fn of(window: &Window, frame: &Frame) -> Self {
+        let ray = (frame.cy * window.px - frame.cx * window.py) / (frame.cy - window.py);
+        let entry = ray.max(window.b0).min(window.b1);
+        Self::through(entry, window.source(), frame.l)
+    }
+
+    /// The way through abscissa `entry` of a half-edge of length `l`, from a source at `image`.
+    #[inline]
+    pub fn through(entry: f64, image: [f64; 2], l: f64) -> Self {
+        if entry <= 0.0 {
+            Self::FromTail
+        } else if entry >= l {
+            Self::FromHead
+        } else {
+            Self::From(image)
+        }
+    }
+}
+
+/// Where the shortest path to a vertex comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Origin {
+    /// From nowhere: the vertex is a source, or no path leads to it.
+    None,
+    /// Along the edge from this vertex.
+    Vertex(VertexId),
+    /// Through a half-edge whose apex the vertex is.
+    Window {
+        /// The half-edge.
+        h: HalfEdgeId,
+        /// The image of the source, or of the last vertex at which the path bends, in the frame of
+        /// the half-edge.
+        image: [f64; 2],
+    },
+}
+
+/// Where the shortest paths to all vertices of a mesh come from; 24 bytes a vertex.
+#[derive(Clone, Debug, Default)]
+pub struct Origins {
+    of: Vec<Record>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Record {
+    way: [f64; 2],
+    /// The half-edge that starts at the vertex, in the face that the path crosses last; none if
+    /// [`NONE`].
+    corner: u32,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl Record {
+    const NONE: Self = Self {
+        way: [0.0; 2],
+        corner: NONE,
+    };
+}
+
+impl Origins {
+    pub(crate) fn new(vertices: usize) -> Self {
+        Self {
+            of: vec![Record::NONE; vertices],
+        }
+    }
+
+    /// Where the path to vertex `v` of `mesh` comes from, which is the mesh of the run.
+    pub fn of(&self, mesh: &Mesh, v: VertexId) -> Origin {
+        let Record { way, corner } = self.of[v.index()];
+        if corner == NONE {
+            return Origin::None;
+        }
+        let h = HalfEdgeId::new(corner).next();
+        if !way[0].is_nan() {
+            Origin::Window { h, image: way }
+        } else if way[1] == 0.0 {
+            Origin::Vertex(mesh.tail(h))
+        } else {
+            Origin::Vertex(mesh.head(h))
+        }
+    }
+
+    /// The shortest path to `v` crosses the face of `corner`, which starts at `v`.
+    #[inline]
+    pub(crate) fn set(&mut self, v: VertexId, corner: HalfEdgeId, way: Way) {
+        self.of[v.index()] = Record {
+            way: match way {
+                Way::FromTail => [f64::NAN, 0.0],
+                Way::FromHead => [f64::NAN, 1.0],
+                Way::From(image) => image,
+            },
+            corner: corner.raw(),
+        };
+    }
+
+    /// Replaces a solver's numbers by those of `mesh`.
+    pub(crate) fn renumber(
+        &mut self,
+        mesh: &Mesh,
+        vertex: impl Fn(VertexId) -> VertexId,
+        corner: impl Fn(VertexId, usize) -> HalfEdgeId,
+    ) {
+        let of = mesh.vertices().map(|v| {
+            let record = self.of[vertex(v).index()];
+            if record.corner == NONE {
+                return record;
+            }
+            let ring = mesh.outgoing(v);
+            let place = (0..ring.len()).find(|&i| corner(v, i).raw() == record.corner);
+            let corner = place.map_or(NONE, |i| ring[i].raw());
+            Record { corner, ..record }
+        });
+        self.of = of.collect();
+    }
+}
+
+/// Keeps the origins.
+impl Probe for Origins {
+    const TRACES: bool = true;
+
+    #[inline]
+    fn reach(&mut self, v: VertexId, corner: HalfEdgeId, way: Way) {
+        self.set(v, corner, way);
+    }
+
+    fn renumber(
+        &mut self,
+        mesh: &Mesh,
+        vertex: impl Fn(VertexId) -> VertexId,
+        corner: impl Fn(VertexId, usize) -> HalfEdgeId,
+    ) {
+        Self::renumber(self, mesh, vertex, corner);
+    }
+}

@@ -1,0 +1,322 @@
+//! From a vertex back to its source.
+
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
+use geobench_window::{Goal, Origin, Origins, SolveError, Solver, Sources};
+
+use crate::path::{Path, Place, Point};
+
+/// How far beside the straight line to an image a vertex may lie that the path passes, as a
+/// fraction of the length of the line: more than unfolding moves the image.
+const BESIDE: f64 = 1e-11;
+
+/// By how much a path may differ from its distance, relatively.
+const TOLERANCE: f64 = 5e-13;
+
+/// Why a path was lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TraceError {
+    /// The vertex does not exist.
+    #[error(
+        "target vertex {vertex} does not exist: the mesh has {vertices} vertices, numbered from 0"
+    )]
+    NoSuchVertex {
+        /// The vertex asked for.
+        vertex: VertexId,
+        /// Number of vertices of the mesh.
+        vertices: usize,
+    },
+    /// The line to the image ends in a face, and no vertex is near.
+    #[error(
+        "the path to vertex {target} ends in face {face}, where no vertex continues it; please report the mesh"
+    )]
+    Lost {
+        /// The target.
+        target: VertexId,
+        /// Where it ends.
+        face: FaceId,
+    },
+    /// A path crosses no more faces than the mesh has, and passes no more vertices.
+    #[error("the path to vertex {target} has no end; please report the mesh")]
+    Endless {
+        /// The target.
+        target: VertexId,
+    },
+}
+
+/// The shortest paths to the vertices of a mesh from the nearest of the sources of a run; see the
+/// [example](crate).
+#[derive(Clone, Debug)]
+pub struct Paths {
+    mesh: Mesh,
+    distances: Vec<f64>,
+    origins: Origins,
+}
+
+impl Paths {
+    /// Has `solver`, set up for `mesh`, find what `goal` asks for, and how paths come there.
+    ///
+    /// # Errors
+    ///
+    /// When a source or a target does not exist, there is no source, or the solver cannot trace.
+    pub fn find(
+        solver: &mut (impl Solver + ?Sized),
+        mesh: &Mesh,
+        sources: impl Sources,
+        goal: &Goal,
+    ) -> Result<Self, SolveError> {
+        let (solution, origins) = solver.trace(&sources.into_vertices(), goal)?;
+        Ok(Self {
+            mesh: mesh.clone(),
+            distances: solution.distances,
+            origins,
+        })
+    }
+
+    /// The distances of all vertices; infinite where there is no path or none was asked for.
+    pub fn distances(&self) -> &[f64] {
+        &self.distances
+    }
+
+    /// The shortest path to `target`; `None` if none leads there, or none was asked for. O(faces
+    /// crossed).
+    ///
+    /// # Errors
+    ///
+    /// When `target` does not exist, or the path is lost, which is a defect of this program.
+    pub fn to(&self, target: VertexId) -> Result<Option<Path>, TraceError> {
+        let Some(&distance) = self.distances.get(target.index()) else {
+            return Err(TraceError::NoSuchVertex {
+                vertex: target,
+                vertices: self.distances.len(),
+            });
+        };
+        if distance.is_infinite() {
+            return Ok(None);
+        }
+        let mut path = Path {
+            length: 0.0,
+            points: vec![Point::at_vertex(&self.mesh, target)],
+        };
+        let mut v = target;
+        for _ in 0..self.distances.len() {
+            v = match self.origins.of(&self.mesh, v) {
+                Origin::None => {
+                    path.points.reverse();
+                    return Ok(Some(path));
+                }
+                Origin::Vertex(from) => {
+                    let edges = self.mesh.neighbours(v).filter(|&(u, _)| u == from);
+                    path.length += edges.map(|(_, l)| l).fold(f64::INFINITY, f64::min);
+                    path.points.push(Point::at_vertex(&self.mesh, from));
+                    from
+                }
+                Origin::Window { h, image } => self.follow(target, v, h, image, &mut path)?,
+            };
+        }
+        Err(TraceError::Endless { target })
+    }
+
+    /// Follows the straight line from `v`, the apex of `h`, to `image`, in the frame of `h`, up to
+    /// the vertex that `image` is or to one before it. Adds the points on the way to `path` and
+    /// returns that vertex.
+    fn follow(
+        &self,
+        target: VertexId,
+        v: VertexId,
+        h: HalfEdgeId,
+        image: [f64; 2],
+        path: &mut Path,
+    ) -> Result<VertexId, TraceError> {
+        let mesh = &self.mesh;
+        let apex = mesh.apex(h);
+        let distance = self.distances[v.index()];
+        let length = norm(sub(image, apex));
+        let mut line = Line {
+            here: apex,
+            image,
+            rest: length,
+            sigma: distance - length,
+            beside: BESIDE * length,
+            tolerance: TOLERANCE * self.distances[target.index()],
+            best: None,
+        };
+        let l = mesh.length(h);
+        let ends = [([0.0; 2], mesh.tail(h)), ([l, 0.0], mesh.head(h))];
+        for (corner, end) in ends {
+            if line.meets(corner, end, self, path) {
+                return Ok(line.go(corner, end, self, path));
+            }
+        }
+        let [cx, cy] = apex;
+        let s = cx + (image[0] - cx) * (cy / (cy - image[1]));
+        // Not if it is NaN either.
+        if !(s >= 0.0 && s <= l) {
+            return line.fall_back(h.face(), target, self, path);
+        }
+        line.advance([s, 0.0], path);
+        path.points.push(on_edge(mesh, h, s));
+        // About to cross edge `out`, in whose frame everything is.
+        let mut out = h;
+        for _ in 0..mesh.face_count() {
+            let Some(g) = mesh.twin(out) else {
+                return line.fall_back(out.face(), target, self, path);
+            };
+            let l = mesh.length(g);
+            line.transform(|[x, y]| [l - x, -y]);
+            let apex = mesh.apex(g);
+            let corner = mesh.apex_vertex(g);
+            if line.meets(apex, corner, self, path) {
+                return Ok(line.go(apex, corner, self, path));
+            }
+            let left = cross(sub(line.image, line.here), sub(apex, line.here)) <= 0.0;
+            // The exit from one corner to the other one, beyond which the image lies.
+            let (from, to, exit) = if left {
+                ([0.0; 2], apex, g.prev())
+            } else {
+                (apex, [l, 0.0], g.next())
+            };
+            let along = sub(to, from);
+            let before = cross(along, sub(line.here, from));
+            let behind = cross(along, sub(line.image, from));
+            if !(behind > 0.0) {
+                return line.fall_back(g.face(), target, self, path);
+            }
+            let share = (before / (before - behind)).clamp(0.0, 1.0);
+            let step = sub(line.image, line.here);
+            let there = [0, 1].map(|k| line.here[k] + share * step[k]);
+            line.advance(there, path);
+            // Into the frame of the exit, which runs from `to` to `from`; the image is below.
+            let size = mesh.length(exit);
+            let unit = along.map(|x| x / size);
+            line.transform(|p| {
+                let [x, y] = sub(p, from);
+                let [x, y] = [unit[0] * x + unit[1] * y, unit[0] * y - unit[1] * x];
+                [size - x, -y]
+            });
+            line.here = [line.here[0].clamp(0.0, size), 0.0];
+            path.points.push(on_edge(mesh, exit, line.here[0]));
+            out = exit;
+        }
+        line.fall_back(out.face(), target, self, path)
+    }
+}
+
+/// The point at abscissa `s` of `h`.
+fn on_edge(mesh: &Mesh, h: HalfEdgeId, s: f64) -> Point {
+    let t = s / mesh.length(h);
+    let mut barycentric = [0.0; 3];
+    barycentric[h.corner() as usize] = 1.0 - t;
+    barycentric[h.next().corner() as usize] = t;
+    Point {
+        place: Place::Edge {
+            ends: [mesh.tail(h), mesh.head(h)],
+            t,
+        },
+        face: Some(h.face()),
+        barycentric,
+    }
+}
+
+/// The rest of the line to an image.
+struct Line {
+    here: [f64; 2],
+    image: [f64; 2],
+    /// Distance of the two.
+    rest: f64,
+    /// The distance of what the image is of.
+    sigma: f64,
+    beside: f64,
+    tolerance: f64,
+    /// The vertex through which the path would be shortest, of those that it came by.
+    best: Option<Best>,
+}
+
+/// A vertex to which a path can go from one of its points, across one face.
+struct Best {
+    vertex: VertexId,
+    /// By how much the path would be too long.
+    excess: f64,
+    /// Its points up to there, its length up to there, and how far the vertex is.
+    points: usize,
+    length: f64,
+    way: f64,
+}
+
+impl Line {
+    /// Whether the path passes vertex `v` at `corner` of the face under way.
+    fn meets(&mut self, corner: [f64; 2], v: VertexId, paths: &Paths, path: &Path) -> bool {
+        let to_corner = sub(corner, self.here);
+        let way = norm(to_corner);
+        let excess = way + paths.distances[v.index()] - (self.rest + self.sigma);
+        if self.best.as_ref().is_none_or(|best| excess < best.excess) {
+            self.best = Some(Best {
+                vertex: v,
+                excess,
+                points: path.points.len(),
+                length: path.length,
+                way,
+            });
+        }
+        let to_image = sub(self.image, self.here);
+        let across = cross(to_image, to_corner).abs();
+        let along = to_image[0] * to_corner[0] + to_image[1] * to_corner[1];
+        let is_beside = if self.rest > 0.0 {
+            across <= self.beside * self.rest && along >= 0.0
+        } else {
+            way <= self.beside
+        };
+        is_beside && excess.abs() <= self.tolerance
+    }
+
+    /// Ends in vertex `v` at `corner`.
+    fn go(&self, corner: [f64; 2], v: VertexId, paths: &Paths, path: &mut Path) -> VertexId {
+        path.length += norm(sub(corner, self.here));
+        path.points.push(Point::at_vertex(&paths.mesh, v));
+        v
+    }
+
+    /// The image is not where a vertex is: turns to a vertex on the way from which the path is as
+    /// short, if there is one.
+    #[cold]
+    fn fall_back(
+        &self,
+        face: FaceId,
+        target: VertexId,
+        paths: &Paths,
+        path: &mut Path,
+    ) -> Result<VertexId, TraceError> {
+        let best = self.best.as_ref();
+        let best = best.filter(|best| best.excess <= self.tolerance);
+        let best = best.ok_or(TraceError::Lost { target, face })?;
+        path.points.truncate(best.points);
+        path.points.push(Point::at_vertex(&paths.mesh, best.vertex));
+        path.length = best.length + best.way;
+        Ok(best.vertex)
+    }
+
+    /// Goes on to `there`.
+    fn advance(&mut self, there: [f64; 2], path: &mut Path) {
+        path.length += norm(sub(there, self.here));
+        self.here = there;
+        self.rest = norm(sub(self.image, there));
+    }
+
+    /// Into another frame.
+    fn transform(&mut self, frame: impl Fn([f64; 2]) -> [f64; 2]) {
+        self.here = frame(self.here);
+        self.image = frame(self.image);
+    }
+}
+
+fn sub(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+fn norm([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
+}

@@ -1,0 +1,132 @@
+//! Paths of every kind of solver, on every small surface of the zoo and on random nasty ones.
+
+mod straight;
+
+use geobench_fwp::{
+    BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, lc_ch, vtp_ch, vtp_mmp,
+};
+use geobench_ich::{ch, ich};
+use geobench_mesh::{Mesh, TriangleSoup, VertexId};
+use geobench_mmp::{mmp, mmp_by_window, mmp_edge};
+use geobench_oracle::{Geometry, Model, zoo};
+use geobench_paths::{Paths, TraceError};
+use geobench_vtp::{EdgeBased, Ftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpTrimming};
+use geobench_window::{Goal, Solver};
+
+use crate::straight::check_path;
+
+fn mesh_of(model: &Model) -> Mesh {
+    let triangles = model.triangles.clone();
+    let built = match &model.geometry {
+        Geometry::Positions(positions) => {
+            Mesh::from_soup(TriangleSoup::new(positions.clone(), triangles))
+        }
+        Geometry::Lengths(lengths) => Mesh::from_lengths(model.vertex_count, &triangles, lengths),
+    };
+    built
+        .unwrap_or_else(|refused| panic!("{}: {refused}", model.name))
+        .0
+}
+
+fn solvers(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver>)> {
+    let mut all: Vec<(&'static str, Box<dyn Solver>)> = vec![
+        ("mmp", Box::new(mmp(mesh))),
+        ("mmp by window", Box::new(mmp_by_window(mesh))),
+        ("mmp-edge", Box::new(mmp_edge(mesh))),
+        ("ich", Box::new(ich(mesh))),
+        ("fwp-mmp", Box::new(fwp_mmp(mesh, BucketOptions::default()))),
+        ("fwp-ch", Box::new(fwp_ch(mesh, BucketOptions::default()))),
+        (
+            "lc-ch",
+            Box::new(lc_ch(mesh, LabelCorrectingOptions::default())),
+        ),
+        ("vtp-mmp", Box::new(vtp_mmp(mesh))),
+        ("vtp-ch", Box::new(vtp_ch(mesh))),
+        ("ftp", Box::new(Ftp::new(mesh))),
+        ("vtp", Box::new(Vtp::new(mesh))),
+        ("opvtp", Box::new(Opvtp::new(mesh))),
+        ("vtp-exhaustive", Box::new(VtpExhaustive::new(mesh))),
+        ("vtp-trimming", Box::new(VtpTrimming::new(mesh))),
+        ("edge-based", Box::new(EdgeBased::new(mesh))),
+        ("vtp-fast", Box::new(VtpFast::new(mesh))),
+        ("pvtp", Box::new(Pvtp::new(mesh, 2))),
+    ];
+    if mesh.face_count() < 200 {
+        all.push(("ch", Box::new(ch(mesh))));
+    }
+    all
+}
+
+/// Checks the paths from `sources` to all vertices, and adds what is wrong to `failures`.
+fn check(name: &str, mesh: &Mesh, sources: &[u32], failures: &mut Vec<String>) {
+    for (algorithm, mut solver) in solvers(mesh) {
+        let ids: Vec<VertexId> = sources.iter().copied().map(VertexId::new).collect();
+        let expected = solver.solve(&ids).unwrap().distances;
+        let paths = Paths::find(solver.as_mut(), mesh, sources, &Goal::everything()).unwrap();
+        for v in mesh.vertices() {
+            let at = || format!("{name}, {algorithm}, from {sources:?} to {v}");
+            let d = expected[v.index()];
+            match paths.to(v) {
+                Err(lost) => failures.push(format!("{}: {lost}", at())),
+                Ok(None) if d == f64::INFINITY => {}
+                Ok(None) => failures.push(format!("{}: no path", at())),
+                Ok(Some(path)) => {
+                    if let Err(wrong) = check_path(mesh, &path, sources, v, d) {
+                        failures.push(format!("{}: {wrong}", at()));
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn report(failures: &[String]) {
+    let first = failures.iter().take(40);
+    let lines: String = first.map(|line| format!("\n  {line}")).collect();
+    assert!(failures.is_empty(), "{} failures:{lines}", failures.len());
+}
+
+#[test]
+fn paths_are_straight_and_as_long_as_the_distances() {
+    let mut failures = Vec::new();
+    for model in zoo::small() {
+        let mesh = mesh_of(&model);
+        check(&model.name, &mesh, &model.sources[..1], &mut failures);
+        check(&model.name, &mesh, &model.sources, &mut failures);
+    }
+    report(&failures);
+}
+
+#[test]
+fn a_run_for_one_target_traces_the_same_path() {
+    let mesh = Mesh::generate("sphere,subdiv=3,noise=0.1,seed=3").unwrap();
+    for (name, mut solver) in solvers(&mesh) {
+        let all = Paths::find(solver.as_mut(), &mesh, 5, &Goal::everything()).unwrap();
+        for target in [6, 77, 300] {
+            let one = Paths::find(solver.as_mut(), &mesh, 5, &Goal::targets([target])).unwrap();
+            let target = VertexId::new(target);
+            assert_eq!(one.to(target), all.to(target), "{name} to {target}");
+        }
+    }
+}
+
+#[test]
+fn targets_that_do_not_exist_or_are_not_reached_have_no_path() {
+    let apart = mesh_of(&zoo::with_isolated_vertices(&zoo::octahedron(), &[0]));
+    let mut solver = VtpFast::new(&apart);
+    let paths = Paths::find(&mut solver, &apart, 3, &Goal::everything()).unwrap();
+    let lonely = apart
+        .vertices()
+        .find(|&v| apart.outgoing(v).is_empty())
+        .unwrap();
+    assert_eq!(paths.to(lonely), Ok(None));
+    let missing = VertexId::new(9999);
+    assert!(matches!(
+        paths.to(missing),
+        Err(TraceError::NoSuchVertex { .. })
+    ));
+    let from_itself = Paths::find(&mut solver, &apart, lonely, &Goal::everything()).unwrap();
+    let path = from_itself.to(lonely).unwrap().unwrap();
+    assert_eq!((path.length, path.points.len()), (0.0, 1));
+    assert_eq!(path.points[0].face, None);
+}

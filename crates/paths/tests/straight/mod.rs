@@ -1,0 +1,214 @@
+//! Whether a path is a shortest one, told by the path and the mesh alone.
+
+use std::f64::consts::PI;
+
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
+use geobench_paths::{Path, Place, Point};
+
+/// Whether `path` goes from one of `sources` to `target`, is `d` long, straight across every edge,
+/// and has an angle of at least π on both sides of each vertex that it passes.
+pub(crate) fn check_path(
+    mesh: &Mesh,
+    path: &Path,
+    sources: &[u32],
+    target: VertexId,
+    d: f64,
+) -> Result<(), String> {
+    check_ends(path, sources, target)?;
+    check_length(mesh, path, d)?;
+    check_bends(mesh, path, d)
+}
+
+/// Whether `path` goes from one of `sources` to `target`.
+pub(crate) fn check_ends(path: &Path, sources: &[u32], target: VertexId) -> Result<(), String> {
+    let points = &path.points;
+    let ends = [points[0].vertex(), points[points.len() - 1].vertex()];
+    if ends[1] != Some(target) || !ends[0].is_some_and(|v| sources.contains(&v.raw())) {
+        return Err(format!("it goes from {:?} to {:?}", ends[0], ends[1]));
+    }
+    Ok(())
+}
+
+/// Whether `path` is `d` long, to 1e-12 of that and what rounding moves its points along edges.
+pub(crate) fn check_length(mesh: &Mesh, path: &Path, d: f64) -> Result<(), String> {
+    let slack = 2.0 * f64::EPSILON * longest_edge(mesh) * path.points.len() as f64;
+    let mut length = 0.0;
+    for pair in path.points.windows(2) {
+        length += shared_faces(mesh, [&pair[0], &pair[1]])
+            .map(|(_, [a, b])| (a[0] - b[0]).hypot(a[1] - b[1]))
+            .fold(f64::INFINITY, f64::min);
+    }
+    for (what, found) in [("said", path.length), ("measured", length)] {
+        if !((found - d).abs() <= 1e-12 * d + slack) {
+            return Err(format!(
+                "{found} long as {what}, for a distance of {d}, {:e} of it too long",
+                (found - d) / d
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Whether `path`, `d` long, is straight across every edge and cannot be cut short at a vertex.
+fn check_bends(mesh: &Mesh, path: &Path, d: f64) -> Result<(), String> {
+    let points = &path.points;
+    // Rounding moves a path that is short beside its edges by more than its own rounding.
+    let longest = mesh
+        .half_edges()
+        .map(|h| mesh.length(h))
+        .fold(0.0, f64::max);
+    for triple in points.windows(3) {
+        let [before, point, after] = [0, 1, 2].map(|k| &triple[k]);
+        let (bend, most) = match point.place {
+            Place::Vertex(v) => (
+                shortcut_at_vertex(mesh, v, [before, after]),
+                1e-13 * d + 1e-15 * longest,
+            ),
+            Place::Edge { .. } => (bend_at_edge(mesh, point, [before, after]), 1e-10 * d),
+            Place::Face => (f64::INFINITY, 0.0),
+        };
+        if !(bend <= most) {
+            return Err(format!("a bend of {bend:e} at {point:?}, {d} long"));
+        }
+    }
+    if points.len() > mesh.face_count() + mesh.vertex_count() {
+        return Err(format!("{} points", points.len()));
+    }
+    Ok(())
+}
+
+fn longest_edge(mesh: &Mesh) -> f64 {
+    mesh.half_edges()
+        .map(|h| mesh.length(h))
+        .fold(0.0, f64::max)
+}
+
+/// Where the corners of a face are.
+fn corners(mesh: &Mesh, f: FaceId) -> [[f64; 2]; 3] {
+    let h = f.half_edge(0);
+    [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)]
+}
+
+/// Where a point is in a face, if it is there.
+fn place(mesh: &Mesh, f: FaceId, point: &Point) -> Option<[f64; 2]> {
+    let at = corners(mesh, f);
+    let vertices = mesh.face_vertices(f);
+    let corner = |v| vertices.iter().position(|&u| u == v);
+    match point.place {
+        Place::Vertex(v) => corner(v).map(|k| at[k]),
+        Place::Edge { ends: [a, b], t } => {
+            let own = point.face?;
+            let edge = (0..3).map(|k| own.half_edge(k)).find(|&h| {
+                let ends = [mesh.tail(h), mesh.head(h)];
+                ends == [a, b] || ends == [b, a]
+            })?;
+            if own != f && mesh.twin(edge).map(HalfEdgeId::face) != Some(f) {
+                return None;
+            }
+            let (a, b) = (at[corner(a)?], at[corner(b)?]);
+            Some([0, 1].map(|k| (1.0 - t) * a[k] + t * b[k]))
+        }
+        Place::Face => None,
+    }
+}
+
+/// The faces that hold both points, with where they are.
+fn shared_faces(mesh: &Mesh, [a, b]: [&Point; 2]) -> impl Iterator<Item = (FaceId, [[f64; 2]; 2])> {
+    let around = |point: &Point| -> Vec<FaceId> {
+        match point.place {
+            Place::Vertex(v) => mesh.outgoing(v).iter().map(|h| h.face()).collect(),
+            _ => {
+                let own = point.face.into_iter();
+                let halves = own.flat_map(|f| (0..3).map(move |k| f.half_edge(k)));
+                let mut faces: Vec<_> = halves
+                    .filter_map(|h| mesh.twin(h))
+                    .map(HalfEdgeId::face)
+                    .collect();
+                faces.extend(point.face);
+                faces
+            }
+        }
+    };
+    let faces = around(a).into_iter();
+    let shared = faces.filter_map(|f| Some((f, [place(mesh, f, a)?, place(mesh, f, b)?])));
+    shared.collect::<Vec<_>>().into_iter()
+}
+
+/// How far sideways the path is bent where it crosses an edge.
+fn bend_at_edge(mesh: &Mesh, point: &Point, [before, after]: [&Point; 2]) -> f64 {
+    let Place::Edge { ends: [a, _], .. } = point.place else {
+        return f64::INFINITY;
+    };
+    let mut least = f64::INFINITY;
+    for (f, [p, here]) in shared_faces(mesh, [before, point]) {
+        for (g, [q, there]) in shared_faces(mesh, [after, point]) {
+            if f == g {
+                continue;
+            }
+            let angle = |face: FaceId, from: [f64; 2], to: [f64; 2]| {
+                let k = mesh
+                    .face_vertices(face)
+                    .iter()
+                    .position(|&v| v == a)
+                    .unwrap_or(0);
+                let corner = corners(mesh, face)[k];
+                let (x, y) = (sub(to, from), sub(corner, from));
+                (x[0] * y[1] - x[1] * y[0])
+                    .abs()
+                    .atan2(x[0] * y[0] + x[1] * y[1])
+            };
+            let turn = (angle(f, here, p) + angle(g, there, q) - PI).abs();
+            let arm = norm(sub(p, here)).min(norm(sub(q, there)));
+            least = least.min(turn * arm);
+        }
+    }
+    least
+}
+
+/// By how much the path could be cut short on a side of a vertex where its angle is less than π.
+fn shortcut_at_vertex(mesh: &Mesh, v: VertexId, [before, after]: [&Point; 2]) -> f64 {
+    if mesh.is_pinched(v) {
+        return 0.0;
+    }
+    let total = mesh.total_angle(v);
+    let directions = |point: &Point| -> Vec<(f64, f64)> {
+        let mut sum = 0.0;
+        let mut found = Vec::new();
+        for &h in mesh.outgoing(v) {
+            let corner = h.corner() as usize;
+            let at = corners(mesh, h.face());
+            let [o, a, b] = [0, 1, 2].map(|k| at[(corner + k) % 3]);
+            let angle = |p: [f64; 2]| {
+                let (x, y) = (sub(a, o), sub(p, o));
+                (x[0] * y[1] - x[1] * y[0]).atan2(x[0] * y[0] + x[1] * y[1])
+            };
+            if let Some(p) = place(mesh, h.face(), point) {
+                found.push((sum + angle(p), norm(sub(p, o))));
+            }
+            sum += angle(b);
+        }
+        found
+    };
+    let mut least = f64::INFINITY;
+    for (a, p) in directions(before) {
+        for &(b, q) in &directions(after) {
+            let between = (a - b).abs();
+            let narrow = if mesh.is_boundary(v) {
+                between
+            } else {
+                between.min(total - between)
+            };
+            let bend = (PI - narrow).max(0.0);
+            least = least.min(p.min(q) * bend * bend / 2.0);
+        }
+    }
+    least
+}
+
+fn sub(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn norm([x, y]: [f64; 2]) -> f64 {
+    x.hypot(y)
+}

@@ -120,6 +120,9 @@ impl Paths {
     /// Follows the straight line from `v`, the apex of `h`, to `image`, in the frame of `h`, up to
     /// the vertex that `image` is or to one before it. Adds the points on the way to `path` and
     /// returns that vertex.
+    ///
+    /// Beside slivers an image may be further off than what its distance tells. The line then
+    /// comes by the vertex that is meant, and is drawn once more to where that lies.
     fn follow(
         &self,
         target: VertexId,
@@ -128,67 +131,110 @@ impl Paths {
         image: [f64; 2],
         path: &mut Path,
     ) -> Result<VertexId, TraceError> {
-        let mesh = &self.mesh;
-        let apex = mesh.apex(h);
-        let distance = self.distances[v.index()];
+        let (points, length) = (path.points.len(), path.length);
+        let mut line = self.line(target, v, h, image);
+        match self.walk(h, &mut line, path) {
+            Ok(vertex) => Ok(vertex),
+            Err(face) => {
+                if let Some(found) = line.turn(self, path) {
+                    return Ok(found);
+                }
+                path.points.truncate(points);
+                path.length = length;
+                let lost = TraceError::Lost { target, face };
+                let aim = line.aim.ok_or(lost)?;
+                let mut line = self.line(target, v, h, aim);
+                let found = self.walk(h, &mut line, path).ok();
+                found.or_else(|| line.turn(self, path)).ok_or(lost)
+            }
+        }
+    }
+
+    /// The line from `v`, the apex of `h`, to `image`.
+    fn line(&self, target: VertexId, v: VertexId, h: HalfEdgeId, image: [f64; 2]) -> Line {
+        let apex = self.mesh.apex(h);
         let length = norm(sub(image, apex));
-        let mut line = Line {
+        let distance = self.distances[v.index()];
+        Line {
+            start: [apex; 2],
+            goal: image,
             here: apex,
             image,
             rest: length,
+            distance,
             sigma: distance - length,
             beside: BESIDE * length,
             tolerance: TOLERANCE * self.distances[target.index()],
+            longest: 0.0,
             best: None,
-        };
-        let l = mesh.length(h);
+            aim: None,
+        }
+    }
+
+    /// Goes along `line` from the apex of `h` to the vertex where it ends, or to one that it
+    /// passes. If there is none, returns the face in which it ends.
+    fn walk(&self, h: HalfEdgeId, line: &mut Line, path: &mut Path) -> Result<VertexId, FaceId> {
+        let mesh = &self.mesh;
+        let (apex, l) = (mesh.apex(h), mesh.length(h));
+        line.enter(l, apex);
         let ends = [([0.0; 2], mesh.tail(h)), ([l, 0.0], mesh.head(h))];
         for (corner, end) in ends {
             if line.meets(corner, end, self, path) {
                 return Ok(line.go(corner, end, self, path));
             }
         }
-        let [cx, cy] = apex;
-        let s = cx + (image[0] - cx) * (cy / (cy - image[1]));
-        // Not if it is NaN either.
-        if !(s >= 0.0 && s <= l) {
-            return line.fall_back(h.face(), target, self, path);
+        let [px, py] = line.image;
+        let s = apex[0] + (px - apex[0]) * (apex[1] / (apex[1] - py));
+        if let Some(g) = mesh.twin(h) {
+            // The path may bend at a corner of a face without area behind this edge.
+            let [x, y] = mesh.apex(g);
+            line.consider([l - x, -y], mesh.apex_vertex(g), self);
         }
+        // Not if it is NaN either.
+        if !(s >= -line.beside && s <= l + line.beside) {
+            return Err(h.face());
+        }
+        let s = s.clamp(0.0, l);
         line.advance([s, 0.0], path);
         path.points.push(on_edge(mesh, h, s));
         // About to cross edge `out`, in whose frame everything is.
         let mut out = h;
         for _ in 0..mesh.face_count() {
             let Some(g) = mesh.twin(out) else {
-                return line.fall_back(out.face(), target, self, path);
+                return Err(out.face());
             };
-            let l = mesh.length(g);
+            let (apex, l) = (mesh.apex(g), mesh.length(g));
             line.transform(|[x, y]| [l - x, -y]);
-            let apex = mesh.apex(g);
+            line.enter(l, apex);
             let corner = mesh.apex_vertex(g);
             if line.meets(apex, corner, self, path) {
                 return Ok(line.go(apex, corner, self, path));
             }
-            let left = cross(sub(line.image, line.here), sub(apex, line.here)) <= 0.0;
+            let left = if line.rest > line.beside {
+                cross(sub(line.image, line.here), sub(apex, line.here)) <= 0.0
+            } else {
+                // The image is on this edge, and is the corner of another face without area.
+                line.here[0] < apex[0]
+            };
             // The exit from one corner to the other one, beyond which the image lies.
             let (from, to, exit) = if left {
                 ([0.0; 2], apex, g.prev())
             } else {
                 (apex, [l, 0.0], g.next())
             };
-            let along = sub(to, from);
-            let before = cross(along, sub(line.here, from));
-            let behind = cross(along, sub(line.image, from));
-            if !(behind > 0.0) {
-                return line.fall_back(g.face(), target, self, path);
-            }
-            let share = (before / (before - behind)).clamp(0.0, 1.0);
-            let step = sub(line.image, line.here);
-            let there = [0, 1].map(|k| line.here[k] + share * step[k]);
-            line.advance(there, path);
-            // Into the frame of the exit, which runs from `to` to `from`; the image is below.
             let size = mesh.length(exit);
-            let unit = along.map(|x| x / size);
+            let unit = sub(to, from).map(|x| x / size);
+            let before = cross(unit, sub(line.here, from)).min(0.0);
+            let behind = cross(unit, sub(line.image, from));
+            if !(behind >= -line.beside) {
+                return Err(g.face());
+            }
+            let share = (before / (before - behind.max(0.0))).clamp(0.0, 1.0);
+            // There is no way to go if it is NaN.
+            let share = if share.is_nan() { 0.0 } else { share };
+            let step = sub(line.image, line.here);
+            line.advance([0, 1].map(|k| line.here[k] + share * step[k]), path);
+            // Into the frame of the exit, which runs from `to` to `from`; the image is below.
             line.transform(|p| {
                 let [x, y] = sub(p, from);
                 let [x, y] = [unit[0] * x + unit[1] * y, unit[0] * y - unit[1] * x];
@@ -198,7 +244,7 @@ impl Paths {
             path.points.push(on_edge(mesh, exit, line.here[0]));
             out = exit;
         }
-        line.fall_back(out.face(), target, self, path)
+        Err(out.face())
     }
 }
 
@@ -218,18 +264,30 @@ fn on_edge(mesh: &Mesh, h: HalfEdgeId, s: f64) -> Point {
     }
 }
 
-/// The rest of the line to an image.
+/// The rest of the line to an image, in the frame of the face under way.
 struct Line {
+    /// Where it starts: in the frame of its first half-edge, and in that of the face under way.
+    start: [[f64; 2]; 2],
+    /// The image in the frame of the first half-edge.
+    goal: [f64; 2],
     here: [f64; 2],
     image: [f64; 2],
     /// Distance of the two.
     rest: f64,
-    /// The distance of what the image is of.
+    /// The distance of the vertex at which it starts, and of what the image is of.
+    distance: f64,
     sigma: f64,
+    /// How far beside it a vertex may be that it passes.
     beside: f64,
+    /// By how much it may be too long.
     tolerance: f64,
+    /// The longest edge met.
+    longest: f64,
     /// The vertex through which the path would be shortest, of those that it came by.
     best: Option<Best>,
+    /// Where a vertex lies, in the frame of the first half-edge, to which the line would have the
+    /// right length.
+    aim: Option<[f64; 2]>,
 }
 
 /// A vertex to which a path can go from one of its points, across one face.
@@ -244,11 +302,51 @@ struct Best {
 }
 
 impl Line {
+    /// Enters a face across an edge of length `l` with the apex beyond it: rounding moves points by
+    /// parts of its size.
+    fn enter(&mut self, l: f64, apex: [f64; 2]) {
+        let size = l.max(norm(apex));
+        if size > self.longest {
+            let slack = 4.0 * f64::EPSILON * (size - self.longest);
+            self.longest = size;
+            self.beside += slack;
+            self.tolerance += slack;
+        }
+    }
+
+    /// Notes where vertex `v` lies, at `corner` of the face under way, if a straight line to it
+    /// would have the right length.
+    fn consider(&mut self, corner: [f64; 2], v: VertexId, paths: &Paths) {
+        let known = paths.distances[v.index()];
+        let [first, start] = self.start;
+        let straight = sub(corner, start);
+        let is_as_long = (norm(straight) + known - self.distance).abs() <= self.tolerance;
+        if is_as_long && known < self.distance {
+            // Turned back by the angle between the line here and there.
+            let (here, there) = (sub(self.image, start), sub(self.goal, first));
+            let square = here[0] * here[0] + here[1] * here[1];
+            let turn = [
+                (here[0] * there[0] + here[1] * there[1]) / square,
+                cross(here, there) / square,
+            ];
+            self.aim = Some([
+                first[0] + turn[0] * straight[0] - turn[1] * straight[1],
+                first[1] + turn[1] * straight[0] + turn[0] * straight[1],
+            ]);
+        }
+    }
+
     /// Whether the path passes vertex `v` at `corner` of the face under way.
     fn meets(&mut self, corner: [f64; 2], v: VertexId, paths: &Paths, path: &Path) -> bool {
+        let known = paths.distances[v.index()];
+        // The vertices of a path come ever nearer to its source.
+        if known >= self.distance {
+            return false;
+        }
+        self.consider(corner, v, paths);
         let to_corner = sub(corner, self.here);
         let way = norm(to_corner);
-        let excess = way + paths.distances[v.index()] - (self.rest + self.sigma);
+        let excess = way + known - (self.rest + self.sigma);
         if self.best.as_ref().is_none_or(|best| excess < best.excess) {
             self.best = Some(Best {
                 vertex: v,
@@ -261,11 +359,7 @@ impl Line {
         let to_image = sub(self.image, self.here);
         let across = cross(to_image, to_corner).abs();
         let along = to_image[0] * to_corner[0] + to_image[1] * to_corner[1];
-        let is_beside = if self.rest > 0.0 {
-            across <= self.beside * self.rest && along >= 0.0
-        } else {
-            way <= self.beside
-        };
+        let is_beside = way <= self.beside || (across <= self.beside * self.rest && along >= 0.0);
         is_beside && excess.abs() <= self.tolerance
     }
 
@@ -276,23 +370,15 @@ impl Line {
         v
     }
 
-    /// The image is not where a vertex is: turns to a vertex on the way from which the path is as
-    /// short, if there is one.
+    /// Turns to a vertex on the way from which the path is as short, if there is one.
     #[cold]
-    fn fall_back(
-        &self,
-        face: FaceId,
-        target: VertexId,
-        paths: &Paths,
-        path: &mut Path,
-    ) -> Result<VertexId, TraceError> {
+    fn turn(&self, paths: &Paths, path: &mut Path) -> Option<VertexId> {
         let best = self.best.as_ref();
-        let best = best.filter(|best| best.excess <= self.tolerance);
-        let best = best.ok_or(TraceError::Lost { target, face })?;
+        let best = best.filter(|best| best.excess <= self.tolerance)?;
         path.points.truncate(best.points);
         path.points.push(Point::at_vertex(&paths.mesh, best.vertex));
         path.length = best.length + best.way;
-        Ok(best.vertex)
+        Some(best.vertex)
     }
 
     /// Goes on to `there`.
@@ -304,6 +390,7 @@ impl Line {
 
     /// Into another frame.
     fn transform(&mut self, frame: impl Fn([f64; 2]) -> [f64; 2]) {
+        self.start[1] = frame(self.start[1]);
         self.here = frame(self.here);
         self.image = frame(self.image);
     }

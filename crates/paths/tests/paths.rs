@@ -81,7 +81,18 @@ fn check(name: &str, mesh: &Mesh, sources: &[u32], failures: &mut Vec<String>) {
 }
 
 fn report(failures: &[String]) {
-    let first = failures.iter().take(40);
+    // A few of each model.
+    let mut of_model = ("", 0);
+    let first = failures.iter().filter(|line| {
+        let model = line.split(", ").next().unwrap_or_default();
+        of_model = if of_model.0 == model {
+            (model, of_model.1 + 1)
+        } else {
+            (model, 0)
+        };
+        of_model.1 < 3
+    });
+    let first = first.take(60);
     let lines: String = first.map(|line| format!("\n  {line}")).collect();
     assert!(failures.is_empty(), "{} failures:{lines}", failures.len());
 }

@@ -1,5 +1,7 @@
 //! Whether a path is a shortest one, told by the path and the mesh alone.
 
+#![allow(dead_code)] // Each test program uses a part of it.
+
 use std::f64::consts::PI;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
@@ -64,7 +66,10 @@ fn check_bends(mesh: &Mesh, path: &Path, d: f64) -> Result<(), String> {
                 shortcut_at_vertex(mesh, v, [before, after]),
                 1e-13 * d + 1e-15 * longest,
             ),
-            Place::Edge { .. } => (bend_at_edge(mesh, point, [before, after]), 1e-10 * d),
+            Place::Edge { .. } => (
+                bend_at_edge(mesh, point, [before, after]),
+                1e-10 * d + 1e-15 * longest,
+            ),
             Place::Face => (f64::INFINITY, 0.0),
         };
         if !(bend <= most) {

@@ -75,6 +75,8 @@ pub(super) enum Command {
     Claims(ClaimsOptions),
     /// Write the distances of all vertices from one or several sources
     Distance(DistanceOptions),
+    /// Trace shortest paths over the surface
+    Path(PathOptions),
     /// Write a generated model to a file
     Gen(GenOptions),
     /// Show counts, defects, genus and anisotropy of models
@@ -267,6 +269,52 @@ pub(super) struct VerifyOptions {
     pub(super) isolation: IsolationOptions,
 
     /// Print only disagreements
+    #[arg(long)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(super) struct PathOptions {
+    /// The model
+    #[arg(value_name = "MODEL")]
+    pub(super) model: String,
+
+    /// The source: a vertex number, first, a list of numbers or random:N[,seed=S]; from several
+    /// sources a path starts at the nearest
+    #[arg(
+        long,
+        value_name = "SRC",
+        required = true,
+        allow_negative_numbers = true
+    )]
+    pub(super) source: Vec<SourceSpec>,
+
+    /// The targets, in the same form; the search ends when all are reached
+    #[arg(
+        long,
+        value_name = "DST",
+        required_unless_present = "all_targets",
+        allow_negative_numbers = true
+    )]
+    pub(super) target: Vec<SourceSpec>,
+
+    /// Paths to all vertices
+    #[arg(long, conflicts_with = "target")]
+    pub(super) all_targets: bool,
+
+    /// The algorithm, an exact one
+    #[arg(long, value_name = "A", default_value = "vtp-fast", value_parser = registry::select_one)]
+    pub(super) algo: Selection,
+
+    #[command(flatten)]
+    pub(super) reading: ReadingOptions,
+
+    /// File to write, by its ending: .json, .csv, .obj, .ply or .vtk
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+
+    /// No summary
     #[arg(long)]
     pub(super) quiet: bool,
 }

@@ -9,6 +9,7 @@ mod generate;
 mod info;
 mod isolation;
 mod merge;
+mod path;
 mod pool;
 mod progress;
 mod report;
@@ -79,6 +80,7 @@ fn command() -> ExitCode {
         Command::Report(options) => report::report(&options),
         Command::Claims(options) => claims::claims(&options, terminal),
         Command::Distance(options) => distance::distance(&options),
+        Command::Path(options) => path::path(&options),
         Command::Gen(options) => generate::generate(&options),
         Command::Info(options) => info::info(&options),
         Command::Algos(options) => algos::algos(&options, terminal),

@@ -17,6 +17,7 @@ pub(crate) mod latex;
 pub(crate) mod markdown;
 mod model;
 pub mod output;
+pub mod path_formats;
 pub(crate) mod results;
 pub(crate) mod terminal;
 #[cfg(test)]

@@ -11,6 +11,7 @@ mod instructions;
 mod isolation;
 mod merge;
 mod outside;
+mod path;
 mod pool;
 mod report;
 mod reproduce;

@@ -1,0 +1,132 @@
+//! `geobench path`.
+
+use serde_json::json;
+
+use crate::support::Sandbox;
+
+/// A strip of four unit squares and, apart from it, a triangle.
+const STRIP: &str = "OFF\n13 9 0\n0 0 0\n1 0 0\n2 0 0\n3 0 0\n4 0 0\n0 1 0\n1 1 0\n2 1 0\n3 1 0\n4 1 0\n\
+    9 0 0\n10 0 0\n9 1 0\n3 0 1 6\n3 0 6 5\n3 1 2 7\n3 1 7 6\n3 2 3 8\n3 2 8 7\n3 3 4 9\n3 3 9 8\n\
+    3 10 11 12\n";
+
+#[test]
+fn json_has_points_edges_and_lengths() {
+    let sandbox = Sandbox::new();
+    sandbox.write("strip.off", STRIP);
+    let said = sandbox.succeed("path strip.off --source 5 --target 4 --target 10 -o p.json");
+    assert!(
+        said.starts_with("vertex 5 to 4: length 4.123105625617"),
+        "{said}"
+    );
+    assert!(
+        said.contains("edges crossed, 0 vertices passed\nvertex 10: unreachable\n"),
+        "{said}"
+    );
+    let file = sandbox.json("p.json");
+    assert_eq!(file["schema"], "geobench-path/1");
+    assert_eq!(file["algorithm"], "vtp-fast");
+    let path = &file["paths"][0];
+    assert_eq!((&path["source"], &path["target"]), (&json!(5), &json!(4)));
+    let points = path["points"].as_array().unwrap();
+    let edges = path["edges"].as_array().unwrap();
+    assert_eq!(points.len(), edges.len() + 2);
+    assert_eq!(points[0]["position"], json!([0.0, 1.0, 0.0]));
+    assert_eq!(points[0]["vertex"], 5);
+    // All on the straight line from (0, 1) to (4, 0).
+    for point in points {
+        let [x, y] = [0, 1].map(|k| point["position"][k].as_f64().unwrap());
+        assert!((x + 4.0 * y - 4.0).abs() < 1e-12, "{point}");
+        let sum: f64 = (0..3)
+            .map(|k| point["barycentric"][k].as_f64().unwrap())
+            .sum();
+        assert!((sum - 1.0).abs() < 1e-15, "{point}");
+    }
+    for edge in edges {
+        let t = edge[2].as_f64().unwrap();
+        assert!((0.0..=1.0).contains(&t), "{edge}");
+    }
+    let unreached = &file["paths"][1];
+    assert_eq!(
+        (&unreached["length"], &unreached["points"]),
+        (&json!(null), &json!([]))
+    );
+}
+
+#[test]
+fn every_form_is_written() {
+    let sandbox = Sandbox::with_square();
+    for (file, start, end) in [
+        (
+            "p.obj",
+            "# shortest paths by mmp, model square.off\nv 1 0 0\n",
+            "\nl 1 2 3\n",
+        ),
+        ("p.ply", "ply\nformat ascii 1.0\n", "\n0 1\n1 2\n"),
+        (
+            "p.vtk",
+            "# vtk DataFile Version 3.0\n",
+            "\n1.4142135623730951\n",
+        ),
+        (
+            "P.CSV",
+            "path,source,target,x,y,z,vertex,face,u,v,w\n0,1,3,1,0,0,1,",
+            "\n",
+        ),
+    ] {
+        let command = format!("path square.off --source 1 --target 3 --algo mmp --quiet -o {file}");
+        assert_eq!(sandbox.succeed(&command), "");
+        let text = sandbox.read(file);
+        assert!(
+            text.starts_with(start) && text.ends_with(end),
+            "{file}: {text}"
+        );
+    }
+    let refused = sandbox.call("path square.off --source 1 --target 3 -o p.gif");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains(".json"), "{}", refused.stderr);
+}
+
+#[test]
+fn all_targets_are_one_run() {
+    let sandbox = Sandbox::new();
+    let said = sandbox.succeed("path gen:sphere,subdiv=2 --source 0 --all-targets");
+    assert!(said.starts_with("162 paths, 0 unreachable, "), "{said}");
+    let distances = "distance gen:sphere,subdiv=2 --source 0 --quiet -o d.json";
+    sandbox.succeed(distances);
+    sandbox.succeed("path gen:sphere,subdiv=2 --source 0 --all-targets --quiet -o p.json");
+    let (d, p) = (sandbox.json("d.json"), sandbox.json("p.json"));
+    for v in 0..162 {
+        let [d, l] = [&d["distances"][v], &p["paths"][v]["length"]].map(|x| x.as_f64().unwrap());
+        assert!((d - l).abs() <= 1e-12 * d, "{v}: {d} and {l}");
+    }
+}
+
+#[test]
+fn wrong_input_is_named() {
+    let sandbox = Sandbox::with_square();
+    for (arguments, message) in [
+        (
+            "path square.off --source 1 --target 9",
+            "vertex 9 does not exist: the model has 4 vertices",
+        ),
+        (
+            "path square.off --source 9 --target 1",
+            "vertex 9 does not exist: the model has 4 vertices",
+        ),
+        ("path square.off --source 1", "--target <DST>"),
+        ("path square.off --target 1", "--source <SRC>"),
+        (
+            "path square.off --source 1 --target 2 --all-targets",
+            "cannot be used with",
+        ),
+        ("path none.off --source 1 --target 2", "none.off"),
+    ] {
+        let outcome = sandbox.call(arguments);
+        assert_eq!(outcome.code, 2, "{arguments}");
+        assert!(
+            outcome.stderr.contains(message),
+            "{arguments}: {}",
+            outcome.stderr
+        );
+    }
+}

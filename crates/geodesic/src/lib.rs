@@ -14,6 +14,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! [`Distances::path`] gives such a path, as points on vertices and edges:
+//!
+//! ```
+//! use geodesic::{Distances, Mesh};
+//!
+//! let mesh = Mesh::generate("grid,n=8")?;
+//! let path = mesh.path(0, 17)?.expect("the grid is in one piece");
+//! let line: Vec<[f64; 3]> = path.polyline(&mesh);
+//! assert_eq!(line[0], mesh.positions()[0]);
+//! assert_eq!(path.edges().count() + 2, line.len()); // It passes no vertex on its way.
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! For more than one question keep a solver. It is set up once for a mesh, owns what it needs, and
 //! answers for one source after another, or for the nearest of several:
 //!
@@ -34,9 +47,10 @@
 //!   [`Mesh::from_soup`] reports every defect that it found or repaired.
 //! * [`VtpFast`], the fastest solver, and [`Pvtp`], the same on several threads.
 //! * [`solvers`]: all of them, under the names of the papers.
+//! * [`Paths`]: the shortest paths to many vertices, of one run of any solver.
 //! * [`Solver`]: what they have in common. It also counts windows and samples phases.
-//! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`]: the crates behind this
-//!   one, with the parts from which solvers are made.
+//! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`], [`paths`]: the crates behind
+//!   this one, with the parts from which solvers are made.
 //!
 //! # What to expect
 //!
@@ -54,12 +68,14 @@ pub use geobench_fwp as fwp;
 pub use geobench_ich as ich;
 pub use geobench_mesh as mesh;
 pub use geobench_mmp as mmp;
+pub use geobench_paths as paths;
 pub use geobench_vtp as vtp;
 pub use geobench_window as window;
 
 pub use geobench_mesh::{InvalidMesh, Mesh, MeshError, TriangleSoup, VertexId, generate, io};
+pub use geobench_paths::{Path, PathError, Paths};
 pub use geobench_vtp::{Pvtp, VtpFast};
-pub use geobench_window::{Solution, SolveError, Solver, Sources};
+pub use geobench_window::{Goal, Solution, SolveError, Solver, Sources};
 
 /// Every solver, named as in its paper and in the benchmark.
 ///
@@ -97,7 +113,7 @@ pub mod solvers {
     pub use geobench_window::simd::Instructions;
 }
 
-/// Distances on a mesh without a solver to keep.
+/// Distances and paths on a mesh without a solver to keep.
 pub trait Distances {
     /// Length of the shortest path over the surface from the nearest of `sources`, a vertex or
     /// several, to every vertex; infinite where no path leads.
@@ -108,10 +124,33 @@ pub trait Distances {
     ///
     /// When there is no source, or one that is not a vertex of the mesh.
     fn distances_from(&self, sources: impl Sources) -> Result<Vec<f64>, SolveError>;
+
+    /// The shortest path over the surface from the nearest of `sources` to vertex `target`; `None`
+    /// if none leads there. The search ends when the target is reached.
+    ///
+    /// # Errors
+    ///
+    /// When there is no source, or a source or the target is not a vertex of the mesh.
+    fn path(
+        &self,
+        sources: impl Sources,
+        target: impl Into<VertexId>,
+    ) -> Result<Option<Path>, PathError>;
 }
 
 impl Distances for Mesh {
     fn distances_from(&self, sources: impl Sources) -> Result<Vec<f64>, SolveError> {
         VtpFast::new(self).distances_from(sources)
+    }
+
+    fn path(
+        &self,
+        sources: impl Sources,
+        target: impl Into<VertexId>,
+    ) -> Result<Option<Path>, PathError> {
+        let target = target.into();
+        let mut solver = VtpFast::new(self);
+        let paths = Paths::find(&mut solver, self, sources, &Goal::targets([target]))?;
+        Ok(paths.to(target)?)
     }
 }

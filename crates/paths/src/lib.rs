@@ -27,8 +27,9 @@
 //! with an angle of at least π on both sides, up to rounding. Of several shortest paths it is the
 //! one that the solver met first.
 
+mod onto;
 mod path;
 mod trace;
 
 pub use path::{Path, Place, Point};
-pub use trace::{Paths, TraceError};
+pub use trace::{PathError, Paths, TraceError};

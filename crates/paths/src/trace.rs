@@ -44,6 +44,18 @@ pub enum TraceError {
     },
 }
 
+/// Why there is no path to hand out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PathError {
+    /// The run did not start.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// The path was lost.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
+}
+
 /// The shortest paths to the vertices of a mesh from the nearest of the sources of a run; see the
 /// [example](crate).
 #[derive(Clone, Debug)]

@@ -6,10 +6,10 @@ use geobench_fwp::{
     BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, lc_ch, vtp_ch, vtp_mmp,
 };
 use geobench_ich::{ch, ich};
-use geobench_mesh::{Mesh, TriangleSoup, VertexId};
+use geobench_mesh::{Mesh, SplitMix64, SurfacePoint, TriangleSoup, VertexId};
 use geobench_mmp::{mmp, mmp_by_window, mmp_edge};
 use geobench_oracle::{Geometry, Model, zoo};
-use geobench_paths::{Paths, TraceError};
+use geobench_paths::{Paths, Place, TraceError};
 use geobench_vtp::{EdgeBased, Ftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpTrimming};
 use geobench_window::{Goal, Solver};
 
@@ -140,4 +140,57 @@ fn targets_that_do_not_exist_or_are_not_reached_have_no_path() {
     let path = from_itself.to(lonely).unwrap().unwrap();
     assert_eq!((path.length, path.points.len()), (0.0, 1));
     assert_eq!(path.points[0].face, None);
+}
+
+#[test]
+fn paths_between_points_of_faces_and_edges_are_told_of_the_original() {
+    let mesh = Mesh::generate("sphere,subdiv=2,noise=0.1,seed=3").unwrap();
+    let mut random = SplitMix64::new(5);
+    for _ in 0..50 {
+        let mut point = || -> SurfacePoint {
+            let face = mesh.faces().nth(random.below(mesh.face_count())).unwrap();
+            let [a, b, c] = [random.unit(), random.unit(), random.unit()];
+            let sum = a + b + c;
+            if random.below(2) == 0 {
+                return mesh
+                    .point_in_face(face, [a / sum, b / sum, c / sum])
+                    .unwrap();
+            }
+            let [from, to, _] = mesh.face_vertices(face);
+            mesh.point_on_edge([from, to], a).unwrap()
+        };
+        let points = [point(), point()];
+        let refined = mesh.with_points(&points).unwrap();
+        let [from, to] = [refined.vertices[0], refined.vertices[1]];
+        let mut solver = VtpFast::new(&refined.mesh);
+        let paths = Paths::find(&mut solver, &refined.mesh, from, &Goal::targets([to])).unwrap();
+        let path = paths
+            .to(to)
+            .unwrap()
+            .unwrap()
+            .of_original(&mesh, &refined, &points);
+        assert_eq!(path.length, paths.to(to).unwrap().unwrap().length);
+        let line = path.polyline(&mesh);
+        let ends = [line[0], line[line.len() - 1]];
+        for (end, point) in ends.iter().zip(&points) {
+            let expected = mesh.position_of(point).unwrap();
+            assert!(
+                (0..3).all(|k| (end[k] - expected[k]).abs() < 1e-14),
+                "{end:?}"
+            );
+        }
+        // Every point but the ends is on an edge or a vertex, and the line is as long as the path.
+        let inner = &path.points[1..path.points.len() - 1];
+        assert!(inner.iter().all(|point| point.place != Place::Face));
+        let steps = line.windows(2).map(|w| {
+            let d: f64 = (0..3).map(|k| (w[0][k] - w[1][k]).powi(2)).sum();
+            d.sqrt()
+        });
+        let length: f64 = steps.sum();
+        assert!(
+            (length - path.length).abs() <= 1e-12 * length,
+            "{length}, {}",
+            path.length
+        );
+    }
 }

@@ -58,15 +58,11 @@ fn every_form_is_written() {
     for (file, start, end) in [
         (
             "p.obj",
-            "# shortest paths by mmp, model square.off\nv 1 0 0\n",
+            "# shortest paths by mmp, model square\nv 1 0 0\n",
             "\nl 1 2 3\n",
         ),
         ("p.ply", "ply\nformat ascii 1.0\n", "\n0 1\n1 2\n"),
-        (
-            "p.vtk",
-            "# vtk DataFile Version 3.0\n",
-            "\n1.4142135623730951\n",
-        ),
+        ("p.vtk", "# vtk DataFile Version 3.0\n", "\n"),
         (
             "P.CSV",
             "path,source,target,x,y,z,vertex,face,u,v,w\n0,1,3,1,0,0,1,",

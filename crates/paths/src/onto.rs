@@ -1,0 +1,116 @@
+//! Paths on refined meshes, told of the mesh that was refined.
+
+use geobench_mesh::{FaceId, Mesh, Place as PointPlace, Refined, SurfacePoint, VertexId};
+
+use crate::path::{Path, Place, Point};
+
+impl Path {
+    /// This path of `refined`, which was made of `mesh` [with](Mesh::with_points) `points`, as a
+    /// path of `mesh`: edges that are not in `mesh` are not told, and the ends may lie on edges and
+    /// in faces.
+    ///
+    /// ```
+    /// use geobench_mesh::{FaceId, Mesh};
+    /// use geobench_paths::{Paths, Place};
+    /// use geobench_vtp::VtpFast;
+    /// use geobench_window::Goal;
+    ///
+    /// // From the middle of the first face to that of an edge.
+    /// let mesh = Mesh::generate("grid,n=4")?;
+    /// let source = mesh.point_in_face(FaceId::new(0), [0.25, 0.25, 0.5])?;
+    /// let target = mesh.point_on_edge([12.into(), 13.into()], 0.5)?;
+    /// let points = [source, target];
+    /// let refined = mesh.with_points(&points)?;
+    /// let [from, to] = [refined.vertices[0], refined.vertices[1]];
+    /// let mut solver = VtpFast::new(&refined.mesh);
+    /// let paths = Paths::find(&mut solver, &refined.mesh, from, &Goal::targets([to]))?;
+    /// let path = paths.to(to)?.expect("the grid is in one piece");
+    /// let path = path.of_original(&mesh, &refined, &points);
+    /// assert_eq!(path.points[0].face, Some(FaceId::new(0)));
+    /// assert!(matches!(path.points.last().unwrap().place, Place::Edge { t: 0.5, .. }));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn of_original(&self, mesh: &Mesh, refined: &Refined, points: &[SurfacePoint]) -> Self {
+        let onto = Onto {
+            mesh,
+            refined,
+            points,
+        };
+        let last = self.points.len().saturating_sub(1);
+        let told = self.points.iter().enumerate().filter_map(|(i, point)| {
+            let point = onto.point(point);
+            (i == 0 || i == last || point.place != Place::Face).then_some(point)
+        });
+        Self {
+            length: self.length,
+            points: told.collect(),
+        }
+    }
+}
+
+struct Onto<'a> {
+    mesh: &'a Mesh,
+    refined: &'a Refined,
+    points: &'a [SurfacePoint],
+}
+
+impl Onto<'_> {
+    fn point(&self, point: &Point) -> Point {
+        let Some(face) = point.face else {
+            return *point;
+        };
+        let parent = self.refined.parent(face);
+        let mut barycentric = [0.0; 3];
+        let corners = self.refined.mesh.face_vertices(face);
+        for (corner, weight) in corners.into_iter().zip(point.barycentric) {
+            if weight != 0.0 {
+                let of_corner = self.vertex(corner, parent);
+                (0..3).for_each(|k| barycentric[k] += weight * of_corner[k]);
+            }
+        }
+        // Weights that are nothing are 0 to the bit.
+        let positive = (0..3).filter(|&k| barycentric[k] > 0.0);
+        let place = match positive.collect::<Vec<_>>()[..] {
+            [k] => Place::Vertex(self.mesh.face_vertices(parent)[k]),
+            [a, b] => {
+                let corners = self.mesh.face_vertices(parent);
+                Place::Edge {
+                    ends: [corners[a], corners[b]],
+                    t: barycentric[b] / (barycentric[a] + barycentric[b]),
+                }
+            }
+            _ => Place::Face,
+        };
+        Point {
+            place,
+            face: Some(parent),
+            barycentric,
+        }
+    }
+
+    /// The barycentric coordinates in `face` of a vertex of one of its parts.
+    fn vertex(&self, v: VertexId, face: FaceId) -> [f64; 3] {
+        let mut weights = [0.0; 3];
+        let corners = self.mesh.face_vertices(face);
+        let mut add = |v: VertexId, weight: f64| {
+            if let Some(k) = corners.iter().position(|&corner| corner == v) {
+                weights[k] += weight;
+            }
+        };
+        if v.index() < self.mesh.vertex_count() {
+            add(v, 1.0);
+            return weights;
+        }
+        let added = self.refined.vertices.iter().position(|&other| other == v);
+        match added.map(|i| self.points[i].place()) {
+            Some(PointPlace::Face(_, inside)) => return inside,
+            Some(PointPlace::Edge(h, [tail, head])) => {
+                add(self.mesh.tail(h), tail);
+                add(self.mesh.head(h), head);
+            }
+            Some(PointPlace::Vertex(_)) | None => {}
+        }
+        weights
+    }
+}

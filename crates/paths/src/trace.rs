@@ -63,7 +63,12 @@ pub struct Paths {
     mesh: Mesh,
     distances: Vec<f64>,
     origins: Origins,
+    /// The apex of each half-edge, if many paths are to be traced.
+    apexes: Vec<[f64; 2]>,
 }
+
+/// For more targets than one in so many half-edges, the shapes of all faces are computed at once.
+const FEW: usize = 64;
 
 impl Paths {
     /// Has `solver`, set up for `mesh`, find what `goal` asks for, and how paths come there.
@@ -78,7 +83,13 @@ impl Paths {
         goal: &Goal,
     ) -> Result<Self, SolveError> {
         let (solution, origins) = solver.trace(&sources.into_vertices(), goal)?;
+        let few = mesh.half_edge_count() / FEW;
+        let apexes = match goal.vertices() {
+            Some(targets) if targets.len() <= few => Vec::new(),
+            _ => mesh.faces().flat_map(|f| mesh.apexes(f)).collect(),
+        };
         Ok(Self {
+            apexes,
             mesh: mesh.clone(),
             distances: solution.distances,
             origins,
@@ -129,6 +140,13 @@ impl Paths {
         Err(TraceError::Endless { target })
     }
 
+    /// The apex of `h` in its frame.
+    #[inline]
+    fn apex(&self, h: HalfEdgeId) -> [f64; 2] {
+        let known = self.apexes.get(h.index());
+        known.copied().unwrap_or_else(|| self.mesh.apex(h))
+    }
+
     /// Follows the straight line from `v`, the apex of `h`, to `image`, in the frame of `h`, up to
     /// the vertex that `image` is or to one before it. Adds the points on the way to `path` and
     /// returns that vertex.
@@ -145,26 +163,31 @@ impl Paths {
     ) -> Result<VertexId, TraceError> {
         let (points, length) = (path.points.len(), path.length);
         let mut line = self.line(target, v, h, image);
-        match self.walk(h, &mut line, path) {
-            Ok(vertex) => Ok(vertex),
-            Err(face) => {
-                if let Some(found) = line.turn(self, path) {
-                    return Ok(found);
-                }
-                path.points.truncate(points);
-                path.length = length;
-                let lost = TraceError::Lost { target, face };
-                let aim = line.aim.ok_or(lost)?;
-                let mut line = self.line(target, v, h, aim);
-                let found = self.walk(h, &mut line, path).ok();
-                found.or_else(|| line.turn(self, path)).ok_or(lost)
-            }
+        if let Ok(found) = self.walk(h, &mut line, path) {
+            return Ok(found);
         }
+        let mut aim = image;
+        for _ in 0..2 {
+            path.points.truncate(points);
+            path.length = length;
+            line = self.line(target, v, h, aim);
+            line.is_careful = true;
+            let face = match self.walk(h, &mut line, path) {
+                Ok(found) => return Ok(found),
+                Err(face) => face,
+            };
+            if let Some(found) = line.turn(self, path) {
+                return Ok(found);
+            }
+            aim = line.aim.ok_or(TraceError::Lost { target, face })?;
+        }
+        let face = h.face();
+        Err(TraceError::Lost { target, face })
     }
 
     /// The line from `v`, the apex of `h`, to `image`.
     fn line(&self, target: VertexId, v: VertexId, h: HalfEdgeId, image: [f64; 2]) -> Line {
-        let apex = self.mesh.apex(h);
+        let apex = self.apex(h);
         let length = norm(sub(image, apex));
         let distance = self.distances[v.index()];
         Line {
@@ -172,7 +195,6 @@ impl Paths {
             goal: image,
             here: apex,
             image,
-            rest: length,
             distance,
             sigma: distance - length,
             beside: BESIDE * length,
@@ -180,6 +202,7 @@ impl Paths {
             longest: 0.0,
             best: None,
             aim: None,
+            is_careful: false,
         }
     }
 
@@ -187,7 +210,7 @@ impl Paths {
     /// passes. If there is none, returns the face in which it ends.
     fn walk(&self, h: HalfEdgeId, line: &mut Line, path: &mut Path) -> Result<VertexId, FaceId> {
         let mesh = &self.mesh;
-        let (apex, l) = (mesh.apex(h), mesh.length(h));
+        let (apex, l) = (self.apex(h), mesh.length(h));
         line.enter(l, apex);
         let ends = [([0.0; 2], mesh.tail(h)), ([l, 0.0], mesh.head(h))];
         for (corner, end) in ends {
@@ -197,9 +220,11 @@ impl Paths {
         }
         let [px, py] = line.image;
         let s = apex[0] + (px - apex[0]) * (apex[1] / (apex[1] - py));
-        if let Some(g) = mesh.twin(h) {
+        if let Some(g) = mesh.twin(h)
+            && line.is_careful
+        {
             // The path may bend at a corner of a face without area behind this edge.
-            let [x, y] = mesh.apex(g);
+            let [x, y] = self.apex(g);
             line.consider([l - x, -y], mesh.apex_vertex(g), self);
         }
         // Not if it is NaN either.
@@ -215,15 +240,16 @@ impl Paths {
             let Some(g) = mesh.twin(out) else {
                 return Err(out.face());
             };
-            let (apex, l) = (mesh.apex(g), mesh.length(g));
+            let (apex, l) = (self.apex(g), mesh.length(g));
             line.transform(|[x, y]| [l - x, -y]);
             line.enter(l, apex);
             let corner = mesh.apex_vertex(g);
             if line.meets(apex, corner, self, path) {
                 return Ok(line.go(apex, corner, self, path));
             }
-            let left = if line.rest > line.beside {
-                cross(sub(line.image, line.here), sub(apex, line.here)) <= 0.0
+            let to_image = sub(line.image, line.here);
+            let left = if square(to_image) > line.beside * line.beside {
+                cross(to_image, sub(apex, line.here)) <= 0.0
             } else {
                 // The image is on this edge, and is the corner of another face without area.
                 line.here[0] < apex[0]
@@ -244,8 +270,7 @@ impl Paths {
             let share = (before / (before - behind.max(0.0))).clamp(0.0, 1.0);
             // There is no way to go if it is NaN.
             let share = if share.is_nan() { 0.0 } else { share };
-            let step = sub(line.image, line.here);
-            line.advance([0, 1].map(|k| line.here[k] + share * step[k]), path);
+            line.advance([0, 1].map(|k| line.here[k] + share * to_image[k]), path);
             // Into the frame of the exit, which runs from `to` to `from`; the image is below.
             line.transform(|p| {
                 let [x, y] = sub(p, from);
@@ -284,8 +309,6 @@ struct Line {
     goal: [f64; 2],
     here: [f64; 2],
     image: [f64; 2],
-    /// Distance of the two.
-    rest: f64,
     /// The distance of the vertex at which it starts, and of what the image is of.
     distance: f64,
     sigma: f64,
@@ -300,6 +323,8 @@ struct Line {
     /// Where a vertex lies, in the frame of the first half-edge, to which the line would have the
     /// right length.
     aim: Option<[f64; 2]>,
+    /// Whether the two are looked for.
+    is_careful: bool,
 }
 
 /// A vertex to which a path can go from one of its points, across one face.
@@ -336,10 +361,10 @@ impl Line {
         if is_as_long && known < self.distance {
             // Turned back by the angle between the line here and there.
             let (here, there) = (sub(self.image, start), sub(self.goal, first));
-            let square = here[0] * here[0] + here[1] * here[1];
+            let size = square(here);
             let turn = [
-                (here[0] * there[0] + here[1] * there[1]) / square,
-                cross(here, there) / square,
+                (here[0] * there[0] + here[1] * there[1]) / size,
+                cross(here, there) / size,
             ];
             self.aim = Some([
                 first[0] + turn[0] * straight[0] - turn[1] * straight[1],
@@ -350,34 +375,45 @@ impl Line {
 
     /// Whether the path passes vertex `v` at `corner` of the face under way.
     fn meets(&mut self, corner: [f64; 2], v: VertexId, paths: &Paths, path: &Path) -> bool {
+        let (to_corner, to_image) = (sub(corner, self.here), sub(self.image, self.here));
+        let (across, rest) = (cross(to_image, to_corner), square(to_image));
+        let along = to_image[0] * to_corner[0] + to_image[1] * to_corner[1];
+        let beside = self.beside * self.beside;
+        let is_beside =
+            square(to_corner) <= beside || (across * across <= beside * rest && along >= 0.0);
+        if !is_beside && !self.is_careful {
+            return false;
+        }
         let known = paths.distances[v.index()];
         // The vertices of a path come ever nearer to its source.
         if known >= self.distance {
             return false;
         }
-        self.consider(corner, v, paths);
-        let to_corner = sub(corner, self.here);
         let way = norm(to_corner);
-        let excess = way + known - (self.rest + self.sigma);
-        if self.best.as_ref().is_none_or(|best| excess < best.excess) {
-            self.best = Some(Best {
-                vertex: v,
-                excess,
-                points: path.points.len(),
-                length: path.length,
-                way,
-            });
+        let excess = way + known - (rest.sqrt() + self.sigma);
+        if self.is_careful {
+            self.consider(corner, v, paths);
+            if self.best.as_ref().is_none_or(|best| excess < best.excess) {
+                self.best = Some(Best {
+                    vertex: v,
+                    excess,
+                    points: path.points.len(),
+                    length: path.length,
+                    way,
+                });
+            }
         }
-        let to_image = sub(self.image, self.here);
-        let across = cross(to_image, to_corner).abs();
-        let along = to_image[0] * to_corner[0] + to_image[1] * to_corner[1];
-        let is_beside = way <= self.beside || (across <= self.beside * self.rest && along >= 0.0);
         is_beside && excess.abs() <= self.tolerance
     }
 
     /// Ends in vertex `v` at `corner`.
     fn go(&self, corner: [f64; 2], v: VertexId, paths: &Paths, path: &mut Path) -> VertexId {
-        path.length += norm(sub(corner, self.here));
+        let from = if self.is_careful {
+            self.here
+        } else {
+            self.start[1]
+        };
+        path.length += norm(sub(corner, from));
         path.points.push(Point::at_vertex(&paths.mesh, v));
         v
     }
@@ -393,11 +429,12 @@ impl Line {
         Some(best.vertex)
     }
 
-    /// Goes on to `there`.
+    /// Goes on to `there`. The length of a line that is not careful is added at its end.
     fn advance(&mut self, there: [f64; 2], path: &mut Path) {
-        path.length += norm(sub(there, self.here));
+        if self.is_careful {
+            path.length += norm(sub(there, self.here));
+        }
         self.here = there;
-        self.rest = norm(sub(self.image, there));
     }
 
     /// Into another frame.
@@ -416,6 +453,10 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-fn norm([x, y]: [f64; 2]) -> f64 {
-    (x * x + y * y).sqrt()
+fn square([x, y]: [f64; 2]) -> f64 {
+    x * x + y * y
+}
+
+fn norm(v: [f64; 2]) -> f64 {
+    square(v).sqrt()
 }

@@ -62,10 +62,18 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
         terminal::warning(&format!("{}: {doubt}", model.name));
     }
     let mut verdict = Verdict::Passed;
-    let mut found: Vec<(VertexId, Option<Path>)> = Vec::with_capacity(targets.len());
+    let mut totals = Totals::default();
+    let mut found: Vec<(VertexId, Option<Path>)> = Vec::new();
+    // Those of all vertices may take gigabytes.
+    let keeps_all = output.is_some() || targets.len() <= LINES;
     for target in targets {
         match paths.to(target) {
-            Ok(path) => found.push((target, path)),
+            Ok(path) => {
+                totals.add(target, path.as_ref());
+                if keeps_all {
+                    found.push((target, path));
+                }
+            }
             Err(lost) => {
                 terminal::warning(&format!("{}: {lost}", model.name));
                 verdict = Verdict::Failed;
@@ -82,32 +90,50 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
         output.write(&format.render(&set)?)?;
     }
     if !options.quiet {
-        terminal::print(&summary(&found))?;
+        terminal::print(&totals.summary(&found))?;
     }
     Ok(verdict)
 }
 
-/// A line for each path, or one for all if they are many.
-fn summary(paths: &[(VertexId, Option<Path>)]) -> String {
-    let mut text = String::new();
-    if paths.len() > LINES {
-        let found = || {
-            paths
-                .iter()
-                .filter_map(|(v, path)| Some((v, path.as_ref()?)))
+/// What is told of many paths.
+#[derive(Default)]
+struct Totals {
+    paths: usize,
+    unreachable: usize,
+    edges: usize,
+    longest: Option<(VertexId, f64)>,
+}
+
+impl Totals {
+    fn add(&mut self, target: VertexId, path: Option<&Path>) {
+        self.paths += 1;
+        let Some(path) = path else {
+            self.unreachable += 1;
+            return;
         };
-        let crossed: usize = found().map(|(_, path)| path.edges().count()).sum();
-        let longest = found().max_by(|(_, a), (_, b)| a.length.total_cmp(&b.length));
-        let longest = longest.map_or_else(String::new, |(v, path)| {
-            format!(", the longest to vertex {v} of length {}", path.length)
-        });
-        let (count, none) = (paths.len(), paths.len() - found().count());
-        let _ = writeln!(
-            text,
-            "{count} paths, {none} unreachable, {crossed} edges crossed{longest}"
-        );
-        return text;
+        self.edges += path.edges().count();
+        if self.longest.is_none_or(|(_, length)| path.length > length) {
+            self.longest = Some((target, path.length));
+        }
     }
+
+    /// A line for each of `paths`, or one for all if they are many.
+    fn summary(&self, paths: &[(VertexId, Option<Path>)]) -> String {
+        if self.paths <= LINES {
+            return lines(paths);
+        }
+        let longest = self.longest.map_or_else(String::new, |(v, length)| {
+            format!(", the longest to vertex {v} of length {length}")
+        });
+        format!(
+            "{} paths, {} unreachable, {} edges crossed{longest}\n",
+            self.paths, self.unreachable, self.edges
+        )
+    }
+}
+
+fn lines(paths: &[(VertexId, Option<Path>)]) -> String {
+    let mut text = String::new();
     for (target, path) in paths {
         let _ = match path {
             None => writeln!(text, "vertex {target}: unreachable"),

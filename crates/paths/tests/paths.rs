@@ -3,11 +3,12 @@
 mod straight;
 
 use geobench_fwp::{
-    BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, lc_ch, vtp_ch, vtp_mmp,
+    BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_batched, lc_ch, vtp_ch,
+    vtp_mmp_batched,
 };
 use geobench_ich::{ch, ich};
 use geobench_mesh::{Mesh, SplitMix64, SurfacePoint, TriangleSoup, VertexId};
-use geobench_mmp::{mmp, mmp_by_window, mmp_edge};
+use geobench_mmp::{mmp, mmp_edge, mmp_fast};
 use geobench_oracle::{Geometry, Model, zoo};
 use geobench_paths::{Paths, Place, TraceError};
 use geobench_vtp::{EdgeBased, Ftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpTrimming};
@@ -31,16 +32,20 @@ fn mesh_of(model: &Model) -> Mesh {
 fn solvers(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver>)> {
     let mut all: Vec<(&'static str, Box<dyn Solver>)> = vec![
         ("mmp", Box::new(mmp(mesh))),
-        ("mmp by window", Box::new(mmp_by_window(mesh))),
+        ("mmp-fast", Box::new(mmp_fast(mesh))),
         ("mmp-edge", Box::new(mmp_edge(mesh))),
         ("ich", Box::new(ich(mesh))),
         ("fwp-mmp", Box::new(fwp_mmp(mesh, BucketOptions::default()))),
+        (
+            "fwp-mmp by list",
+            Box::new(fwp_mmp_batched(mesh, BucketOptions::default())),
+        ),
         ("fwp-ch", Box::new(fwp_ch(mesh, BucketOptions::default()))),
         (
             "lc-ch",
             Box::new(lc_ch(mesh, LabelCorrectingOptions::default())),
         ),
-        ("vtp-mmp", Box::new(vtp_mmp(mesh))),
+        ("vtp-mmp", Box::new(vtp_mmp_batched(mesh))),
         ("vtp-ch", Box::new(vtp_ch(mesh))),
         ("ftp", Box::new(Ftp::new(mesh))),
         ("vtp", Box::new(Vtp::new(mesh))),

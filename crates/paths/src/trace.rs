@@ -264,7 +264,7 @@ impl Paths {
             let unit = sub(to, from).map(|x| x / size);
             let before = cross(unit, sub(line.here, from)).min(0.0);
             let behind = cross(unit, sub(line.image, from));
-            if !(behind >= -line.beside) {
+            if behind.is_nan() || behind < -line.beside {
                 return Err(g.face());
             }
             let share = (before / (before - behind.max(0.0))).clamp(0.0, 1.0);

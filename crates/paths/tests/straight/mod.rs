@@ -41,7 +41,8 @@ pub(crate) fn check_length(mesh: &Mesh, path: &Path, d: f64) -> Result<(), Strin
             .fold(f64::INFINITY, f64::min);
     }
     for (what, found) in [("said", path.length), ("measured", length)] {
-        if !((found - d).abs() <= 1e-12 * d + slack) {
+        let off = (found - d).abs();
+        if off.is_nan() || off > 1e-12 * d + slack {
             return Err(format!(
                 "{found} long as {what}, for a distance of {d}, {:e} of it too long",
                 (found - d) / d
@@ -72,7 +73,7 @@ fn check_bends(mesh: &Mesh, path: &Path, d: f64) -> Result<(), String> {
             ),
             Place::Face => (f64::INFINITY, 0.0),
         };
-        if !(bend <= most) {
+        if bend.is_nan() || bend > most {
             return Err(format!("a bend of {bend:e} at {point:?}, {d} long"));
         }
     }

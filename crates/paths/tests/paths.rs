@@ -98,8 +98,13 @@ fn report(failures: &[String]) {
         of_model.1 < 3
     });
     let first = first.take(60);
-    let lines: String = first.map(|line| format!("\n  {line}")).collect();
-    assert!(failures.is_empty(), "{} failures:{lines}", failures.len());
+    let lines: Vec<&str> = first.map(String::as_str).collect();
+    assert!(
+        failures.is_empty(),
+        "{} failures:\n  {}",
+        failures.len(),
+        lines.join("\n  ")
+    );
 }
 
 #[test]

@@ -68,6 +68,11 @@ fn paths_beside_slivers_are_as_long_as_the_distances() {
         }
     }
     let first = failures.iter().take(60);
-    let lines: String = first.map(|line| format!("\n  {line}")).collect();
-    assert!(failures.is_empty(), "{} failures:{lines}", failures.len());
+    let lines: Vec<&str> = first.map(String::as_str).collect();
+    assert!(
+        failures.is_empty(),
+        "{} failures:\n  {}",
+        failures.len(),
+        lines.join("\n  ")
+    );
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path as FilePath;
 
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::{FaceId, Mesh, VertexId};
 use geobench_paths::Path;
 use serde::Serialize;
 
@@ -104,7 +104,7 @@ fn csv(set: &PathSet<'_>) -> String {
             let [x, y, z] = point.position(set.mesh).unwrap_or_default();
             let [u, v, w] = point.barycentric;
             let vertex = number(point.vertex().map(VertexId::raw));
-            let face = number(point.face.map(|f| f.raw()));
+            let face = number(point.face.map(FaceId::raw));
             let target = target.raw();
             let place = format!("{x},{y},{z},{vertex},{face},{u},{v},{w}");
             let _ = writeln!(text, "{i},{source},{target},{place}"); // A string takes all.
@@ -149,7 +149,7 @@ fn json(set: &PathSet<'_>) -> anyhow::Result<Vec<u8>> {
             points: points
                 .map(|point| PointRecord {
                     position: point.position(set.mesh),
-                    face: point.face.map(|f| f.raw()),
+                    face: point.face.map(FaceId::raw),
                     barycentric: point.barycentric,
                     vertex: point.vertex().map(VertexId::raw),
                 })

@@ -121,19 +121,13 @@ fn place(mesh: &Mesh, f: FaceId, point: &Point) -> Option<[f64; 2]> {
 /// The faces that hold both points, with where they are.
 fn shared_faces(mesh: &Mesh, [a, b]: [&Point; 2]) -> impl Iterator<Item = (FaceId, [[f64; 2]; 2])> {
     let around = |point: &Point| -> Vec<FaceId> {
-        match point.place {
-            Place::Vertex(v) => mesh.outgoing(v).iter().map(|h| h.face()).collect(),
-            _ => {
-                let own = point.face.into_iter();
-                let halves = own.flat_map(|f| (0..3).map(move |k| f.half_edge(k)));
-                let mut faces: Vec<_> = halves
-                    .filter_map(|h| mesh.twin(h))
-                    .map(HalfEdgeId::face)
-                    .collect();
-                faces.extend(point.face);
-                faces
-            }
+        if let Place::Vertex(v) = point.place {
+            return mesh.outgoing(v).iter().map(|h| h.face()).collect();
         }
+        let own = point.face.into_iter();
+        let halves = own.flat_map(|f| (0..3).map(move |k| f.half_edge(k)));
+        let beyond = halves.filter_map(|h| mesh.twin(h)).map(HalfEdgeId::face);
+        beyond.chain(point.face).collect()
     };
     let faces = around(a).into_iter();
     let shared = faces.filter_map(|f| Some((f, [place(mesh, f, a)?, place(mesh, f, b)?])));

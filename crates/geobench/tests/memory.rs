@@ -32,6 +32,7 @@ fn runs(mut place: Isolated, model: &str, list: &[(&str, Pass)]) -> Vec<Peaks> {
             algorithm: &registry::select_one(algorithm).unwrap(),
             source: VertexId::new(0),
             pass,
+            solves: 1,
         };
         session.execute(&step).unwrap().peaks
     });
@@ -126,6 +127,7 @@ fn where_all_hold_too_much_a_child_ends_after_its_run_and_comes_back_warm() {
                 algorithm: &registry::select_one(algorithm).unwrap(),
                 source: VertexId::new(0),
                 pass,
+                solves: 1,
             };
             let observation = session.execute(&step).unwrap();
             assert_eq!(observation.distances.len(), vertices);

@@ -23,7 +23,7 @@ use geobench::run::journal::{Journal, JournalHeader};
 use geobench::run::merge;
 use geobench::schema::ResultFile;
 use geobench::schema::result_file;
-use geobench::table::{ComparisonFormat, Format};
+use geobench::table::{ComparisonFormat, Format, Look};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use support::Sandbox;
@@ -143,7 +143,7 @@ fn use_all(file: &ResultFile, other: &ResultFile, thoroughly: bool) {
         if let Ok(comparison) = compare::compare(("old", old), ("new", new), &rules) {
             use ComparisonFormat::{Json, Markdown, Table};
             for format in [Table, Markdown, Json] {
-                let _ = format.render(&comparison, true);
+                let _ = format.render(&comparison, Look::default());
             }
         }
     }

@@ -4,7 +4,7 @@ use geobench_window::{Counter, Counters};
 use serde::Serialize;
 
 use super::Verdict;
-use super::args::{AlgosFormat, AlgosOptions};
+use super::args::{AlgosOptions, ListFormat};
 use super::terminal::{self, Terminal};
 use crate::registry::{self, Algorithm, Numbers, Parameter, Selection, Value};
 use crate::table::terminal::listing;
@@ -38,26 +38,26 @@ pub(super) fn algos(options: &AlgosOptions, terminal: Terminal) -> anyhow::Resul
         listing(table, look)
     };
     let text = match (options.counters, options.format, &options.list) {
-        (false, AlgosFormat::Table, None) => {
+        (false, ListFormat::Table, None) => {
             let advice = show(&advice(), Some(WIDTH));
             let all = show(&overview(registry::algorithms()), Some(WIDTH));
             format!(
                 "{all}\nWhich one to take (`geobench algos NAME` tells all about one):\n\n{advice}"
             )
         }
-        (false, AlgosFormat::Table, Some(_)) => show(&facts(&chosen(options)), None),
-        (false, AlgosFormat::Json, _) => {
+        (false, ListFormat::Table, Some(_)) => show(&facts(&chosen(options)), None),
+        (false, ListFormat::Json, _) => {
             let entries: Vec<_> = chosen(options)
                 .into_iter()
                 .map(AlgorithmEntry::from)
                 .collect();
             serde_json::to_string_pretty(&entries)? + "\n"
         }
-        (true, AlgosFormat::Table, _) => {
+        (true, ListFormat::Table, _) => {
             let rows = counters().into_iter().map(|c| [c.name, c.definition]);
             show(&plain(["", ""], rows.collect()), None)
         }
-        (true, AlgosFormat::Json, _) => serde_json::to_string_pretty(&counters())? + "\n",
+        (true, ListFormat::Json, _) => serde_json::to_string_pretty(&counters())? + "\n",
     };
     terminal::print_rendered(&text)?;
     Ok(Verdict::Passed)

@@ -9,12 +9,14 @@ use super::isolation::{DecompressionOptions, IsolationOptions, ReadingOptions};
 use crate::UsageError;
 use crate::history::compare::Rules;
 use crate::measure::instructions;
+use crate::plan::sampling::{Seconds, Share};
 use crate::plan::source::SourceSpec;
 use crate::plan::suite::{self, MOST_RUNS};
 use crate::registry::{self, MOST_THREADS, Selection, Simd};
 use crate::report::claims::ClaimsFormat;
 use crate::report::{Form, Tables, Wanted};
 use crate::schema::Shard;
+use crate::table::output::{self, OutputFile};
 use crate::table::{self, ComparisonFormat, Format};
 
 /// Help text on models, for every command that takes some.
@@ -47,6 +49,14 @@ pub(super) struct Arguments {
     /// When to use colour; auto: on a terminal, unless `NO_COLOR` is set
     #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t)]
     pub(super) color: ColorChoice,
+
+    /// Form of the model that is read from standard input as -: obj, ply, off or stl
+    #[arg(long, global = true, value_name = "FORM")]
+    pub(super) input_format: Option<String>,
+
+    /// Form of what is written to standard output as -: an ending of the command's output files
+    #[arg(long, global = true, value_name = "FORM")]
+    pub(super) output_format: Option<String>,
 
     #[command(subcommand)]
     pub(super) command: Command,
@@ -83,7 +93,7 @@ pub(super) enum Command {
     Info(InfoOptions),
     /// List the algorithms and which one to take, or all about some: paper, cost, use, parameters
     Algos(AlgosOptions),
-    /// Join the parts of a benchmark that was run with --shard
+    /// Join the parts of a benchmark that was run with --shard, or different runs on one machine
     Merge(MergeOptions),
     /// Join the rounds of a benchmark that was started once for each round, as when two versions of
     /// geobench take turns
@@ -122,9 +132,23 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
     pub(super) source: Option<SourceSpec>,
 
-    /// Timed runs of each cell [default: 5]
+    /// Timed runs of each cell [default: 5 to 100, as many as --precision needs]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_RUNS)))]
     pub(super) repeat: Option<u32>,
+
+    /// Repeat until the 95 % interval of the median time lies within this share of the median; short
+    /// solves are timed in batches [default: 3%]
+    #[arg(long, value_name = "P", conflicts_with = "repeat")]
+    pub(super) precision: Option<Share>,
+
+    /// Repeat at least until the timed runs of a cell have taken this long [default: 0.2s]
+    #[arg(long, value_name = "T", conflicts_with = "repeat")]
+    pub(super) min_time: Option<Seconds>,
+
+    /// Stop repeating when the timed runs of a cell have taken this long [default: 20s; 1s for the
+    /// built-in suite]
+    #[arg(long, value_name = "T", conflicts_with = "repeat")]
+    pub(super) max_time: Option<Seconds>,
 
     /// Untimed runs of each cell before those [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(..=i64::from(MOST_RUNS)))]
@@ -178,10 +202,18 @@ pub(super) struct RunOptions {
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
 
+    #[command(flatten)]
+    pub(super) csv_rows: CsvOptions,
+
     /// Journal: every run is noted in it as soon as it ends; runs that it holds already are not
     /// made again, so the same command goes on where it was interrupted
     #[arg(long, value_name = "FILE")]
     pub(super) resume: Option<PathBuf>,
+
+    /// Result file (.json) to add to: cells that it has are kept, and it gets the others of this run.
+    /// A cell with fewer timed runs than asked for gets the rest
+    #[arg(long, value_name = "FILE", conflicts_with = "shard")]
+    pub(super) add_to: Option<PathBuf>,
 
     /// Only part I of N of the plan, such as 2/3; the same split on every machine, for `geobench
     /// merge`
@@ -213,6 +245,39 @@ pub(super) struct ScaleOptions {
     /// Run the suite in the sizes of the paper, which takes hours and a large machine
     #[arg(long, requires = "config")]
     pub(super) full: bool,
+}
+
+/// The rows of CSV.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct CsvOptions {
+    /// Rows of CSV: one for each cell, or one for each sample of its time
+    #[arg(long, value_name = "ROWS", value_enum, default_value_t)]
+    csv: CsvRows,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum CsvRows {
+    #[default]
+    Cells,
+    Samples,
+}
+
+impl CsvOptions {
+    /// `format`, with these rows if it is CSV.
+    pub(super) fn of(self, format: Format) -> Format {
+        match (format, self.csv) {
+            (Format::Csv, CsvRows::Samples) => Format::Samples,
+            (format, _) => format,
+        }
+    }
+
+    /// The same for the files at `paths`.
+    pub(super) fn outputs(self, paths: &[PathBuf]) -> anyhow::Result<Vec<(Format, OutputFile)>> {
+        let outputs = output::results(paths)?.into_iter();
+        Ok(outputs
+            .map(|(format, file)| (self.of(format), file))
+            .collect())
+    }
 }
 
 /// What is found out beside the usual figures.
@@ -464,6 +529,10 @@ pub(super) struct InfoOptions {
 
     #[command(flatten)]
     pub(super) reading: ReadingOptions,
+
+    /// How to show them
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(super) format: ListFormat,
 }
 
 #[derive(Args, Debug)]
@@ -496,13 +565,17 @@ pub(super) struct CompareOptions {
     after_help = "The exit status is that of the whole run: 1 if a cell failed, 2 if a model was refused."
 )]
 pub(super) struct MergeOptions {
-    /// Result files (.json) of all parts, in any order
+    /// Result files (.json) of all parts, in any order, or of different runs, of which the first has
+    /// the cells that several have
     #[arg(value_name = "PART", required = true)]
     pub(super) parts: Vec<PathBuf>,
 
     /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
     pub(super) output: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub(super) csv_rows: CsvOptions,
 }
 
 #[derive(Args, Debug)]
@@ -562,11 +635,11 @@ pub(super) struct AlgosOptions {
 
     /// How to list them
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(super) format: AlgosFormat,
+    pub(super) format: ListFormat,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum AlgosFormat {
+pub(super) enum ListFormat {
     #[default]
     Table,
     Json,

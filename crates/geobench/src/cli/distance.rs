@@ -55,7 +55,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         format,
     };
     for summary in request.carry_out(&tasks)? {
-        if !options.quiet {
+        if !options.quiet && options.output != Path::new("-") {
             terminal::print(&summary)?;
         }
     }

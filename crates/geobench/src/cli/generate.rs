@@ -9,6 +9,7 @@ use super::Verdict;
 use super::args::GenOptions;
 use crate::exec::model::ModelRef;
 use crate::table::output::OutputFile;
+use crate::table::{STANDARD, ending_of};
 
 /// Endings of the files that can be written.
 const ENDINGS: [&str; 4] = [".obj", ".ply", ".obj.gz", ".ply.gz"];
@@ -22,7 +23,10 @@ pub(super) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
 }
 
 fn ending(path: &Path) -> anyhow::Result<&'static str> {
-    let name = path.to_string_lossy().to_lowercase();
+    let name = match path == Path::new(STANDARD) {
+        true => format!(".{}", ending_of(path)),
+        false => path.to_string_lossy().to_lowercase(),
+    };
     match ENDINGS.iter().find(|ending| name.ends_with(*ending)) {
         Some(ending) => Ok(ending),
         None => bail!(

@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
-use geobench_mesh::{Report, Severity};
+use geobench_mesh::{Report, Severity, Summary};
+use serde_json::{Value, json};
 
 use super::Verdict;
-use super::args::InfoOptions;
+use super::args::{InfoOptions, ListFormat};
 use super::terminal;
 use crate::exec::model::{self, LoadedModel, ModelError, ModelRef};
 use crate::measure::number::grouped;
@@ -13,7 +14,18 @@ use crate::table::escape::printable;
 
 pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
     let mut verdict = Verdict::Passed;
+    let mut list = Vec::new();
+    let as_json = options.format == ListFormat::Json;
     for (i, model) in model::collect(&options.models)?.iter().enumerate() {
+        if as_json {
+            let loaded = model.load_within(options.reading);
+            if let Err(error) = &loaded {
+                verdict = Verdict::BadInput;
+                terminal::error(&error.to_string());
+            }
+            list.push(in_json(model, &loaded));
+            continue;
+        }
         if i > 0 {
             terminal::print("\n")?;
         }
@@ -26,7 +38,73 @@ pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
             }
         }
     }
+    if as_json {
+        terminal::print_rendered(&(serde_json::to_string_pretty(&list)? + "\n"))?;
+    }
     Ok(verdict)
+}
+
+/// A model as an object: its record as in result files, further measures, and its defects. A model
+/// that cannot be used has `usable` false and its `error`.
+fn in_json(model: &ModelRef, loaded: &Result<LoadedModel, ModelError>) -> Value {
+    let defects = |report: &Report| -> Vec<Value> {
+        let summaries = report.summaries();
+        let defect = |summary: &Summary| {
+            json!({
+                "severity": severity(summary.kind.severity()),
+                "text": summary.text,
+                "advice": Some(&summary.advice).filter(|advice| !advice.is_empty()),
+            })
+        };
+        summaries.iter().map(defect).collect()
+    };
+    let (record, further) = match loaded {
+        Ok(loaded) => {
+            let m = &loaded.measures;
+            let further = json!({
+                "usable": true,
+                "boundary_loops": m.boundary_loops,
+                "isolated_vertices": m.isolated_vertices,
+                "pinched_vertices": m.pinched_vertices,
+                "flat_faces": m.flat_faces,
+                "euler_characteristic": m.euler_characteristic,
+                "edge_length": {
+                    "min": m.min_edge_length,
+                    "mean": m.mean_edge_length,
+                    "max": m.max_edge_length,
+                },
+                "area": m.area,
+                "bounding_box": m.bounding_box,
+                "defects": defects(&loaded.report),
+            });
+            (loaded.record.clone(), further)
+        }
+        Err(error) => {
+            let defects = match error {
+                ModelError::Invalid { error, .. } => defects(&error.report),
+                _ => Vec::new(),
+            };
+            let further = json!({
+                "usable": false,
+                "error": error.to_string(),
+                "defects": defects,
+            });
+            (model.record(), further)
+        }
+    };
+    let mut all = json!(record);
+    if let (Some(all), Value::Object(further)) = (all.as_object_mut(), further) {
+        all.extend(further);
+    }
+    all
+}
+
+const fn severity(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Fatal => "fatal",
+        Severity::Repaired => "repaired",
+        Severity::Noted => "noted",
+    }
 }
 
 fn describe(loaded: &LoadedModel) -> String {
@@ -88,11 +166,7 @@ fn defects(report: &Report) -> String {
         return "  defects              none\n".to_owned();
     }
     summaries.iter().fold(String::new(), |text, summary| {
-        let severity = match summary.kind.severity() {
-            Severity::Fatal => "fatal",
-            Severity::Repaired => "repaired",
-            Severity::Noted => "noted",
-        };
+        let severity = severity(summary.kind.severity());
         let advice = match summary.advice.as_str() {
             "" => String::new(),
             advice => format!("; {advice}"),

@@ -29,8 +29,10 @@ use clap::error::ErrorKind;
 use args::{Arguments, Command};
 use terminal::Terminal;
 
+use crate::exec::model::standard_input;
 use crate::exec::{interrupt, isolate, model};
 use crate::measure::instructions;
+use crate::table;
 
 /// The result of a command that did its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +75,12 @@ fn command() -> ExitCode {
     };
     isolate::adopt_orphans();
     let terminal = Terminal::new(arguments.color);
+    if let Some(form) = &arguments.input_format {
+        standard_input::set_form(form);
+    }
+    if let Some(form) = &arguments.output_format {
+        table::set_standard_output_form(form);
+    }
     let done = match arguments.command {
         Command::Run(options) => run::run(&options, terminal),
         Command::Verify(options) => verify::verify(&options),
@@ -93,6 +101,7 @@ fn command() -> ExitCode {
                 .map(|()| Verdict::Passed)
         }
     };
+    standard_input::remove();
     match done {
         Ok(Verdict::Passed) => ExitCode::SUCCESS,
         Ok(Verdict::Failed) => ExitCode::from(1),

@@ -111,6 +111,11 @@ impl Progress {
         self.bar.reset_eta();
     }
 
+    /// One more run than planned.
+    pub(super) fn extend(&mut self) {
+        self.bar.inc_length(1);
+    }
+
     /// Clears the display while `work` writes to the terminal.
     pub(super) fn suspend<T>(&mut self, work: impl FnOnce() -> T) -> T {
         self.bar.suspend(work)
@@ -172,6 +177,7 @@ mod tests {
             algorithm: &plan.algorithms[place],
             source: VertexId::new(source),
             pass,
+            solves: 1,
         }
     }
 

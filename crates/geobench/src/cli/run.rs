@@ -13,15 +13,16 @@ use super::progress::Progress;
 use super::terminal::{self, Terminal};
 use crate::exec::limits::{Limits, Timeout};
 use crate::exec::{Listener, Step, interrupt};
+use crate::history::join::{self, Joined};
 use crate::measure::conditions::{self, Snapshot};
 use crate::measure::{host, instructions};
 use crate::plan::suite::{self, Library, ModelChoice, Plans, Settings, Suite, WantedModel};
 use crate::plan::{self, Plan, Reference};
 use crate::run::journal::{Journal, JournalHeader};
-use crate::run::{self, agreement};
+use crate::run::{self, Earlier, agreement};
 use crate::schema::{
     Cell, GroupRecord, InstructionCount, ModelRecord, PlanRecord, ResultFile, SCHEMA,
-    SessionRecord, Status,
+    SessionRecord, Status, result_file,
 };
 use crate::table::output::{self, OutputFile};
 use crate::table::{self, Format};
@@ -29,7 +30,22 @@ use crate::table::{self, Format};
 pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     options.isolation.check()?;
     let Plans { plans, notes } = possible_plans(options)?;
-    let outputs = output::results(&options.output)?;
+    let mut outputs = options.csv_rows.outputs(&options.output)?;
+    let mut format = options.csv_rows.of(options.format);
+    outputs.retain(|(form, file)| {
+        let to_file = !file.is_standard_output();
+        if !to_file {
+            format = *form;
+        }
+        to_file
+    });
+    if let Some(path) = &options.add_to {
+        let file = OutputFile::prepare(path)?;
+        if outputs.iter().any(|(_, other)| other.path() == file.path()) {
+            bail!("{}: given twice as output", path.display());
+        }
+        outputs.push((Format::Json, file));
+    }
     if options.extras.instructions {
         instructions::check_valgrind()?;
     }
@@ -54,9 +70,12 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         journal = Some(opened);
     }
     let runs = plans.iter().map(Plan::runs).fold(0, usize::saturating_add);
+    let earlier = options.add_to.as_deref().map(earlier).transpose()?;
+    let past = earlier.as_ref().map(|(_, file)| Earlier::new(file));
     let mut listener = Reporter {
+        earlier,
         progress: Progress::new(runs, !options.quiet && !options.no_progress),
-        format: options.format,
+        format,
         terminal,
         instructions: options.extras.instructions,
         quiet: options.quiet,
@@ -86,7 +105,13 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         }
         listener.begin(plan)?;
         let mut backend = options.isolation.backend(plan.limits, false)?;
-        let outcome = run::run(plan, &mut backend, journal.as_mut(), &mut listener)?;
+        let outcome = run::run(
+            plan,
+            &mut backend,
+            journal.as_mut(),
+            past.as_ref(),
+            &mut listener,
+        )?;
         listener.end(&plan.group)?;
         let checked = !matches!(plan.reference, Reference::None);
         verdicts.push(Tally::of(checked, &outcome.cells));
@@ -99,10 +124,10 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         progress, result, ..
     } = listener;
     drop(progress);
-    if options.format == Format::Table {
-        terminal::print_rendered(&table::footnote(&result, terminal.styled))?;
+    if format == Format::Table {
+        terminal::print_rendered(&table::footnote(&result, terminal.look()))?;
     } else {
-        terminal::print_rendered(&options.format.render(&result)?)?;
+        terminal::print_rendered(&format.render(&result)?)?;
     }
     if !options.quiet {
         for doubt in &doubts {
@@ -193,6 +218,9 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         algorithms: options.algo.clone().map(|algorithms| algorithms.0),
         sources: options.source.clone(),
         repeat: options.repeat,
+        precision: options.precision,
+        min_time: options.min_time,
+        max_time: options.max_time,
         warmup: options.warmup,
         tolerance: options.tolerance,
         seed: options.seed,
@@ -290,7 +318,26 @@ fn session(options: &RunOptions) -> SessionRecord {
             .collect(),
         started: now(),
         finished: None,
+        tool: None,
     }
+}
+
+/// The file that results are added to, with its name.
+fn earlier(path: &Path) -> anyhow::Result<(String, ResultFile)> {
+    let name = path.display().to_string();
+    let file = result_file::read(path)?;
+    let here = host::host();
+    if !here.is_same_machine(&file.host) {
+        bail!(
+            "{name}: from another machine, so that times added here would not compare: {} and not {}",
+            file.host.in_words(),
+            here.in_words()
+        );
+    }
+    if file.plan.as_ref().is_some_and(|plan| plan.shard.is_some()) {
+        bail!("{name}: a part of a benchmark; join the parts with `geobench merge` first");
+    }
+    Ok((name, file))
 }
 
 /// Opens the journal and prints how many runs it holds.
@@ -330,6 +377,8 @@ pub(super) struct Reporter {
     pub(super) quiet: bool,
     pub(super) outputs: Vec<(Format, OutputFile)>,
     pub(super) result: ResultFile,
+    /// The file that the results are added to, with its name.
+    pub(super) earlier: Option<(String, ResultFile)>,
 }
 
 impl Reporter {
@@ -347,7 +396,8 @@ impl Reporter {
         if plan.runs() == 0 {
             return Ok(());
         }
-        self.show(&table::group_heading(&plan.group))
+        let look = self.terminal.look();
+        self.show(&table::group_heading(&plan.group, look))
     }
 
     /// A group is done.
@@ -368,8 +418,9 @@ impl Reporter {
     /// does not stop the run.
     fn store(&mut self) -> anyhow::Result<()> {
         self.note_time();
+        let whole = self.whole()?.file;
         for (format, file) in self.outputs.iter().filter(|(_, file)| file.is_replaced()) {
-            if let Err(error) = file.write(format.render(&self.result)?.as_bytes()) {
+            if let Err(error) = file.write(format.render(&whole)?.as_bytes()) {
                 let text = format!("{error:#}; it will be tried again");
                 self.progress.suspend(|| terminal::warning(&text));
             }
@@ -381,16 +432,34 @@ impl Reporter {
     pub(super) fn store_all(&mut self) -> anyhow::Result<()> {
         self.note_time();
         let mut failed = Vec::new();
+        let Joined { file: whole, notes } = self.whole()?;
+        if !self.quiet {
+            for note in notes {
+                self.progress.suspend(|| terminal::warning(&note));
+            }
+        }
         for (format, file) in &self.outputs {
-            if let Err(error) = file.write(format.render(&self.result)?.as_bytes()) {
+            if let Err(error) = file.write(format.render(&whole)?.as_bytes()) {
                 failed.push(format!("{error:#}"));
             }
         }
         if failed.is_empty() {
             return Ok(());
         }
-        let rescued = rescue(&Format::Json.render(&self.result)?);
+        let rescued = rescue(&Format::Json.render(&whole)?);
         bail!("{}; {rescued}", failed.join("; "));
+    }
+
+    /// The results together with those of the earlier file.
+    fn whole(&self) -> anyhow::Result<Joined> {
+        let new = self.result.clone();
+        match &self.earlier {
+            Some((name, file)) => join::extend((name, file.clone()), ("this run", new)),
+            None => Ok(Joined {
+                file: new,
+                notes: Vec::new(),
+            }),
+        }
     }
 
     fn note_time(&mut self) {
@@ -437,6 +506,10 @@ impl Listener for Reporter {
                 None
             }
         }
+    }
+
+    fn extended(&mut self) {
+        self.progress.extend();
     }
 
     fn skipped(&mut self, runs: usize) {

@@ -182,6 +182,7 @@ impl LoadedModelCheck<'_> {
                 algorithm,
                 source,
                 pass: Pass::Warmup,
+                solves: 1,
             };
             let done = session.execute(&step);
             if interrupt::requested() {

@@ -19,6 +19,8 @@ pub(crate) struct MockBackend {
     pub(crate) refuse: Vec<&'static str>,
     /// Changes the result of a run.
     pub(crate) alter: Option<Alter>,
+    /// Seconds of a solve of an algorithm, by the number of the run in the log; 0 for warm-ups.
+    pub(crate) time: Option<fn(&str, usize) -> f64>,
 }
 
 /// Vertices of every made-up model.
@@ -80,11 +82,18 @@ impl Session for MockSession<'_> {
             ..Observation::default()
         };
         match step.pass {
-            Pass::Warmup => observation.setup_seconds = Some(0.125),
+            Pass::Warmup => {
+                observation.setup_seconds = Some(0.125);
+                observation.seconds = self.backend.time.map(|time| time(name, 0));
+            }
             Pass::Time => {
                 // Different for every run, so that tests detect lost and repeated samples.
                 let base = if name == "vtp" { 0.329 } else { 1.204 };
-                observation.seconds = Some(base + self.backend.log.len() as f64 / 1024.0);
+                let nth = self.backend.log.len() as f64;
+                observation.seconds = Some(self.backend.time.map_or(base + nth / 1024.0, |time| {
+                    time(name, self.backend.log.len())
+                }));
+                observation.solves = (step.solves > 1).then_some(step.solves);
             }
             Pass::Count => {
                 let mut counters = Counters::default();

@@ -51,6 +51,8 @@ pub struct Step<'a> {
     pub source: VertexId,
     /// Its purpose.
     pub pass: Pass,
+    /// Solves of a timed run, whose mean is its time; 1 in other runs. Outside programs solve once.
+    pub solves: usize,
 }
 
 /// Result of one run. Which figures are set depends on the [`Pass`].
@@ -59,8 +61,11 @@ pub struct Observation {
     /// The answer; journals do not hold it.
     #[serde(skip)]
     pub distances: Vec<f64>,
-    /// Seconds that the solve took.
+    /// Seconds that the solve took; of several the mean.
     pub seconds: Option<f64>,
+    /// Number of solves; `None` is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solves: Option<usize>,
     /// Seconds that the set-up took, if this run needed one.
     pub setup_seconds: Option<f64>,
     /// The counters.
@@ -152,6 +157,9 @@ pub trait Listener {
         let _ = (model, cell);
         None
     }
+
+    /// A timed run beyond the fewest of a cell is about to be made.
+    fn extended(&mut self) {}
 
     /// Planned runs that will not happen.
     fn skipped(&mut self, runs: usize) {

@@ -7,6 +7,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+pub(crate) mod standard_input;
+
 use geobench_mesh::generate::{self, Spec};
 use geobench_mesh::io::ReadOptions;
 use geobench_mesh::{InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, io as mesh_io};
@@ -101,7 +103,12 @@ pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelErr
             models.push(ModelRef::generated(argument)?);
             continue;
         }
-        let path = Path::new(argument);
+        let of_standard_input;
+        let mut path = Path::new(argument);
+        if argument == "-" {
+            of_standard_input = standard_input::file()?;
+            path = &of_standard_input;
+        }
         let missing = |error: io::Error| ModelError::Missing {
             path: argument.to_owned(),
             problem: match error.kind() {

@@ -24,6 +24,8 @@ pub(crate) struct Request {
     pub(crate) source: u32,
     /// The purpose of the run.
     pub(crate) pass: Pass,
+    /// Solves of a timed run.
+    pub(crate) solves: usize,
 }
 
 /// Last argument of a child of this program.
@@ -54,6 +56,8 @@ pub(crate) struct Reply {
     pub(crate) crashed: Option<String>,
     /// Seconds that the solve took.
     pub(crate) seconds: Option<f64>,
+    /// Number of solves whose mean that is; from this program only.
+    pub(crate) solves: Option<usize>,
     /// Seconds of set-up that depends on the mesh alone, if part of this run.
     pub(crate) setup_seconds: Option<f64>,
     /// Counters, by the names of result files.
@@ -85,6 +89,7 @@ impl Reply {
         Observation {
             distances,
             seconds: self.seconds,
+            solves: self.solves,
             setup_seconds: self.setup_seconds,
             counters: self.counters,
             wavefront: self.wavefront,
@@ -101,6 +106,7 @@ impl From<Observation> for Reply {
     fn from(observation: Observation) -> Self {
         Self {
             seconds: observation.seconds,
+            solves: observation.solves,
             setup_seconds: observation.setup_seconds,
             counters: observation.counters,
             rss_peak_bytes: observation.peaks.rss,
@@ -193,6 +199,7 @@ mod tests {
             let observation = Observation {
                 distances,
                 seconds: Some(1.0 / 3.0),
+                solves: Some(7),
                 setup_seconds: None,
                 counters,
                 wavefront: vec![WavefrontRecord {

@@ -1,4 +1,5 @@
-//! Several result files together: two are compared, and rounds that took turns are pooled.
+//! Several result files: compared, pooled, joined.
 
 pub mod compare;
+pub mod join;
 pub mod pool;

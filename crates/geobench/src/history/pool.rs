@@ -92,6 +92,7 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     let samples = rounds.iter().flat_map(|c| c.time.samples.clone()).collect();
     cell.time = Time {
         places: rounds.iter().flat_map(|c| c.time.places.clone()).collect(),
+        solves: joined_solves(&rounds),
         ..statistics::time(samples, over(|c| c.time.setup))
     };
     cell.phases.propagation = over(|c| c.phases.propagation);
@@ -111,6 +112,20 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     cell
 }
 
+/// The solves of the samples of all rounds; empty if each is of one solve.
+fn joined_solves(rounds: &[Cell]) -> Vec<usize> {
+    if rounds.iter().all(|cell| cell.time.solves.is_empty()) {
+        return Vec::new();
+    }
+    let each = rounds.iter().flat_map(|cell| {
+        let solves = cell.time.solves.iter().copied();
+        solves
+            .chain(std::iter::repeat(1))
+            .take(cell.time.samples.len())
+    });
+    each.collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -119,7 +134,7 @@ mod tests {
 
     fn round(backend: &mut MockBackend) -> ResultFile {
         let mut plan = plan(&["horse"], "mmp,ich", "0");
-        plan.repeat = 1;
+        plan.sampling = crate::plan::sampling::Sampling::Fixed(1);
         result(run_mock(&plan, backend))
     }
 

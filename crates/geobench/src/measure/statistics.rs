@@ -61,6 +61,8 @@ pub fn time(samples: Vec<f64>, setup: Option<f64>) -> Time {
         setup,
         samples,
         places: Vec::new(),
+        solves: Vec::new(),
+        precision: None,
     }
 }
 

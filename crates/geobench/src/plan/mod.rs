@@ -11,6 +11,7 @@ use crate::UsageError;
 use crate::exec::expected::Expected;
 use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
+use crate::plan::sampling::Sampling;
 use crate::plan::source::SourceSpec;
 use crate::registry::{self, Programs, Selection, Simd, Value};
 use crate::schema::{
@@ -18,6 +19,7 @@ use crate::schema::{
 };
 
 pub(crate) mod difference;
+pub mod sampling;
 pub mod source;
 pub mod suite;
 
@@ -32,8 +34,8 @@ pub struct Plan {
     pub algorithms: Vec<Selection>,
     /// The sources in each model.
     pub sources: SourceSpec,
-    /// Timed runs of each cell.
-    pub repeat: usize,
+    /// The timed runs of each cell.
+    pub sampling: Sampling,
     /// Untimed runs of each cell before those.
     pub warmup: usize,
     /// The expected answers.
@@ -194,9 +196,9 @@ impl Plan {
             .saturating_mul(self.runs_per_cell())
     }
 
-    /// Runs of one cell: warm-ups, timed runs, one counted and one profiled run.
+    /// Fewest runs of a cell that ends well: warm-ups, timed runs, one counted and one profiled run.
     pub const fn runs_per_cell(&self) -> usize {
-        self.warmup + self.repeat + 2
+        self.warmup + self.sampling.fewest() + 2
     }
 }
 
@@ -215,7 +217,8 @@ fn group(plan: &Plan) -> PlannedGroup {
         models: plan.models.iter().map(model).collect(),
         algorithms: plan.algorithms.iter().map(algorithm).collect(),
         sources: plan.sources.to_string(),
-        repeat: plan.repeat,
+        repeat: plan.sampling.most(),
+        precision: plan.sampling.precision(),
         warmup: plan.warmup,
         reference: match &plan.reference {
             Reference::None => "none".to_owned(),
@@ -352,7 +355,7 @@ mod tests {
                 .map(|g| {
                     let mut plan = plan(&names[..models - g.min(models - 1)], "mmp,vtp", sources);
                     plan.group.name = Some(format!("group {g}"));
-                    plan.repeat = 1;
+                    plan.sampling = Sampling::Fixed(1);
                     plan
                 })
                 .collect();

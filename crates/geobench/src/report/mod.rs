@@ -279,7 +279,15 @@ fn of_group(group: &Group<'_>, setting: Setting<'_>) -> Vec<Block> {
 
 /// The meaning of the figures.
 fn reading(result: &ResultFile) -> String {
-    let mut text = crate::table::footnote(result, true).trim_end().to_owned();
+    let mut text = crate::table::footnote(
+        result,
+        crate::table::Look {
+            styled: true,
+            width: None,
+        },
+    )
+    .trim_end()
+    .to_owned();
     if !text.is_empty() {
         text += ". ";
     }

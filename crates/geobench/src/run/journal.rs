@@ -1,9 +1,11 @@
 //! The journal of a benchmark: the outcome of every run, synced to disk before the next one starts,
 //! so that a killed benchmark loses at most the run under way.
 //!
-//! A journal is a file of JSON lines. The first is the [`JournalHeader`] with program and plan;
-//! only the same program with the same plan continues a journal. The others hold a session, a
-//! model, an instruction count or a run. An incomplete last line is cut off. Any other malformed
+//! A journal is a file of JSON lines. The first is the [`JournalHeader`] with program and plan.
+//! Only the same program under the same conditions continues a journal. Its plan may have other
+//! models, algorithms, sources and numbers of runs; then a line holds the new plan, and runs that
+//! it does not have are left alone. The other lines hold a session, a model, an instruction count
+//! or a run. An incomplete last line is cut off. Any other malformed
 //! line is an error, because the rest of the file cannot be trusted then.
 //!
 //! A run has one line, except warm-ups: a later process repeats them before its timed runs, and so
@@ -22,7 +24,7 @@ use serde::{Deserialize, Serialize};
 use crate::exec::{Failure, Observation, Pass};
 use crate::plan::difference::first_difference;
 use crate::schema::{
-    Check, InstructionCount, ModelRecord, PlanRecord, SCHEMA, SessionRecord, Tool,
+    Check, InstructionCount, ModelRecord, PlanRecord, PlannedGroup, SCHEMA, SessionRecord, Tool,
 };
 
 #[cfg(test)]
@@ -57,6 +59,9 @@ pub struct RunOutcome {
     pub unchecked: Option<String>,
     /// Failure of the run, which fails the cell.
     pub failure: Option<Failure>,
+    /// Index of a timed run in its round; null for others, and in journals of older programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<usize>,
 }
 
 /// An open, locked journal.
@@ -66,6 +71,8 @@ pub struct Journal {
     file: File,
     /// Bytes of complete lines.
     length: u64,
+    /// The plan of the first line, and of later ones.
+    plans: Vec<PlanRecord>,
     sessions: Vec<SessionRecord>,
     models: HashMap<String, ModelRecord>,
     outcomes: HashMap<RunId, RunOutcome>,
@@ -131,6 +138,7 @@ impl Journal {
             path: path.to_owned(),
             file,
             length: 0,
+            plans: Vec::new(),
             sessions: Vec::new(),
             models: HashMap::new(),
             outcomes: HashMap::new(),
@@ -142,11 +150,16 @@ impl Journal {
         let first = header.line();
         let begun = if bytes.len() < first.len() && first.as_bytes().starts_with(&bytes) {
             // New, or the first line is incomplete.
+            journal.plans.push(header.plan.clone());
             journal.start(&first)
         } else {
             journal.read(&bytes, header)?;
             journal.cut()
         };
+        let begun = begun.and_then(|()| match journal.plans.contains(&header.plan) {
+            true => Ok(()),
+            false => journal.append(&JournalLine::Plan(header.plan.clone())),
+        });
         let noted = begun.and_then(|()| journal.append(&JournalLine::Session(session.clone())));
         if noted.is_err() && !existed {
             // It is empty, so a failure to remove it does no harm.
@@ -198,6 +211,7 @@ impl Journal {
             );
         }
         self.length = first.len() as u64;
+        self.plans.push(found.plan);
         for (number, line) in (2..).zip(lines) {
             if !line.ends_with(b"\n") {
                 break;
@@ -205,7 +219,7 @@ impl Journal {
             let taken = serde_json::from_slice(line)
                 .map_err(|error| format!("not a line of a journal: {error}"))
                 .and_then(|line: JournalLine| {
-                    line.run().map_or(Ok(()), |run| header.check(run))?;
+                    line.run().map_or(Ok(()), |run| self.check(run))?;
                     self.take_in(line)
                 });
             if let Err(problem) = taken {
@@ -221,6 +235,7 @@ impl Journal {
     /// Stores what a line holds.
     fn take_in(&mut self, line: JournalLine) -> Result<(), String> {
         match line {
+            JournalLine::Plan(plan) => self.plans.push(plan),
             JournalLine::Session(session) => self.sessions.push(session),
             JournalLine::Model(model) => {
                 self.models.insert(model.name.clone(), model);
@@ -231,6 +246,18 @@ impl Journal {
             JournalLine::Run { id, found } => self.note(id, found)?,
         }
         Ok(())
+    }
+
+    /// Checks that a run is part of one of the plans.
+    fn check(&self, run: &RunId) -> Result<(), String> {
+        let mut problem = None;
+        for plan in &self.plans {
+            match check(plan, run) {
+                Ok(()) => return Ok(()),
+                Err(found) => problem = problem.or(Some(found)),
+            }
+        }
+        problem.map_or(Ok(()), Err)
     }
 
     /// Stores the outcome of a run. Of repeated warm-ups the first counts, which set the algorithm
@@ -336,45 +363,88 @@ impl JournalHeader {
         line
     }
 
-    /// The first difference from `now`, with both values.
+    /// The first difference from `now` that makes runs of the one no runs of the other, with both
+    /// values.
     fn difference(&self, now: &Self) -> Option<String> {
-        let value = |header| serde_json::to_value(header).unwrap_or_default();
-        let found = first_difference(&value(self), &value(now))?;
+        let value = |header: &Self, other: &Self| {
+            let plan = conditions(&header.plan, &other.plan);
+            serde_json::to_value(Self {
+                plan,
+                ..header.clone()
+            })
+            .unwrap_or_default()
+        };
+        let found = first_difference(&value(self, now), &value(now, self))?;
         Some(format!(
             "`{}` is {} there and {} now",
             found.place, found.left, found.right
         ))
     }
+}
 
-    /// Checks that a run is part of the plan.
-    fn check(&self, run: &RunId) -> Result<(), String> {
-        let group = self.plan.groups.iter().find(|g| g.name == run.group);
-        let Some(group) = group else {
-            return Err(format!(
-                "there is no group `{}` in the plan",
-                run.group.as_deref().unwrap_or_default()
-            ));
-        };
-        if group.models.iter().all(|model| model.name != run.model) {
-            return Err(format!("there is no model `{}` in the plan", run.model));
-        }
-        let is_reference = group.reference == run.algorithm && run.pass == Pass::Warmup;
-        if !is_reference && group.algorithms.iter().all(|a| a.label != run.algorithm) {
-            return Err(format!(
-                "there is no algorithm `{}` in the plan",
-                run.algorithm
-            ));
-        }
-        let rounds = match run.pass {
-            Pass::Warmup => group.warmup.max(1),
-            Pass::Time => group.repeat,
-            Pass::Count | Pass::Profile => 1,
-        };
-        if run.round >= rounds {
-            return Err(format!("there is no round {} in the plan", run.round));
-        }
-        Ok(())
+/// The parts of `plan` that must be the same in `other` for the runs of both to belong together:
+/// the conditions of the groups that both have, with the models and algorithms that both have.
+/// Sources and numbers of runs may differ.
+fn conditions(plan: &PlanRecord, other: &PlanRecord) -> PlanRecord {
+    let pairs = plan.groups.iter().filter_map(|group| {
+        let same = other.groups.iter().find(|other| other.name == group.name);
+        Some((group, same?))
+    });
+    let mut groups: Vec<PlannedGroup> = pairs
+        .map(|(group, other)| {
+            let mut group = group.clone();
+            group
+                .models
+                .retain(|model| other.models.iter().any(|m| m.name == model.name));
+            group
+                .algorithms
+                .retain(|one| other.algorithms.iter().any(|a| a.label == one.label));
+            // In any order.
+            group.models.sort_by(|a, b| a.name.cmp(&b.name));
+            group.algorithms.sort_by(|a, b| a.label.cmp(&b.label));
+            PlannedGroup {
+                sources: String::new(),
+                repeat: 0,
+                precision: None,
+                ..group
+            }
+        })
+        .collect();
+    groups.sort_by(|a, b| a.name.cmp(&b.name));
+    PlanRecord {
+        groups,
+        ..plan.clone()
     }
+}
+
+/// Checks that a run is part of a plan.
+fn check(plan: &PlanRecord, run: &RunId) -> Result<(), String> {
+    let group = plan.groups.iter().find(|g| g.name == run.group);
+    let Some(group) = group else {
+        return Err(format!(
+            "there is no group `{}` in the plan",
+            run.group.as_deref().unwrap_or_default()
+        ));
+    };
+    if group.models.iter().all(|model| model.name != run.model) {
+        return Err(format!("there is no model `{}` in the plan", run.model));
+    }
+    let is_reference = group.reference == run.algorithm && run.pass == Pass::Warmup;
+    if !is_reference && group.algorithms.iter().all(|a| a.label != run.algorithm) {
+        return Err(format!(
+            "there is no algorithm `{}` in the plan",
+            run.algorithm
+        ));
+    }
+    let rounds = match run.pass {
+        Pass::Warmup => group.warmup.max(1),
+        Pass::Time => group.repeat,
+        Pass::Count | Pass::Profile => 1,
+    };
+    if run.round >= rounds {
+        return Err(format!("there is no round {} in the plan", run.round));
+    }
+    Ok(())
 }
 
 /// A line of a journal.
@@ -382,6 +452,8 @@ impl JournalHeader {
 #[serde(rename_all = "snake_case")]
 #[expect(clippy::large_enum_variant, reason = "there is but one at a time")]
 pub(super) enum JournalLine {
+    /// The plan from here on.
+    Plan(PlanRecord),
     /// A process started.
     Session(SessionRecord),
     /// A model was loaded for the first time.
@@ -407,7 +479,7 @@ impl JournalLine {
     /// The run that the line is about.
     const fn run(&self) -> Option<&RunId> {
         match self {
-            Self::Session(_) | Self::Model(_) => None,
+            Self::Plan(_) | Self::Session(_) | Self::Model(_) => None,
             Self::Instructions { id, .. } | Self::Run { id, .. } => Some(id),
         }
     }

@@ -7,6 +7,7 @@ use crate::exec::Listener;
 use crate::exec::limits::Limits;
 use crate::exec::mock::MockBackend;
 use crate::exec::model::ModelRef;
+use crate::plan::sampling::Sampling;
 use crate::plan::{Plan, Reference};
 use crate::registry::{self, Simd};
 use crate::schema::{GroupRecord, Host, ResultFile, SCHEMA, Tool};
@@ -29,7 +30,7 @@ pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
         ),
         algorithms,
         sources: sources.parse().unwrap(),
-        repeat: 5,
+        sampling: Sampling::Fixed(5),
         warmup: 1,
         tolerance: 1e-9,
         simd,
@@ -46,7 +47,7 @@ impl Listener for NullListener {}
 
 /// Carries out `plan` with a mock backend.
 pub(crate) fn run_mock(plan: &Plan, backend: &mut MockBackend) -> Records {
-    run(plan, backend, None, &mut NullListener).unwrap()
+    run(plan, backend, None, None, &mut NullListener).unwrap()
 }
 
 /// A result file of these records.

@@ -2,6 +2,7 @@
 
 pub mod agreement;
 pub mod check;
+mod earlier;
 pub mod journal;
 pub mod merge;
 #[cfg(test)]
@@ -19,8 +20,10 @@ use crate::exec::{Backend, Listener, Pass, Session};
 use crate::plan::Plan;
 use crate::plan::source::SourceSpec;
 use crate::run::journal::{Journal, JournalLine, RunId};
-use crate::run::unit::Unit;
+use crate::run::unit::{Past, Unit};
 use crate::schema::{Cell, ModelRecord, Status};
+
+pub use self::earlier::Earlier;
 
 /// Records of the models and cells of a benchmark.
 #[derive(Clone, Debug, Default)]
@@ -38,17 +41,20 @@ impl Records {
     }
 }
 
-/// Carries out `plan`, model by model. Runs in `journal` are not repeated, and a model with all
-/// runs in it is not loaded. After an interruption the records cover the finished runs.
+/// Carries out `plan`, model by model. Runs in `journal` and in `earlier` are not repeated, and a
+/// model with all runs in them is not loaded. After an interruption the records cover the finished
+/// runs.
 ///
 /// # Errors
 ///
-/// Errors of the journal and the listener, and a model that differs from that of the journal.
+/// Errors of the journal and the listener, and a model that differs from that of the journal or of
+/// the earlier file.
 /// Failures of runs are in the records of their cells.
 pub fn run(
     plan: &Plan,
     backend: &mut dyn Backend,
     mut journal: Option<&mut Journal>,
+    earlier: Option<&Earlier>,
     listener: &mut dyn Listener,
 ) -> anyhow::Result<Records> {
     let mut records = Records::default();
@@ -60,6 +66,7 @@ pub fn run(
             plan,
             place,
             journal: journal.as_deref_mut(),
+            earlier,
             listener: &mut *listener,
         };
         let (model, mut cells) = benchmark.run(backend)?;
@@ -83,6 +90,7 @@ struct Benchmark<'b> {
     /// Index of the model in the plan.
     place: usize,
     journal: Option<&'b mut Journal>,
+    earlier: Option<&'b Earlier>,
     listener: &'b mut dyn Listener,
 }
 
@@ -108,7 +116,7 @@ impl Benchmark<'_> {
 
     /// Adds the instructions of a cell, from the journal or counted now.
     fn count_instructions(&mut self, model: &ModelRecord, cell: &mut Cell) -> anyhow::Result<()> {
-        let (Status::Ok, Some(source)) = (cell.status, cell.source) else {
+        let (Status::Ok, Some(source), None) = (cell.status, cell.source, cell.instructions) else {
             return Ok(());
         };
         let run = RunId {
@@ -137,15 +145,29 @@ impl Benchmark<'_> {
         Ok(())
     }
 
-    /// All cells of the model, if the journal knows every run of them.
+    /// The runs that are done.
+    fn past(&self) -> Past<'_> {
+        Past {
+            journal: self.journal.as_deref(),
+            earlier: self.earlier,
+        }
+    }
+
+    /// All cells of the model, if the journal or the earlier file knows every run of them.
     fn known(&self) -> Option<(ModelRecord, Vec<Cell>)> {
-        let journal = self.journal.as_deref()?;
-        let model = journal.model(&self.plan.models[self.place].name)?;
+        let model = &self.plan.models[self.place];
+        let past = self.past();
+        let (found, file_sha256) = past.model(&model.name)?;
+        // A journal refuses changed files when it is opened.
+        if file_sha256.is_some() && model.file_sha256() != file_sha256 && model.spec().is_none() {
+            return None;
+        }
+        let model = found;
         let units: Vec<Unit<'_>> = self
             .sources(model)
             .ok()?
             .into_iter()
-            .map(|source| Unit::new(self.plan, model, source, Some(journal)))
+            .map(|source| Unit::new(self.plan, model, source, past))
             .collect();
         units.iter().all(Unit::is_complete).then(|| {
             let cells = units.into_iter().flat_map(Unit::cells).collect();
@@ -158,6 +180,18 @@ impl Benchmark<'_> {
         session: &mut dyn Session,
     ) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
         let found = session.model();
+        let is_changed =
+            |earlier: &&ModelRecord| earlier.sha256.is_some() && earlier.sha256 != found.sha256;
+        let earlier = self.earlier.and_then(|earlier| earlier.model(&found.name));
+        if let Some(earlier) = earlier.filter(is_changed) {
+            bail!(
+                "{}: the model is not the one that the earlier results are of: its SHA-256 is {}, \
+                 and was {}",
+                found.path,
+                found.sha256.as_deref().unwrap_or("not known"),
+                earlier.sha256.as_deref().unwrap_or("not known"),
+            );
+        }
         let model = match self.journal.as_deref().and_then(|j| j.model(&found.name)) {
             Some(known) if known.sha256 != found.sha256 => bail!(
                 "{}: the model is not the one that the journal holds results of: its SHA-256 is {}, \
@@ -178,7 +212,7 @@ impl Benchmark<'_> {
         match self.sources(&model) {
             Ok(sources) => {
                 for source in sources {
-                    let mut unit = Unit::new(self.plan, &model, source, self.journal.as_deref());
+                    let mut unit = Unit::new(self.plan, &model, source, self.past());
                     unit.run(session, self.journal.as_deref_mut(), self.listener)?;
                     cells.extend(unit.cells());
                 }

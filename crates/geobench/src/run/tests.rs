@@ -3,10 +3,11 @@
 use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
 use crate::exec::{Listener, Step};
 use crate::plan::Reference;
+use crate::plan::sampling::Sampling;
 use crate::registry;
 use crate::run::mock::{plan, run_mock};
 use crate::run::run;
-use crate::schema::{Cell, Status};
+use crate::schema::{Cell, Precision, Status};
 
 fn cell<'c>(cells: &'c [Cell], algorithm: &str) -> &'c Cell {
     cells.iter().find(|c| c.algorithm == algorithm).unwrap()
@@ -15,7 +16,7 @@ fn cell<'c>(cells: &'c [Cell], algorithm: &str) -> &'c Cell {
 #[test]
 fn runs_are_interleaved_and_the_reference_goes_first() {
     let mut plan = plan(&["horse"], "vtp,mmp", "0");
-    plan.repeat = 2;
+    plan.sampling = Sampling::Fixed(2);
     let mut backend = MockBackend::default();
     let records = run_mock(&plan, &mut backend);
     assert_eq!(
@@ -39,11 +40,44 @@ fn runs_are_interleaved_and_the_reference_goes_first() {
 }
 
 #[test]
+fn without_a_number_each_cell_repeats_until_it_is_precise() {
+    let mut plan = plan(&["horse"], "mmp,ich,vtp", "0");
+    plan.sampling = Sampling::UntilPrecise(Precision::USUAL);
+    // mmp: always the same; ich: between 50 and 150 % of the median; vtp: short and the same.
+    let mut backend = MockBackend {
+        time: Some(|name, nth| match name {
+            "mmp" => 1.0,
+            "ich" => 1.0 + ((nth % 7) as f64 - 3.0) / 6.0,
+            _ => 0.001,
+        }),
+        ..MockBackend::default()
+    };
+    let records = run_mock(&plan, &mut backend);
+    let time = |name| &cell(&records.cells, name).time;
+    assert_eq!(time("mmp").samples.len(), 5);
+    assert!(time("mmp").solves.is_empty() && !time("mmp").is_imprecise());
+    // The time ends before the number of runs.
+    assert!(time("ich").spent() >= 20.0 && time("ich").spent() < 22.0);
+    assert!(time("ich").is_imprecise());
+    // The least time in batches of a twentieth of it.
+    assert_eq!(time("vtp").solves, [10; 20]);
+    assert_eq!(time("vtp").precision, Some(0.03));
+    // Every cell takes part in the rounds from the first on, so that samples form pairs.
+    let timed = backend.log.iter().filter(|run| run.starts_with("time"));
+    let first: Vec<&String> = timed.take(15).collect();
+    for round in first.chunks(3) {
+        assert!(round[0] != round[1] && round[1] != round[2] && round[0] != round[2]);
+    }
+    assert_eq!(time("mmp").places.len(), 5);
+    assert_eq!(time("vtp").places.len(), 20);
+}
+
+#[test]
 fn a_reference_that_is_not_measured_runs_once() {
     let mut plan = plan(&["horse"], "vtp", "0");
     plan.reference = Reference::Algorithm(registry::select_one("ich").unwrap());
     plan.warmup = 0;
-    plan.repeat = 1;
+    plan.sampling = Sampling::Fixed(1);
     let mut backend = MockBackend::default();
     let records = run_mock(&plan, &mut backend);
     assert_eq!(
@@ -222,7 +256,7 @@ fn who_asks_to_stop_gets_what_is_done() {
             ..MockBackend::default()
         };
         let mut listener = Impatient(runs);
-        let records = run(&plan, &mut backend, None, &mut listener).unwrap();
+        let records = run(&plan, &mut backend, None, None, &mut listener).unwrap();
         assert_eq!(backend.log.len(), runs);
         let cells = records.cells.iter();
         let cells: Vec<String> = cells

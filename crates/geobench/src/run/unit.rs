@@ -8,9 +8,11 @@ use geobench_window::{Counter, precision};
 
 use crate::exec::{Failure, Listener, Observation, Pass, Session, Step};
 use crate::measure::memory::Peaks;
+use crate::plan::sampling::Sampling;
 use crate::plan::{Plan, Reference};
 use crate::registry::Selection;
 use crate::run::agreement;
+use crate::run::earlier::{self, Earlier, NOT_CHECKED};
 use crate::run::journal::{Journal, JournalLine, RunId, RunOutcome};
 use crate::run::reference_check::{Answer, ReferenceCheck};
 use crate::schema::{Cell, Check, Memory, ModelRecord, Status, Time};
@@ -26,13 +28,31 @@ pub(crate) struct Unit<'p> {
     cells: Vec<CellRuns<'p>>,
 }
 
+/// The runs that are done.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Past<'p> {
+    pub(crate) journal: Option<&'p Journal>,
+    pub(crate) earlier: Option<&'p Earlier>,
+}
+
+impl<'p> Past<'p> {
+    /// The record of a model, and its hash if it is of an earlier file.
+    pub(crate) fn model(self, name: &str) -> Option<(&'p ModelRecord, Option<String>)> {
+        if let Some(model) = self.journal.and_then(|journal| journal.model(name)) {
+            return Some((model, None));
+        }
+        let model = self.earlier?.model(name)?;
+        Some((model, model.sha256.clone()))
+    }
+}
+
 impl<'p> Unit<'p> {
-    /// The cells of `plan` in `model` from `source`, with the runs in `journal`.
+    /// The cells of `plan` in `model` from `source`, with the runs in `past`.
     pub(crate) fn new(
         plan: &'p Plan,
         model: &'p ModelRecord,
         source: VertexId,
-        journal: Option<&Journal>,
+        past: Past<'_>,
     ) -> Self {
         let algorithms = &plan.algorithms;
         let mut unit = Self {
@@ -40,26 +60,39 @@ impl<'p> Unit<'p> {
             model,
             source,
             order: RunOrder::new(plan.seed, &model.name, source.raw(), algorithms.len()),
-            cells: algorithms.iter().map(CellRuns::new).collect(),
+            cells: algorithms
+                .iter()
+                .map(|algorithm| CellRuns::new(algorithm, plan.sampling))
+                .collect(),
         };
         // The reference has one warm-up even if the plan has none.
         let warmups = (0..plan.warmup.max(1)).map(|round| (Pass::Warmup, round));
-        let times = (0..plan.repeat).map(|round| (Pass::Time, round));
+        let times = (0..plan.sampling.most()).map(|round| (Pass::Time, round));
         let last = [(Pass::Profile, 0), (Pass::Count, 0)];
         for (pass, round) in warmups.chain(times).chain(last) {
             for (place, algorithm) in algorithms.iter().enumerate() {
                 let run = unit.run_id(algorithm, pass, round);
-                if let Some(outcome) = journal.and_then(|journal| journal.outcome(&run)) {
-                    unit.cells[place].add(pass, round, outcome.clone());
+                let cell = &mut unit.cells[place];
+                if pass == Pass::Warmup && round == 0 {
+                    let earlier = past.earlier;
+                    cell.earlier = earlier.and_then(|e| e.cell(&run, algorithm.threads()).cloned());
+                }
+                let journal = past.journal.and_then(|journal| journal.outcome(&run));
+                let earlier = || earlier::outcome(cell.earlier.as_ref()?, pass, round);
+                if let Some(outcome) = journal.cloned().or_else(earlier) {
+                    cell.add(pass, round, outcome);
                 }
             }
+        }
+        for cell in &mut unit.cells {
+            cell.count_samples();
         }
         unit
     }
 
     /// Whether all runs are done.
     pub(crate) fn is_complete(&self) -> bool {
-        self.cells.iter().all(|cell| cell.is_complete(self.plan))
+        self.cells.iter().all(CellRuns::is_complete)
     }
 
     /// Carries out the runs that are missing.
@@ -75,7 +108,7 @@ impl<'p> Unit<'p> {
     ) -> anyhow::Result<()> {
         for cell in &self.cells {
             for (pass, outcome) in cell.summaries() {
-                listener.ran(&self.as_step(cell.algorithm, pass), outcome);
+                listener.ran(&self.as_step(cell.algorithm, pass, 1), outcome);
             }
         }
         if !self.is_complete() {
@@ -98,26 +131,37 @@ impl<'p> Unit<'p> {
 
     /// The records of the finished cells.
     pub(crate) fn cells(self) -> Vec<Cell> {
-        let rounds: Vec<Vec<usize>> = (0..self.plan.repeat)
-            .map(|round| self.order.round(round))
-            .collect();
         let ids: Vec<RunId> = self
             .cells
             .iter()
             .map(|cell| self.run_id(cell.algorithm, Pass::Time, 0))
             .collect();
+        let earlier = self.cells.iter().filter_map(|cell| cell.earlier.clone());
+        let earlier: Vec<Cell> = earlier.collect();
         let cells = self.cells.into_iter().zip(ids).enumerate();
         let mut cells: Vec<Cell> = cells
-            .filter(|(_, (cell, _))| cell.is_complete(self.plan))
+            .filter(|(_, (cell, _))| cell.is_complete())
             .map(|(place, (cell, id))| {
-                let places = rounds
-                    .iter()
-                    .filter_map(|round| round.iter().position(|&p| p == place))
-                    .collect();
+                let placed = cell.timed().enumerate().filter_map(|(round, outcome)| {
+                    // In journals of older programs every round has all algorithms.
+                    let in_round = || self.order.place(round, place);
+                    outcome.place.or_else(in_round)
+                });
+                let places = placed.collect();
                 cell.finish(id, places, self.plan.group.wavefront)
             })
             .collect();
+        let unchanged: Vec<(usize, Option<String>)> = cells
+            .iter()
+            .enumerate()
+            .filter(|(_, cell)| earlier.contains(cell))
+            .map(|(place, cell)| (place, cell.message.clone()))
+            .collect();
         agreement::explain(&mut cells);
+        // These were explained when they were made.
+        for (place, message) in unchanged {
+            cells[place].message = message;
+        }
         cells
     }
 
@@ -133,7 +177,10 @@ impl<'p> Unit<'p> {
                 }
             }
         }
-        for round in 0..self.plan.repeat {
+        for round in 0..self.plan.sampling.most() {
+            if !self.cells.iter().any(CellRuns::wants_time) {
+                break;
+            }
             for place in self.order.round(round) {
                 self.step(place, Pass::Time, round, context)?;
             }
@@ -184,7 +231,7 @@ impl<'p> Unit<'p> {
             .cells
             .iter()
             .position(|e| e.algorithm.label() == reference.label());
-        let done = context.execute(&self.as_step(reference, Pass::Warmup))?;
+        let done = context.execute(&self.as_step(reference, Pass::Warmup, 1))?;
         match &done {
             Ok(observation) => {
                 context.reference_check.answer =
@@ -193,7 +240,7 @@ impl<'p> Unit<'p> {
             Err(failure) => context.reference_check.unchecked = failed(failure),
         }
         match place {
-            Some(place) if self.cells[place].lacks(self.plan, Pass::Warmup, 0) => {
+            Some(place) if self.cells[place].lacks(Pass::Warmup, 0) => {
                 self.take_in(place, Pass::Warmup, 0, done, context)?;
             }
             // Not a cell of the plan. The journal keeps a failure, so that it is not tried again.
@@ -217,7 +264,7 @@ impl<'p> Unit<'p> {
             };
             if !restored.contains(&cluster) {
                 restored.push(cluster);
-                let done = context.execute(&self.as_step(cell.algorithm, Pass::Warmup))?;
+                let done = context.execute(&self.as_step(cell.algorithm, Pass::Warmup, 1))?;
                 let answer = done.ok().map(|observation| observation.distances);
                 context.reference_check.clusters.restore(cluster, answer);
             }
@@ -234,10 +281,17 @@ impl<'p> Unit<'p> {
         context: &mut RunContext<'_>,
     ) -> anyhow::Result<()> {
         let cell = &self.cells[place];
-        if !cell.lacks(self.plan, pass, round) {
+        if !cell.lacks(pass, round) {
             return Ok(());
         }
-        let done = context.execute(&self.as_step(cell.algorithm, pass))?;
+        let mut solves = 1;
+        if pass == Pass::Time {
+            solves = cell.solves();
+            if round >= self.plan.sampling.fewest() {
+                context.listener.extended();
+            }
+        }
+        let done = context.execute(&self.as_step(cell.algorithm, pass, solves))?;
         self.take_in(place, pass, round, done, context)
     }
 
@@ -252,13 +306,19 @@ impl<'p> Unit<'p> {
     ) -> anyhow::Result<()> {
         let run = self.run_id(self.cells[place].algorithm, pass, round);
         let algorithm = self.cells[place].algorithm;
-        let outcome = self.judge(algorithm, done, &mut context.reference_check);
+        let mut outcome = self.judge(algorithm, done, &mut context.reference_check);
+        if pass == Pass::Time {
+            outcome.place = self.order.place(round, place);
+        }
         context.keep(run, &outcome)?;
-        let step = self.as_step(algorithm, pass);
+        let step = self.as_step(algorithm, pass, 1);
         context.listener.ran(&step, summary(&outcome));
         let cell = &mut self.cells[place];
         cell.made += 1;
         cell.add(pass, round, outcome);
+        if pass == Pass::Time {
+            cell.count_samples();
+        }
         Ok(())
     }
 
@@ -283,6 +343,7 @@ impl<'p> Unit<'p> {
                     check,
                     unchecked: reference_check.unchecked.clone(),
                     failure,
+                    place: None,
                 }
             }
             Err(failure) => RunOutcome {
@@ -292,12 +353,13 @@ impl<'p> Unit<'p> {
         }
     }
 
-    fn as_step<'s>(&'s self, algorithm: &'s Selection, pass: Pass) -> Step<'s> {
+    fn as_step<'s>(&'s self, algorithm: &'s Selection, pass: Pass, solves: usize) -> Step<'s> {
         Step {
             model: &self.model.name,
             algorithm,
             source: self.source,
             pass,
+            solves,
         }
     }
 
@@ -361,15 +423,23 @@ struct CellRuns<'p> {
     failure: Option<Failure>,
     /// Runs made by this process, without those from the journal.
     made: usize,
+    sampling: Sampling,
+    /// Whether there are enough timed runs.
+    has_time: bool,
+    /// The cell of an earlier file.
+    earlier: Option<Cell>,
 }
 
 impl<'p> CellRuns<'p> {
-    const fn new(algorithm: &'p Selection) -> Self {
+    const fn new(algorithm: &'p Selection, sampling: Sampling) -> Self {
         Self {
             algorithm,
             outcomes: BTreeMap::new(),
             failure: None,
             made: 0,
+            sampling,
+            has_time: false,
+            earlier: None,
         }
     }
 
@@ -378,20 +448,54 @@ impl<'p> CellRuns<'p> {
     }
 
     /// Whether a run is missing. Warm-ups are repeated if timed runs are missing.
-    fn lacks(&self, plan: &Plan, pass: Pass, round: usize) -> bool {
-        !self.has_failed()
-            && match pass {
-                Pass::Warmup => (0..plan.repeat).any(|r| self.lacks(plan, Pass::Time, r)),
-                _ => !self.outcomes.contains_key(&(pass, round)),
-            }
+    fn lacks(&self, pass: Pass, round: usize) -> bool {
+        let is_wanted = match pass {
+            Pass::Warmup => return self.wants_time(),
+            Pass::Time => self.wants_time(),
+            Pass::Count | Pass::Profile => !self.has_failed(),
+        };
+        is_wanted && !self.outcomes.contains_key(&(pass, round))
+    }
+
+    /// Whether timed runs are missing.
+    const fn wants_time(&self) -> bool {
+        !self.has_failed() && !self.has_time
     }
 
     /// Whether all runs are done.
-    fn is_complete(&self, plan: &Plan) -> bool {
-        self.has_failed()
-            || (0..plan.repeat).all(|round| !self.lacks(plan, Pass::Time, round))
-                && !self.lacks(plan, Pass::Count, 0)
-                && !self.lacks(plan, Pass::Profile, 0)
+    fn is_complete(&self) -> bool {
+        !self.wants_time() && !self.lacks(Pass::Count, 0) && !self.lacks(Pass::Profile, 0)
+    }
+
+    /// The outcomes of the timed runs, in their order.
+    fn timed(&self) -> impl Iterator<Item = &RunOutcome> {
+        let runs = self
+            .outcomes
+            .range((Pass::Time, 0)..=(Pass::Time, usize::MAX));
+        runs.map(|(_, outcome)| outcome)
+    }
+
+    /// Decides whether the timed runs so far are enough.
+    fn count_samples(&mut self) {
+        let of = |found: &RunOutcome| {
+            let seconds = found.observation.seconds?;
+            Some((
+                seconds,
+                seconds * found.observation.solves.unwrap_or(1) as f64,
+            ))
+        };
+        let (samples, spent): (Vec<f64>, Vec<f64>) = self.timed().filter_map(of).unzip();
+        self.has_time = self.sampling.is_enough(&samples, spent.iter().sum());
+    }
+
+    /// Solves of a timed run, from the time of the first warm-up. Outside programs solve once.
+    fn solves(&self) -> usize {
+        if self.algorithm.program().is_some() {
+            return 1;
+        }
+        let warm = self.outcomes.get(&(Pass::Warmup, 0));
+        self.sampling
+            .solves(warm.and_then(|outcome| outcome.observation.seconds))
     }
 
     /// The cluster of an answer that differed from the reference, if one did.
@@ -420,6 +524,11 @@ impl<'p> CellRuns<'p> {
 
     /// The record of the cell. `places` are the places of its timed runs in their rounds.
     fn finish(self, run: RunId, places: Vec<usize>, with_wavefront: bool) -> Cell {
+        let all = self.timed().count();
+        let samples = |cell: &Cell| cell.time.samples.len();
+        if let Some(same) = self.earlier.as_ref().filter(|e| samples(e) >= all) {
+            return same.clone();
+        }
         let mut cell = Cell {
             group: run.group,
             source: Some(run.source),
@@ -428,6 +537,11 @@ impl<'p> CellRuns<'p> {
             simd: self.algorithm.simd(),
             ..Cell::new(&run.model, &run.algorithm)
         };
+        if let Some(earlier) = &self.earlier {
+            cell.instructions = earlier.instructions;
+            cell.instructions_simd
+                .clone_from(&earlier.instructions_simd);
+        }
         if let Some(failure) = self.failure {
             cell.status = failure.status;
             cell.message = Some(failure.message);
@@ -436,17 +550,20 @@ impl<'p> CellRuns<'p> {
         if self.algorithm.is_approximate() {
             cell.message = Some("approximate: compared, but not held to the tolerance".to_owned());
         }
-        let (mut samples, mut setup) = (Vec::new(), None);
+        let (mut samples, mut solves, mut setup) = (Vec::new(), Vec::new(), None);
         for ((pass, _), outcome) in self.outcomes {
             let observation = outcome.observation;
             if let Some(why) = outcome.unchecked {
-                cell.message = Some(format!("not checked: {why}"));
+                cell.message = Some(format!("{NOT_CHECKED}{why}"));
             }
             // The set-up of the counted run is not that of the timed runs.
             setup = setup.or(observation.setup_seconds);
             match pass {
                 Pass::Warmup => {}
-                Pass::Time => samples.extend(observation.seconds),
+                Pass::Time => {
+                    samples.extend(observation.seconds);
+                    solves.push(observation.solves.unwrap_or(1));
+                }
                 Pass::Count => {
                     cell.counters = observation.counters.unwrap_or_default();
                     if with_wavefront {
@@ -463,8 +580,13 @@ impl<'p> CellRuns<'p> {
                 cell.memory.rss_peak_bytes = cell.memory.rss_peak_bytes.or(rss);
             }
         }
+        if solves.iter().all(|&solves| solves == 1) {
+            solves.clear();
+        }
         cell.time = Time {
             places,
+            solves,
+            precision: self.sampling.precision().map(|wanted| wanted.relative),
             ..crate::measure::statistics::time(samples, setup)
         };
         let count = |counter| cell.counters.get(counter);
@@ -549,6 +671,12 @@ impl RunOrder {
             parts: shuffled(algorithms, &mut random),
             rows: shuffled(rows, &mut random),
         }
+    }
+
+    /// The place of an algorithm in `round`.
+    fn place(&self, round: usize, algorithm: usize) -> Option<usize> {
+        let mut order = self.round(round).into_iter();
+        order.position(|other| other == algorithm)
     }
 
     /// The algorithms in their order in `round`, counted from 0.

@@ -11,7 +11,9 @@ use geobench_window::{Counter, Counters};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-pub use self::plan_record::{PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel, Shard};
+pub use self::plan_record::{
+    PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel, Precision, Shard,
+};
 
 /// The schema that this version writes.
 pub const SCHEMA: &str = "geobench/1";
@@ -57,6 +59,18 @@ pub struct ResultFile {
     pub sessions: Vec<SessionRecord>,
 }
 
+impl ResultFile {
+    /// The machine that measured `cell`: that of its part of the plan, if that was split.
+    pub fn host_of(&self, cell: &Cell) -> &Host {
+        let of_shard = |session: &&SessionRecord| {
+            let shard = session.shard.map(|shard| shard.index);
+            shard.is_some() && shard == cell.shard
+        };
+        let session = self.sessions.iter().find(of_shard);
+        session.map_or(&self.host, |session| &session.host)
+    }
+}
+
 /// A process that measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SessionRecord {
@@ -70,6 +84,9 @@ pub struct SessionRecord {
     pub started: String,
     /// When it finished, RFC 3339 in UTC; null if it was stopped and a later one resumed.
     pub finished: Option<String>,
+    /// The program, in files that were joined of several; else absent, and that of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tool: Option<Tool>,
 }
 
 /// The program that measured.
@@ -113,6 +130,12 @@ pub struct Host {
 }
 
 impl Host {
+    /// The machine in words: processor, number of processors and operating system.
+    pub fn in_words(&self) -> String {
+        let cpu = self.cpu.as_deref().unwrap_or("unknown processor");
+        format!("{cpu}, {} cores, {}", self.cores, self.os)
+    }
+
     /// Whether `other` is the same machine, as far as can be told: processor, cores and main
     /// memory, of which kernels report a little more or less.
     pub fn is_same_machine(&self, other: &Self) -> bool {
@@ -369,6 +392,35 @@ pub struct Time {
     /// For each sample, its position in the order of its round, failed algorithms included.
     #[serde(default)]
     pub places: Vec<usize>,
+    /// For each sample, the number of solves that it is the mean of; empty if each is of one solve.
+    #[serde(default)]
+    pub solves: Vec<usize>,
+    /// The share of the median within which its interval was to lie; null if the number of samples
+    /// was fixed. The interval may be wider, if the time or the number of runs ended.
+    #[serde(default)]
+    pub precision: Option<f64>,
+}
+
+impl Time {
+    /// Half of the 95 % interval, the longer side, relative to the median.
+    pub fn half_width(&self) -> Option<f64> {
+        let ([low, high], median) = (self.ci95?, self.median?);
+        (median > 0.0).then(|| (high - median).max(median - low) / median)
+    }
+
+    /// Whether a precision was wanted and the interval is wider.
+    pub fn is_imprecise(&self) -> bool {
+        let width = self.half_width();
+        self.precision
+            .is_some_and(|wanted| width.is_some_and(|width| width > wanted))
+    }
+
+    /// Seconds of all timed solves.
+    pub fn spent(&self) -> f64 {
+        let solves = self.solves.iter().copied().chain(std::iter::repeat(1));
+        let times = self.samples.iter().zip(solves);
+        times.map(|(seconds, solves)| seconds * solves as f64).sum()
+    }
 }
 
 /// Conditions of the machine between the start and the end of a run.

@@ -31,8 +31,12 @@ pub struct PlannedGroup {
     pub algorithms: Vec<PlannedAlgorithm>,
     /// The sources, as on the command line.
     pub sources: String,
-    /// Timed runs of each cell.
+    /// Timed runs of each cell; with a precision the most.
     pub repeat: usize,
+    /// When a cell has enough timed runs; null if their number is fixed, and in files of older
+    /// programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub precision: Option<Precision>,
     /// Untimed runs of each cell before those.
     pub warmup: usize,
     /// The reference of the checks, as on the command line.
@@ -52,6 +56,17 @@ pub struct PlannedGroup {
     /// Limit of decompressed bytes of a model; null for the default.
     #[serde(default)]
     pub max_decompressed: Option<u64>,
+}
+
+/// When a cell has enough timed runs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Precision {
+    /// The 95 % interval of the median lies within this share of the median.
+    pub relative: f64,
+    /// Seconds that the timed runs take at least.
+    pub min_time: f64,
+    /// Seconds after which no timed run starts, whatever the interval.
+    pub max_time: f64,
 }
 
 /// A model.

@@ -7,14 +7,17 @@ use serde::Deserialize;
 
 use crate::schema::{ResultFile, SCHEMA};
 
-/// Reads a result file in JSON.
+/// Reads a result file in JSON; `-` is standard input.
 ///
 /// # Errors
 ///
 /// Names the file and the field.
 pub fn read(path: &Path) -> anyhow::Result<ResultFile> {
-    let text = std::fs::read_to_string(path)
-        .with_context(|| format!("{}: cannot be read", path.display()))?;
+    let text = match path == Path::new("-") {
+        true => std::io::read_to_string(std::io::stdin()),
+        false => std::fs::read_to_string(path),
+    };
+    let text = text.with_context(|| format!("{}: cannot be read", path.display()))?;
     parse(path, &text)
 }
 

@@ -41,14 +41,14 @@ impl ComparisonFormat {
         of_ending(path, "results", &ENDINGS)
     }
 
-    /// A comparison in this form, ending in a line break; `styled` allows the table to use colour.
+    /// A comparison in this form, ending in a line break; `look` is that of the terminal.
     ///
     /// # Errors
     ///
     /// Only if a number cannot be represented, which comparisons exclude.
-    pub fn render(self, comparison: &Comparison, styled: bool) -> anyhow::Result<String> {
+    pub fn render(self, comparison: &Comparison, look: Look) -> anyhow::Result<String> {
         Ok(match self {
-            Self::Table => in_terminal(comparison, styled),
+            Self::Table => in_terminal(comparison, look),
             Self::Markdown => in_markdown(comparison),
             Self::Json => serde_json::to_string_pretty(comparison)? + "\n",
         })
@@ -58,14 +58,15 @@ impl ComparisonFormat {
 /// Figures that the table shows even without a rule on them, if a cell has them.
 const USUAL: [&str; 3] = ["propagated", "instructions", "heap_peak_bytes"];
 
-fn in_terminal(comparison: &Comparison, styled: bool) -> String {
-    let (table, width) = (changes(comparison), None);
+fn in_terminal(comparison: &Comparison, look: Look) -> String {
+    let table = changes(comparison);
+    let line = |text: String| terminal::line_in(look, "", &printable(&text));
     let mut text = format!(
-        "old: {}\nnew: {}\n{}\n\n{}\n",
-        printable(&side(&comparison.old)),
-        printable(&side(&comparison.new)),
-        printable(&method(comparison)),
-        terminal::grid(&table, &table.parts[0].rows, Look { styled, width })
+        "{}\n{}\n{}\n\n{}\n",
+        line(format!("old: {}", side(&comparison.old))),
+        line(format!("new: {}", side(&comparison.new))),
+        line(method(comparison)),
+        terminal::grid(&table, &table.parts[0].rows, look)
     );
     for (title, lines) in [
         ("worse", worse(comparison)),
@@ -74,11 +75,13 @@ fn in_terminal(comparison: &Comparison, styled: bool) -> String {
         ("to know", comparison.notes.clone()),
     ] {
         if !lines.is_empty() {
-            let lines: Vec<_> = lines.iter().map(|line| printable(line)).collect();
-            text += &[title, ":\n  ", &lines.join("\n  "), "\n"].concat();
+            let lines = lines.iter();
+            let lines = lines.map(|line| terminal::line_in(look, "  ", &printable(line)));
+            let lines: Vec<String> = lines.collect();
+            text += &[title, ":\n", &lines.join("\n"), "\n"].concat();
         }
     }
-    text + &printable(&summary(comparison)) + "\n"
+    text + &line(summary(comparison)) + "\n"
 }
 
 fn in_markdown(comparison: &Comparison) -> String {

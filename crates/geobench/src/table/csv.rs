@@ -36,12 +36,12 @@ pub(crate) fn table(table: &Table) -> anyhow::Result<String> {
 }
 
 /// A row for each cell. A column is named after its place in the JSON file, joined by `_`; `null`
-/// is an empty field, and a list is joined by `;`.
+/// is an empty field, and a list is joined by `;`. The last columns are those of the model and the
+/// machine.
 pub(super) fn results(result: &ResultFile) -> Table {
     let row = |cell: &Cell| {
-        columns(cell)
-            .into_iter()
-            .map(|(_, value)| Entry::new(value))
+        let of_cell = columns(cell).into_iter().map(|(_, value)| value);
+        of_cell.chain(surroundings(result, cell)).map(Entry::new)
     };
     Table::new(
         header().iter().map(|name| Column::text(name)).collect(),
@@ -53,13 +53,65 @@ pub(super) fn results(result: &ResultFile) -> Table {
     )
 }
 
+/// A row for each sample, with the cell, the model and the machine that it belongs to.
+pub(super) fn samples(result: &ResultFile) -> Table {
+    const COLUMNS: [&str; 8] = [
+        "model",
+        "algorithm",
+        "source",
+        "threads",
+        "group",
+        "sample",
+        "place",
+        "solves",
+    ];
+    let heads = COLUMNS.iter().chain(&["seconds"]).chain(&SURROUNDINGS);
+    let rows = result.cells.iter().flat_map(|cell| {
+        cell.time
+            .samples
+            .iter()
+            .enumerate()
+            .map(move |(i, seconds)| {
+                let own = [
+                    cell.model.clone(),
+                    cell.algorithm.clone(),
+                    text(cell.source),
+                    cell.threads.to_string(),
+                    text(cell.group.as_ref()),
+                    i.to_string(),
+                    text(cell.time.places.get(i)),
+                    cell.time.solves.get(i).unwrap_or(&1).to_string(),
+                    seconds.to_string(),
+                ];
+                let all = own.into_iter().chain(surroundings(result, cell));
+                all.map(Entry::new).collect()
+            })
+    });
+    Table::new(
+        heads.map(|name| Column::text(name)).collect(),
+        rows.collect(),
+    )
+}
+
+/// The columns of the model and the machine of a cell.
+const SURROUNDINGS: [&str; 4] = ["vertices", "faces", "edges", "machine"];
+
+/// Their values.
+fn surroundings(result: &ResultFile, cell: &Cell) -> [String; 4] {
+    let model = result.models.iter().find(|model| model.name == cell.model);
+    [
+        text(model.and_then(|model| model.vertices)),
+        text(model.and_then(|model| model.faces)),
+        text(model.and_then(|model| model.edges)),
+        result.host_of(cell).in_words(),
+    ]
+}
+
 /// The names of the columns of results.
 pub fn header() -> Vec<String> {
     let nothing = Cell::new("", "");
-    columns(&nothing)
-        .into_iter()
-        .map(|(name, _)| name)
-        .collect()
+    let of_cell = columns(&nothing).into_iter().map(|(name, _)| name);
+    of_cell.chain(SURROUNDINGS.map(str::to_owned)).collect()
 }
 
 /// Name and value of every column.
@@ -83,6 +135,8 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
         ("time_setup", text(cell.time.setup)),
         ("time_outliers", text(cell.time.outliers)),
         ("time_places", list(&cell.time.places)),
+        ("time_solves", list(&cell.time.solves)),
+        ("time_precision", text(cell.time.precision)),
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into();
@@ -163,6 +217,7 @@ mod tests {
         let cell = serde_json::to_value(Cell::new("m", "a")).unwrap();
         let (mut fields, mut columns) = (Vec::new(), header());
         leaves("", &cell, &mut fields);
+        fields.extend(SURROUNDINGS.map(str::to_owned));
         fields.sort_unstable();
         columns.sort_unstable();
         assert_eq!(columns, fields);

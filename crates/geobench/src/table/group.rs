@@ -146,10 +146,19 @@ pub(crate) fn overall(figure: &Figure, cells: &[&Cell], vertices: Option<u64>) -
     median(&cells.iter().map(of).collect::<Option<Vec<f64>>>()?)
 }
 
+/// The samples of the rounds that both cells have: without a fixed number of runs, one of them may
+/// have fewer.
+pub(crate) fn pairs<'c>(over: &'c Cell, under: &'c Cell) -> (&'c [f64], &'c [f64]) {
+    let [over, under] = [over, under].map(|cell| &cell.time.samples[..]);
+    let rounds = over.len().min(under.len());
+    (&over[..rounds], &under[..rounds])
+}
+
 /// The ratio of a figure between two cells of the same source.
 fn ratio(figure: &Figure, over: &Cell, under: &Cell) -> Option<Value> {
+    let (above, below) = pairs(over, under);
     if figure.key == "time"
-        && let Some(ratio) = paired_ratio(&over.time.samples, &under.time.samples)
+        && let Some(ratio) = paired_ratio(above, below)
     {
         return Some(Value {
             value: ratio.ratio,

@@ -1,6 +1,7 @@
 //! Writes results as tables and files.
 
 use std::path::Path;
+use std::sync::OnceLock;
 
 use self::group::Group;
 use crate::schema::{Cell, GroupRecord, ModelRecord, ResultFile};
@@ -41,6 +42,9 @@ pub enum Format {
     Latex,
     /// One row per cell.
     Csv,
+    /// One row per sample, as CSV.
+    #[value(skip)]
+    Samples,
     /// Everything.
     Json,
 }
@@ -53,12 +57,36 @@ const ENDINGS: [(&str, Format); 4] = [
     ("tex", Format::Latex),
 ];
 
+/// The path that stands for standard input and output.
+pub(crate) const STANDARD: &str = "-";
+
+/// The form of what goes to standard output as `-`, named like an ending. Set once, from the
+/// command line.
+static STANDARD_OUTPUT_FORM: OnceLock<String> = OnceLock::new();
+
+/// Sets the form of what goes to standard output as `-`: an ending without its dot.
+pub(crate) fn set_standard_output_form(ending: &str) {
+    // The command line is read once.
+    let _ = STANDARD_OUTPUT_FORM.set(ending.trim_start_matches('.').to_lowercase());
+}
+
+/// The ending of a file, or the form of standard output.
+pub(crate) fn ending_of(path: &Path) -> String {
+    if path == Path::new(STANDARD) {
+        return STANDARD_OUTPUT_FORM.get().cloned().unwrap_or_default();
+    }
+    let ending = path.extension().unwrap_or_default();
+    ending.to_string_lossy().into_owned()
+}
+
 /// A path with an ending that cannot be written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{path}: the ending says in which form to write {what}; use {endings}")]
+#[error("{path}: {how} says in which form to write {what}; use {endings}")]
 pub struct UnknownEnding {
     /// The path.
     pub path: String,
+    /// What tells the form: the ending or an option.
+    pub how: &'static str,
     /// The content of the file.
     pub what: &'static str,
     /// The supported endings, in words.
@@ -71,7 +99,7 @@ pub(crate) fn of_ending<F: Copy>(
     what: &'static str,
     endings: &[(&str, F)],
 ) -> Result<F, UnknownEnding> {
-    let ending = path.extension().unwrap_or_default();
+    let ending = ending_of(path);
     let found = endings
         .iter()
         .find(|(name, _)| ending.eq_ignore_ascii_case(name));
@@ -79,6 +107,10 @@ pub(crate) fn of_ending<F: Copy>(
         let names: Vec<String> = endings.iter().map(|(name, _)| format!(".{name}")).collect();
         UnknownEnding {
             path: path.display().to_string(),
+            how: match path == Path::new(STANDARD) {
+                true => "--output-format",
+                false => "the ending",
+            },
             what,
             endings: match names.split_last() {
                 Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
@@ -107,11 +139,13 @@ impl Format {
         Ok(match self {
             Self::Table => {
                 let table = |table: &Table| terminal::table(table, Look::default());
-                tables(result).iter().map(table).collect::<String>() + &footnote(result, false)
+                tables(result).iter().map(table).collect::<String>()
+                    + &footnote(result, Look::default())
             }
             Self::Markdown => joined(result, markdown::table),
             Self::Latex => latex::NEEDS.to_owned() + &joined(result, latex::table),
             Self::Csv => csv::table(&csv::results(result))?,
+            Self::Samples => csv::table(&csv::samples(result))?,
             Self::Json => serde_json::to_string_pretty(result)? + "\n",
         })
     }
@@ -129,9 +163,9 @@ fn joined(result: &ResultFile, write: fn(&Table) -> String) -> String {
 }
 
 /// The heading of the tables of a group: its name and its text. Empty if the group has neither.
-pub fn group_heading(group: &GroupRecord) -> String {
+pub fn group_heading(group: &GroupRecord, look: Look) -> String {
     let [name, shows] = [&group.name, &group.shows].map(|text| text.as_deref().unwrap_or_default());
-    terminal::heading(name, shows)
+    terminal::heading(name, shows, look)
 }
 
 /// The table of one model of a group, under a line with its name, followed by an empty line.
@@ -153,17 +187,24 @@ fn part(group: &Group<'_>, part: &Part, look: Look) -> String {
 }
 
 /// The meaning of the figures in the tables of `result`, in one line.
-pub fn footnote(result: &ResultFile, styled: bool) -> String {
-    let runs = result.cells.iter().map(|c| c.time.samples.len()).max();
-    let times = match runs {
+pub fn footnote(result: &ResultFile, look: Look) -> String {
+    let runs = result.cells.iter().map(|c| c.time.samples.len());
+    let runs: Vec<usize> = runs.filter(|runs| *runs > 0).collect();
+    let mut times = match (runs.iter().min(), runs.iter().max()) {
+        (Some(1), Some(1)) => "time of one run; ".to_owned(),
+        (Some(fewest), Some(most)) if fewest == most => format!("time: median of {most} runs; "),
+        (Some(fewest), Some(most)) => format!("time: median of {fewest} to {most} runs; "),
         // The tables have no figure.
-        None | Some(0) => return String::new(),
-        Some(1) => "time of one run; ".to_owned(),
-        Some(runs) => format!("time: median of {runs} runs; "),
+        _ => return String::new(),
     };
-    let star = if styled { "" } else { "; * best" };
-    format!(
+    let batches = result.cells.iter().flat_map(|cell| &cell.time.solves);
+    if let Some(solves) = batches.max() {
+        times += &format!("runs have up to {solves} solves and their mean time; ");
+    }
+    let star = if look.styled { "" } else { "; * best" };
+    let text = format!(
         "{times}papers' count: 80 bytes per window; measured: heap of the algorithm without the mesh; \
-         MB = 10^6 bytes{star}\n"
-    )
+         MB = 10^6 bytes{star}"
+    );
+    terminal::line_in(look, "", &text) + "\n"
 }

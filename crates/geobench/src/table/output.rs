@@ -1,12 +1,12 @@
 //! Output files. Unwritable ones are detected before the work starts, and files are replaced whole.
 
 use std::fs::{self, OpenOptions};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use crate::table::{Format, UnknownEnding};
+use crate::table::{Format, STANDARD, UnknownEnding};
 
 /// A file that a command writes at its end.
 #[derive(Clone, Debug)]
@@ -15,9 +15,13 @@ pub struct OutputFile {
     shown: String,
     /// The canonical path.
     path: PathBuf,
-    /// Whether it is a regular file, which is replaced. Devices and pipes are written to.
+    /// Whether it is a regular file, which is replaced. Devices, pipes and standard output are
+    /// written to.
     replace: bool,
 }
+
+/// What standard output is called, which is no path.
+const STANDARD_OUTPUT: &str = "standard output";
 
 impl OutputFile {
     /// Checks that `path` can be written, without a change to the file.
@@ -27,6 +31,13 @@ impl OutputFile {
     /// When its directory does not exist or cannot be written to, or the path is a directory or a
     /// file that cannot be written.
     pub fn prepare(path: &Path) -> anyhow::Result<Self> {
+        if path == Path::new(STANDARD) {
+            return Ok(Self {
+                shown: STANDARD_OUTPUT.to_owned(),
+                path: path.to_owned(),
+                replace: false,
+            });
+        }
         let shown = path.display().to_string();
         // A link is followed, so that the file that it points to is replaced and not the link.
         let path = canonical(path);
@@ -60,6 +71,11 @@ impl OutputFile {
         &self.path
     }
 
+    /// Whether it is standard output.
+    pub fn is_standard_output(&self) -> bool {
+        self.path == Path::new(STANDARD)
+    }
+
     /// Whether a write replaces the earlier content. Devices and pipes receive all writes.
     pub const fn is_replaced(&self) -> bool {
         self.replace
@@ -71,6 +87,11 @@ impl OutputFile {
     ///
     /// When the system cannot write. The file is then unchanged.
     pub fn write(&self, contents: &[u8]) -> anyhow::Result<()> {
+        if self.is_standard_output() {
+            let mut out = io::stdout().lock();
+            return (out.write_all(contents).and_then(|()| out.flush()))
+                .with_context(|| self.failure());
+        }
         if !self.replace {
             return fs::write(&self.path, contents).with_context(|| self.failure());
         }
@@ -87,6 +108,11 @@ impl OutputFile {
         ending: &str,
         write: impl FnOnce(&Path) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
+        if self.is_standard_output() {
+            let file = tempfile::Builder::new().suffix(ending).tempfile()?;
+            write(file.path()).with_context(|| self.failure())?;
+            return self.write(&fs::read(file.path())?);
+        }
         let file = self
             .temporary(ending)
             .map_err(|error| plain(&error))

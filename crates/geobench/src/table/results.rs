@@ -1,7 +1,7 @@
 //! Results as tables: per model the rows of the papers' tables, a column per algorithm.
 
 use super::figures::{Figure, Style, figures};
-use super::group::{Group, algorithms, distinct, overall};
+use super::group::{Group, algorithms, distinct, overall, pairs};
 use super::model::{Column, Entry, Mark, Note, Part, Table};
 use crate::measure::number::{decimals, group, grouped, scientific};
 use crate::measure::statistics::{FEWEST_FOR_INTERVAL, Ratio, paired_ratio};
@@ -98,15 +98,21 @@ fn figure_row(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) ->
             return absent(cells);
         };
         let is_best = figure.less_is_better && *value == best && !all_equal;
-        let text = match figure.style {
+        let mut text = match figure.style {
             Style::Count => self::group(&format!("{value:.0}")),
             Style::Decimals(_) => format!("{value:.digits$}"),
             Style::Scientific => scientific(*value),
         };
+        if figure.key == "time" && cells.iter().any(|cell| cell.time.is_imprecise()) {
+            text.insert_str(0, IMPRECISE);
+        }
         Entry::marked(text, if is_best { Mark::Best } else { Mark::None })
     });
     row(&figure.label, entries)
 }
+
+/// The mark of a time whose interval is wider than was wanted.
+const IMPRECISE: &str = "~";
 
 /// The entry for a figure that `cells` do not have; empty if there are no cells.
 fn absent(cells: &[&Cell]) -> Entry {
@@ -150,11 +156,7 @@ fn note_on_instructions(cells: &[&Cell]) -> Option<String> {
 /// The uncertainty of the medians of the times, and the outliers.
 fn notes_on_times(cells: &[&Cell]) -> Vec<String> {
     let timed = || cells.iter().filter(|c| !c.time.samples.is_empty());
-    let widest = timed().map(|cell| {
-        let [low, high] = cell.time.ci95?;
-        let median = cell.time.median?;
-        Some((high - median).max(median - low) / median)
-    });
+    let widest = timed().map(|cell| cell.time.half_width());
     let widest: Option<Vec<f64>> = widest.collect();
     let mut notes: Vec<String> = match widest.as_deref() {
         Some([]) => Vec::new(),
@@ -170,6 +172,14 @@ fn notes_on_times(cells: &[&Cell]) -> Vec<String> {
             .map(|note| format!("times: {note}"))
             .collect(),
     };
+    let wide = || timed().filter(|cell| cell.time.is_imprecise());
+    if let Some(wanted) = wide().find_map(|cell| cell.time.precision) {
+        let names = distinct(wide().map(|cell| cell.algorithm.as_str())).join(", ");
+        notes.push(format!(
+            "{IMPRECISE} {names}: the interval is wider than the {} % wanted",
+            (1e6 * wanted).round() / 1e4
+        ));
+    }
     for name in algorithms(cells.iter().copied()) {
         let of = || timed().filter(|c| c.algorithm == name);
         let far: usize = of().filter_map(|c| c.time.outliers).sum();
@@ -355,11 +365,12 @@ fn paired(over: &[&Cell], under: &[&Cell]) -> Option<Ratio> {
     }
     for over in over {
         let under = under.iter().find(|c| c.source == over.source)?;
-        if over.time.samples.len() != under.time.samples.len() {
+        let (over, under) = pairs(over, under);
+        if over.is_empty() {
             return None;
         }
-        above.extend_from_slice(&over.time.samples);
-        below.extend_from_slice(&under.time.samples);
+        above.extend_from_slice(over);
+        below.extend_from_slice(under);
     }
     paired_ratio(&above, &below)
 }

@@ -1,7 +1,8 @@
 //! Tables for the terminal.
 
 use comfy_table::{
-    Attribute, Cell as Field, CellAlignment, Color, ContentArrangement, Table as Layout, presets,
+    Attribute, Cell as Field, CellAlignment, Color, ColumnConstraint, ContentArrangement,
+    Table as Layout, Width, presets,
 };
 
 use super::escape::printable;
@@ -20,9 +21,11 @@ pub struct Look {
 const AROUND: usize = 3;
 
 /// Title and caption, followed by an empty line; empty without both.
-pub(super) fn heading(title: &str, caption: &str) -> String {
+pub(super) fn heading(title: &str, caption: &str, look: Look) -> String {
     let lines = [title, caption].into_iter().flat_map(|t| t.trim().lines());
-    let lines: Vec<_> = lines.map(printable).collect();
+    let lines: Vec<_> = lines
+        .map(|line| line_in(look, "", &printable(line)))
+        .collect();
     match lines.join("\n") {
         text if text.is_empty() => text,
         text => text + "\n\n",
@@ -32,7 +35,7 @@ pub(super) fn heading(title: &str, caption: &str) -> String {
 /// Heading and parts.
 pub(super) fn table(table: &Table, look: Look) -> String {
     let parts = table.parts.iter().map(|part| self::part(table, part, look));
-    heading(&table.title, &table.caption) + &parts.collect::<String>()
+    heading(&table.title, &table.caption, look) + &parts.collect::<String>()
 }
 
 /// A part under its title, with its notes, followed by an empty line.
@@ -43,15 +46,51 @@ pub(super) fn part(table: &Table, part: &Part, look: Look) -> String {
             lines[0] += "  ";
             lines[0] += &part.sources;
         }
+    }
+    lines[0] = line_in(look, "", &lines[0]);
+    if !part.refused {
         lines.push(grid(table, &part.rows, look));
     }
     let notes = part.notes.iter();
-    lines.extend(notes.map(|note| format!("  {}", printable(&note.text))));
+    lines.extend(notes.map(|note| line_in(look, "  ", &printable(&note.text))));
     lines.join("\n") + "\n\n"
 }
 
+/// `text` behind `indent`, in several lines if one is too long for the terminal. Lines break
+/// between words; those after the first are indented by two columns more.
+pub(super) fn line_in(look: Look, indent: &str, text: &str) -> String {
+    let letters = |text: &str| text.chars().count();
+    let Some(width) = look.width.filter(|w| letters(indent) + letters(text) > *w) else {
+        return format!("{indent}{text}");
+    };
+    let lines = wrapped(text, width.saturating_sub(letters(indent) + 2));
+    format!("{indent}{}", lines.join(&format!("\n{indent}  ")))
+}
+
+/// `text` in lines of at most `width` letters, or of one longer word.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+/// Letters of the longest word.
+fn longest_word(text: &str) -> usize {
+    let words = text.split_whitespace().map(|word| word.chars().count());
+    words.max().unwrap_or(0)
+}
+
 /// Some rows of a table. Columns of numbers without an entry are left out. If the columns are too
-/// wide, there are several grids, each with the leading columns of texts.
+/// wide, the leading texts are wrapped, or there are several grids, each with the leading columns
+/// of texts. If one column of numbers does not fit beside them, every column is a block of lines.
 pub(super) fn grid(table: &Table, rows: &[Vec<Entry>], look: Look) -> String {
     let columns = &table.columns;
     let leading = columns.iter().take_while(|c| !c.numeric).count();
@@ -66,21 +105,99 @@ pub(super) fn grid(table: &Table, rows: &[Vec<Entry>], look: Look) -> String {
         let widest = entries.chain([letters(&columns[place].head)]).max();
         widest.unwrap_or(0) + AROUND
     };
-    let left = 1 + (0..leading).map(width_of).sum::<usize>();
-    let (mut grids, mut end): (Vec<Vec<usize>>, _) = (vec![(0..leading).collect()], left);
-    for place in figures {
-        let last = grids.len() - 1;
-        end += width_of(place);
-        // A grid has one column of figures at least, however narrow the terminal is.
-        if look.width.is_some_and(|width| end > width) && grids[last].len() > leading {
-            grids.push((0..leading).chain([place]).collect());
-            end = left + width_of(place);
-        } else {
-            grids[last].push(place);
+    let widths: Vec<usize> = (0..columns.len()).map(width_of).collect();
+    // The least widths of the leading columns: those of their longest words.
+    let least = |place: usize| {
+        let texts = rows.iter().map(|row| row[place].text.as_str());
+        let texts = texts.chain([columns[place].head.as_str()]);
+        texts
+            .map(|text| longest_word(&printable(text)))
+            .max()
+            .unwrap_or(0)
+            + AROUND
+    };
+    let natural: usize = widths[..leading].iter().sum();
+    let narrowest: usize = (0..leading).map(least).sum();
+    let grids_with = |texts: usize| {
+        let left = 1 + texts;
+        let (mut grids, mut end): (Vec<Vec<usize>>, _) = (vec![(0..leading).collect()], left);
+        for &place in &figures {
+            let last = grids.len() - 1;
+            end += widths[place];
+            // A grid has one column of figures at least, however narrow the terminal is.
+            if look.width.is_some_and(|width| end > width) && grids[last].len() > leading {
+                grids.push((0..leading).chain([place]).collect());
+                end = left + widths[place];
+            } else {
+                grids[last].push(place);
+            }
+        }
+        grids
+    };
+    let widest_figure = figures
+        .iter()
+        .map(|&place| widths[place])
+        .max()
+        .unwrap_or(0);
+    let fits = |texts: usize| look.width.is_none_or(|w| 1 + texts + widest_figure <= w);
+    if !fits(narrowest) {
+        return blocks(table, rows, &figures, leading, look);
+    }
+    // Wrapped texts, if that spares a grid: as wide as possible for the same number of grids.
+    let (mut texts, mut grids) = (natural, grids_with(natural));
+    if grids.len() > 1 || !fits(natural) {
+        let fewest = grids_with(narrowest).len();
+        let mut sizes = (narrowest..=natural).rev();
+        let widest = sizes.find(|&size| fits(size) && grids_with(size).len() == fewest);
+        if let Some(widest) = widest.filter(|_| fewest < grids.len() || !fits(natural)) {
+            (texts, grids) = (widest, grids_with(widest));
         }
     }
-    let grids = grids.iter().map(|places| some(table, rows, places, look));
+    let mut rows = rows.to_vec();
+    let mut surplus = natural - texts;
+    for place in (0..leading).rev() {
+        let cut = surplus.min(widths[place] - least(place));
+        surplus -= cut;
+        if cut > 0 {
+            let width = widths[place] - cut - AROUND;
+            for row in &mut rows {
+                row[place].text = wrapped(&printable(&row[place].text), width).join("\n");
+            }
+        }
+    }
+    let grids = grids.iter().map(|places| some(table, &rows, places, look));
     grids.collect::<Vec<_>>().join("\n")
+}
+
+/// A block of lines for each column of figures: its head, and a line for each row.
+fn blocks(
+    table: &Table,
+    rows: &[Vec<Entry>],
+    figures: &[usize],
+    leading: usize,
+    look: Look,
+) -> String {
+    let block = |&place: &usize| {
+        let head = line_in(look, "", &printable(&table.columns[place].head));
+        let lines = rows.iter().filter(|row| !row[place].text.is_empty());
+        let lines = lines.map(|row| {
+            let labels = row[..leading].iter().map(|entry| entry.text.as_str());
+            let labels: Vec<&str> = labels.filter(|label| !label.is_empty()).collect();
+            let label = match labels.join(", ") {
+                label if label.is_empty() => label,
+                label => label + ": ",
+            };
+            let star = if row[place].is_best() { "*" } else { "" };
+            let text = format!("{label}{}{star}", row[place].text);
+            line_in(look, "  ", &printable(&text))
+        });
+        std::iter::once(head).chain(lines).collect::<Vec<_>>()
+    };
+    figures
+        .iter()
+        .flat_map(block)
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 /// Some columns of some rows.
@@ -88,7 +205,9 @@ fn some(table: &Table, rows: &[Vec<Entry>], places: &[usize], look: Look) -> Str
     let mut layout = layout(look);
     layout.load_style(presets::UTF8_FULL_CONDENSED);
     let field = |place: usize, text: &str| {
-        let field = Field::new(printable(text));
+        // Wrapped texts have several lines.
+        let lines: Vec<_> = text.split('\n').map(printable).collect();
+        let field = Field::new(lines.join("\n"));
         if table.columns[place].numeric {
             field.set_alignment(CellAlignment::Right)
         } else {
@@ -126,6 +245,12 @@ pub(crate) fn listing(table: &Table, look: Look) -> String {
     if let Some(width) = look.width {
         layout.set_width(u16::try_from(width).unwrap_or(u16::MAX));
     }
+    let least = |place: usize| {
+        let texts = table.rows().map(|row| row[place].text.as_str());
+        let texts = texts.chain([table.columns[place].head.as_str()]);
+        let longest = texts.map(longest_word).max().unwrap_or(0);
+        ColumnConstraint::LowerBoundary(Width::Fixed(u16::try_from(longest).unwrap_or(u16::MAX)))
+    };
     let heads = || table.columns.iter().map(|column| &column.head);
     if heads().any(|head| !head.is_empty()) {
         layout.set_header(heads());
@@ -133,6 +258,7 @@ pub(crate) fn listing(table: &Table, look: Look) -> String {
     for row in table.rows() {
         layout.add_row(row.iter().map(|entry| &entry.text));
     }
+    layout.set_constraints((0..table.columns.len()).map(least));
     layout.trim_fmt() + "\n"
 }
 
@@ -185,8 +311,61 @@ mod tests {
             }
             let fits = text
                 .lines()
-                .all(|line| line.chars().count() <= width.max(30));
+                .all(|line| line.chars().count() <= width.max(14));
             assert!(fits, "{width}:\n{text}");
         }
+    }
+
+    /// Long labels and names, at every width from 40 columns on: nothing is lost, no word is
+    /// broken and no line is too long.
+    #[test]
+    fn tables_fit_forty_columns_without_a_broken_word() {
+        let names = ["", "mmp", "pvtp{threads=2,simd=scalar}", "vtp-fast"];
+        let labels = [
+            "Peak memory, papers' count (MB)",
+            "Time / that of mmp [95 %]",
+        ];
+        let rows: Vec<Vec<Entry>> = labels
+            .iter()
+            .map(|label| {
+                let figures = ["100000.300", "1.96 [1.90, 2.10]", "0.300"];
+                let figures = figures.iter().enumerate().map(|(i, &text)| {
+                    Entry::marked(text, if i == 2 { Mark::Best } else { Mark::None })
+                });
+                std::iter::once(Entry::new(*label)).chain(figures).collect()
+            })
+            .collect();
+        let mut columns = names.map(Column::number).to_vec();
+        columns[0].numeric = false;
+        let part = Part {
+            title: "a model".to_owned(),
+            detail: "V: 48,485, F: 96,966".to_owned(),
+            rows,
+            notes: vec![super::super::model::Note::new(
+                "a remark of some words ".repeat(4),
+            )],
+            ..Part::default()
+        };
+        let table = Table::new(columns, Vec::new());
+        let shown = |width| {
+            let styled = false;
+            super::part(&table, &part, Look { styled, width })
+        };
+        for width in 40..100 {
+            let text = shown(Some(width));
+            let long = text.lines().find(|line| line.chars().count() > width);
+            assert_eq!(long, None, "{width}:\n{text}");
+            let found: Vec<&str> = text.split_whitespace().collect();
+            let words = labels
+                .iter()
+                .chain(&names)
+                .flat_map(|text| text.split_whitespace());
+            for word in words.chain(["100000.300", "remark"]) {
+                let is_whole = |w: &&str| w.trim_end_matches([':', '*']) == word;
+                assert!(found.iter().any(is_whole), "{width}: {word}:\n{text}");
+            }
+        }
+        insta::assert_snapshot!("forty", shown(Some(40)));
+        insta::assert_snapshot!("sixty", shown(Some(60)));
     }
 }

@@ -60,3 +60,30 @@ fn a_broken_model_shows_its_defects_and_the_others_are_still_shown() {
     );
     assert!(outcome.stdout.contains("square  (square.off)\n"));
 }
+
+#[test]
+fn as_json_every_model_is_an_object() {
+    let sandbox = Sandbox::with_square();
+    sandbox.write("bad.off", NON_MANIFOLD);
+    let outcome = sandbox.call("info square.off bad.off --format json");
+    assert_eq!(outcome.code, 2);
+    let list: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    let square = &list[0];
+    assert_eq!(square["vertices"], 4);
+    assert_eq!(square["usable"], true);
+    assert_eq!(square["sha256"].as_str().unwrap().len(), 64);
+    assert_eq!(
+        square["bounding_box"],
+        serde_json::json!([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]])
+    );
+    let bad = &list[1];
+    assert_eq!(
+        (&bad["usable"], &bad["name"]),
+        (&false.into(), &"bad".into())
+    );
+    assert_eq!(bad["defects"][0]["severity"], "fatal");
+    assert!(
+        bad["error"].as_str().unwrap().starts_with("bad.off: "),
+        "{bad}"
+    );
+}

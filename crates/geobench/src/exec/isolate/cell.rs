@@ -79,6 +79,7 @@ fn serve(model: &str, mut session: InProcess) -> io::Result<()> {
             algorithm: &algorithm,
             source: VertexId::new(request.source),
             pass: request.pass,
+            solves: request.solves,
         };
         if step.pass == Pass::Profile {
             // Pages that the run needs are mapped again and count.

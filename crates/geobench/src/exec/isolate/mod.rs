@@ -300,7 +300,11 @@ impl ChildPool<'_> {
                 child.execute(
                     self.options.limits.timeout,
                     vertices,
-                    &Step { pass, ..*step },
+                    &Step {
+                        pass,
+                        solves: 1,
+                        ..*step
+                    },
                 )?;
             }
         }
@@ -402,6 +406,7 @@ impl Child {
         if reply.seconds.is_none() {
             return Err(ChildError::Garbage("no \"seconds\"".into()).failure(doing));
         }
+        reply.solves = None;
         let distances = answer::read_distances(&outside.output, vertices, timeout, start)?;
         Ok(reply.observation(distances))
     }
@@ -414,6 +419,7 @@ impl Child {
                 simd: step.algorithm.instructions().to_string(),
                 source: step.source.raw(),
                 pass: step.pass,
+                solves: step.solves,
             })
             .to_string(),
             // It solves without a request.

@@ -5,7 +5,7 @@ use geobench_window::Counter;
 use super::*;
 use crate::exec::mock::MockBackend;
 use crate::run::mock::{plan, result, run_mock};
-use crate::table::ComparisonFormat;
+use crate::table::{ComparisonFormat, Look};
 
 /// Two models and three algorithms, five samples each.
 fn file() -> ResultFile {
@@ -78,14 +78,14 @@ const RULES: &str = "time=10%,propagated=0,instructions=2%,heap_peak_bytes=5%,ke
 #[test]
 fn terminal() {
     let (old, new) = eventful();
-    let shown = ComparisonFormat::Table.render(&compared(&old, &new, RULES), false);
+    let shown = ComparisonFormat::Table.render(&compared(&old, &new, RULES), Look::default());
     insta::assert_snapshot!(shown.unwrap());
 }
 
 #[test]
 fn markdown() {
     let (old, new) = eventful();
-    let shown = ComparisonFormat::Markdown.render(&compared(&old, &new, RULES), false);
+    let shown = ComparisonFormat::Markdown.render(&compared(&old, &new, RULES), Look::default());
     insta::assert_snapshot!(shown.unwrap());
 }
 
@@ -97,7 +97,7 @@ fn json() {
     new.cells.retain(|c| c.algorithm != "mmp");
     old.cells.drain(1..3);
     new.cells.drain(1..3);
-    let shown = ComparisonFormat::Json.render(&compared(&old, &new, RULES), false);
+    let shown = ComparisonFormat::Json.render(&compared(&old, &new, RULES), Look::default());
     insta::assert_snapshot!(shown.unwrap());
 }
 
@@ -220,7 +220,9 @@ fn a_figure_that_one_of_the_files_lacks_breaks_its_rule() {
             "`levels` is not compared in 6 of 6 cells: neither file has it"
         ]
     );
-    let shown = ComparisonFormat::Table.render(&comparison, false).unwrap();
+    let shown = ComparisonFormat::Table
+        .render(&comparison, Look::default())
+        .unwrap();
     assert!(
         shown.contains("new !") && shown.contains("missing !"),
         "{shown}"
@@ -294,7 +296,9 @@ fn times_that_are_gone_or_0_do_not_pass_a_rule_on_time_in_silence() {
             "1 of 6 cells lack times above 0 in one of the files, so that the rule time=10% cannot be broken there"
         ]
     );
-    let shown = ComparisonFormat::Table.render(&comparison, false).unwrap();
+    let shown = ComparisonFormat::Table
+        .render(&comparison, Look::default())
+        .unwrap();
     assert!(shown.contains("missing !"), "{shown}");
     assert_eq!(
         worse(&compared(&new, &old, "time=10%")),

@@ -13,6 +13,7 @@ use toml::Spanned;
 use crate::UsageError;
 use crate::exec::limits::{Limits, Timeout};
 use crate::exec::model::{self, ModelError, ModelRef};
+use crate::plan::sampling::Seconds;
 use crate::plan::source::SourceSpec;
 use crate::plan::{Plan, Reference};
 use crate::registry::{self, Selection, Simd};
@@ -67,17 +68,22 @@ pub fn plans(
         notes: Vec::new(),
     };
     let Some(suite) = suite else {
+        let mut asked = asked.clone();
         let models = match &asked.models {
             Some(models) => {
                 let arguments = models.iter().map(|model| &model.get_ref().path);
                 let arguments: Vec<&str> = arguments.map(String::as_str).collect();
                 model::collect(&arguments)?
             }
-            None => model::collect(MODELS)?,
+            None => {
+                // The built-in suite ends within a minute on a noisy machine, too.
+                asked.max_time.get_or_insert(MODELS_MAX_TIME);
+                model::collect(MODELS)?
+            }
         };
         if asked.algorithms.is_some() || asked.simd.is_some() {
             done.plans
-                .push(plan(asked, models, GroupRecord::unnamed())?);
+                .push(plan(&asked, models, GroupRecord::unnamed())?);
             return Ok(done);
         }
         for (name, shows, simd, algorithms) in GROUPS {
@@ -216,7 +222,7 @@ fn plan(
         },
         models,
         sources: settings.sources.clone().unwrap_or(SourceSpec::First),
-        repeat: settings.repeat.unwrap_or(5) as usize,
+        sampling: settings.sampling(),
         warmup: settings.warmup.unwrap_or(1) as usize,
         reference: reference.unwrap_or_else(|| Reference::usual(&algorithms)),
         tolerance: settings.tolerance.unwrap_or(1e-9),
@@ -250,6 +256,9 @@ pub const MODELS: &[&str] = &[
     "gen:holes",
     "gen:anisotropic,faces=10000,g=4",
 ];
+
+/// Default of the time after which a cell of the built-in suite has no more timed runs.
+pub const MODELS_MAX_TIME: Seconds = Seconds(1.0);
 
 /// Smaller surfaces of the same kinds, for comparing answers: the slowest algorithm takes seconds.
 pub const SMALL_MODELS: &[&str] = &[

@@ -11,8 +11,10 @@ use toml::{Spanned, Value};
 use super::MOST_RUNS;
 use crate::exec::limits::{DecompressionLimit, MemoryLimit, Timeout};
 use crate::plan::Reference;
+use crate::plan::sampling::{Sampling, Seconds, Share};
 use crate::plan::source::SourceSpec;
 use crate::registry::{self, MOST_THREADS, Selection, Simd};
+use crate::schema::Precision;
 use crate::table;
 use crate::usage::document::{Document, DocumentError, parsed, text_or_table};
 
@@ -35,9 +37,18 @@ pub struct Settings {
     /// The sources in each model.
     #[serde(deserialize_with = "source", rename = "source")]
     pub sources: Option<SourceSpec>,
-    /// Timed runs of each cell; at least 1.
+    /// Timed runs of each cell; at least 1. Comes before a precision.
     #[serde(deserialize_with = "whole::<_, _, 1, MOST_RUNS>")]
     pub repeat: Option<u32>,
+    /// The share of the median within which its interval is to lie.
+    #[serde(deserialize_with = "text")]
+    pub precision: Option<Share>,
+    /// Time that the timed runs of a cell take at least.
+    #[serde(deserialize_with = "text", rename = "min-time")]
+    pub min_time: Option<Seconds>,
+    /// Time after which a cell has no more timed runs.
+    #[serde(deserialize_with = "text", rename = "max-time")]
+    pub max_time: Option<Seconds>,
     /// Untimed runs of each cell before those.
     #[serde(deserialize_with = "whole::<_, _, 0, MOST_RUNS>")]
     pub warmup: Option<u32>,
@@ -148,8 +159,32 @@ impl Settings {
                 Self { $($key: self.$key.clone().or_else(|| other.$key.clone()),)* }
             };
         }
-        settings!(models algorithms sources repeat warmup tolerance seed threads simd timeout memory_limit
-            max_decompressed reference rows ratios_to wavefront)
+        let mut all = settings!(models algorithms sources repeat precision min_time max_time warmup
+            tolerance seed threads simd timeout memory_limit max_decompressed reference rows ratios_to
+            wavefront);
+        // A precision replaces a number of runs that comes after it.
+        if self.repeat.is_none() && self.asks_for_precision() {
+            all.repeat = None;
+        }
+        all
+    }
+
+    /// Whether they say when a cell has enough timed runs.
+    const fn asks_for_precision(&self) -> bool {
+        self.precision.is_some() || self.min_time.is_some() || self.max_time.is_some()
+    }
+
+    /// The timed runs of each cell.
+    pub(super) fn sampling(&self) -> Sampling {
+        if let Some(repeat) = self.repeat {
+            return Sampling::Fixed(repeat as usize);
+        }
+        let usual = Precision::USUAL;
+        Sampling::UntilPrecise(Precision {
+            relative: self.precision.map_or(usual.relative, |share| share.0),
+            min_time: self.min_time.map_or(usual.min_time, |time| time.0),
+            max_time: self.max_time.map_or(usual.max_time, |time| time.0),
+        })
     }
 
     /// Resolves paths and lines of the settings in `document`.

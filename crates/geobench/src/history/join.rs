@@ -1,0 +1,334 @@
+//! Joins result files of different runs on one machine.
+
+use anyhow::{Context, bail};
+use serde_json::Value;
+
+use crate::measure::conditions;
+use crate::plan::difference::first_difference;
+use crate::schema::{Cell, GroupRecord, ResultFile};
+
+/// A joined file.
+#[derive(Clone, Debug)]
+pub struct Joined {
+    /// The file.
+    pub file: ResultFile,
+    /// What differs between the runs, one line each.
+    pub notes: Vec<String>,
+}
+
+/// Joins `files`, each with its name. A cell that several have is that of the first.
+///
+/// # Errors
+///
+/// When they are from different machines or of different models of one name.
+pub fn join(files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
+    let mut rest = files.into_iter();
+    let (first, file) = rest.next().context("there are no files to join")?;
+    let mut joined = Joined {
+        file,
+        notes: Vec::new(),
+    };
+    for (name, file) in rest {
+        let kept = add(&mut joined, &first, &name, file, Of::Joined)?;
+        if kept > 0 {
+            joined.notes.push(format!(
+                "{name}: {kept} of its cells are in the files before it, whose times are kept"
+            ));
+        }
+    }
+    Ok(joined)
+}
+
+/// Adds the cells of `new` to `earlier`, each with the name of its file. A cell of both is the new
+/// one.
+///
+/// # Errors
+///
+/// As [`join`].
+pub fn extend(
+    (earlier_name, earlier): (&str, ResultFile),
+    (new_name, new): (&str, ResultFile),
+) -> anyhow::Result<Joined> {
+    let mut joined = Joined {
+        file: earlier,
+        notes: Vec::new(),
+    };
+    add(&mut joined, earlier_name, new_name, new, Of::Added)?;
+    Ok(joined)
+}
+
+/// Which file has a cell that is in both.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Of {
+    Joined,
+    Added,
+}
+
+/// Adds `file`. Returns how many cells both have.
+fn add(
+    joined: &mut Joined,
+    first: &str,
+    name: &str,
+    mut file: ResultFile,
+    wins: Of,
+) -> anyhow::Result<usize> {
+    let whole = &mut joined.file;
+    if !whole.host.is_same_machine(&file.host) {
+        bail!(
+            "{name}: from another machine than {first}, so that their times do not compare: {} and \
+             not {}",
+            file.host.in_words(),
+            whole.host.in_words()
+        );
+    }
+    rename_models(whole, first, name, &mut file)?;
+    joined.notes.extend(differences(whole, first, name, &file));
+    if whole.tool != file.tool {
+        for (sessions, tool) in [
+            (&mut whole.sessions, &whole.tool),
+            (&mut file.sessions, &file.tool),
+        ] {
+            for session in sessions {
+                session.tool.get_or_insert_with(|| tool.clone());
+            }
+        }
+    }
+    for group in file.groups {
+        if whole.groups.iter().all(|known| known.name != group.name) {
+            whole.groups.push(group);
+        }
+    }
+    for model in file.models {
+        match whole
+            .models
+            .iter_mut()
+            .find(|known| known.name == model.name)
+        {
+            // It was refused there, as when the file was missing.
+            Some(known) if known.sha256.is_none() => *known = model,
+            Some(_) => {}
+            None => whole.models.push(model),
+        }
+    }
+    let mut in_both = 0;
+    for cell in file.cells {
+        let same = |known: &Cell| {
+            is_beside(known, &cell)
+                && known.algorithm == cell.algorithm
+                && known.threads == cell.threads
+        };
+        match whole.cells.iter().position(same) {
+            Some(place) => {
+                in_both += 1;
+                if wins == Of::Added {
+                    whole.cells[place] = cell;
+                }
+            }
+            // After the others of its model and source, else at the end.
+            None => match whole
+                .cells
+                .iter()
+                .rposition(|known| is_beside(known, &cell))
+            {
+                Some(place) => whole.cells.insert(place + 1, cell),
+                None => whole.cells.push(cell),
+            },
+        }
+    }
+    if whole.plan != file.plan {
+        whole.plan = None;
+    }
+    if whole.pairing != file.pairing {
+        whole.pairing = None;
+    }
+    let both = [whole.conditions.take(), file.conditions];
+    whole.conditions = conditions::worst(both.into_iter().flatten());
+    whole.sessions.append(&mut file.sessions);
+    // RFC 3339 times sort as text.
+    whole.started = whole.started.clone().min(file.started);
+    whole.finished = whole.finished.clone().max(file.finished);
+    Ok(in_both)
+}
+
+/// Whether two cells are of the same group, model and source.
+fn is_beside(a: &Cell, b: &Cell) -> bool {
+    (&a.group, &a.model, a.source) == (&b.group, &b.model, b.source)
+}
+
+/// Gives the models of `file` the names that models with their hashes have in `whole`.
+fn rename_models(
+    whole: &ResultFile,
+    first: &str,
+    name: &str,
+    file: &mut ResultFile,
+) -> anyhow::Result<()> {
+    for model in &mut file.models {
+        let same_hash = |known: &&crate::schema::ModelRecord| {
+            known.sha256.is_some() && known.sha256 == model.sha256
+        };
+        let mut known = whole.models.iter();
+        if known.clone().any(|k| k.name == model.name && same_hash(&k)) {
+            continue;
+        }
+        if let Some(known) = known.clone().find(same_hash) {
+            for cell in file.cells.iter_mut().filter(|c| c.model == model.name) {
+                cell.model.clone_from(&known.name);
+            }
+            model.name.clone_from(&known.name);
+        } else if let Some(known) = known.find(|known| known.name == model.name)
+            && let (Some(a), Some(b)) = (&known.sha256, &model.sha256)
+        {
+            bail!(
+                "{name}: its model {} is not that of {first}: the SHA-256 is {b} and not {a}",
+                model.name
+            );
+        }
+    }
+    Ok(())
+}
+
+/// What differs between the runs of two files.
+fn differences(whole: &ResultFile, first: &str, name: &str, file: &ResultFile) -> Vec<String> {
+    let value = |file: &ResultFile| {
+        let settings = |group: &GroupRecord| {
+            let planned = file.plan.iter().flat_map(|plan| &plan.groups);
+            let planned = planned.clone().find(|planned| planned.name == group.name);
+            let planned = planned.map(|planned| {
+                serde_json::json!({
+                    "warmup": planned.warmup,
+                    "tolerance": planned.tolerance,
+                    "repeat": planned.repeat,
+                    "precision": planned.precision,
+                    "seed": planned.seed,
+                })
+            });
+            serde_json::json!({
+                "timeout": group.timeout,
+                "memory_limit": group.memory_limit,
+                "plan": planned,
+            })
+        };
+        let groups = file.groups.iter();
+        let groups = groups.map(|g| (g.name.clone().unwrap_or_default(), settings(g)));
+        (
+            serde_json::json!({
+                "tool": file.tool,
+                "host": {"kernel": file.host.kernel, "simd": file.host.simd},
+                "isolation": file.isolation,
+            }),
+            groups.collect::<Vec<(String, Value)>>(),
+        )
+    };
+    let ((a, groups_a), (b, groups_b)) = (value(whole), value(file));
+    let mut notes: Vec<String> = Vec::new();
+    let mut note = |place: &str, a: &Value, b: &Value| {
+        if let Some(found) = first_difference(a, b) {
+            let at = match (place, found.place.as_str()) {
+                ("", at) => at.to_owned(),
+                (place, "") => place.to_owned(),
+                (place, at) => format!("{place}.{at}"),
+            };
+            notes.push(format!(
+                "`{at}` is {} in {name} and {} in {first}",
+                found.right, found.left
+            ));
+        }
+    };
+    for key in ["tool", "host", "isolation"] {
+        note(key, &a[key], &b[key]);
+    }
+    for (group, settings) in &groups_b {
+        if let Some((_, known)) = groups_a.iter().find(|(name, _)| name == group) {
+            let place = match group.as_str() {
+                "" => String::new(),
+                group => format!("group {group}"),
+            };
+            // Files without a plan say nothing of it.
+            if !known["plan"].is_null() && !settings["plan"].is_null() {
+                note(&place, known, settings);
+            }
+        }
+    }
+    notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exec::mock::MockBackend;
+    use crate::run::mock::{plan, result, run_mock};
+
+    fn file(models: &[&str], algorithms: &str) -> ResultFile {
+        result(run_mock(
+            &plan(models, algorithms, "0"),
+            &mut MockBackend::default(),
+        ))
+    }
+
+    fn names(file: &ResultFile) -> Vec<String> {
+        let cells = file.cells.iter();
+        cells
+            .map(|c| format!("{} {}", c.model, c.algorithm))
+            .collect()
+    }
+
+    #[test]
+    fn cells_of_several_runs_stand_by_model_and_the_first_are_kept() {
+        let a = file(&["horse", "cow"], "mmp,ich");
+        let mut b = file(&["cow"], "ich,vtp");
+        b.models[0].sha256.clone_from(&a.models[1].sha256);
+        // All made-up models have one hash; these are told apart by it.
+        let mut a = a;
+        a.models[0].sha256 = Some("horse".into());
+        let joined = join(vec![
+            ("a.json".into(), a.clone()),
+            ("b.json".into(), b.clone()),
+        ]);
+        let joined = joined.unwrap();
+        assert_eq!(
+            names(&joined.file),
+            ["horse mmp", "horse ich", "cow mmp", "cow ich", "cow vtp"]
+        );
+        assert_eq!(joined.file.cells[3], a.cells[3]);
+        assert_eq!(
+            joined.notes,
+            ["b.json: 1 of its cells are in the files before it, whose times are kept"]
+        );
+        let extended = extend(("a.json", a), ("this run", b.clone())).unwrap();
+        assert_eq!(extended.file.cells[3], b.cells[0]);
+    }
+
+    #[test]
+    fn a_model_of_another_name_is_found_by_its_hash() {
+        let a = file(&["horse"], "mmp");
+        let b = file(&["pferd"], "vtp");
+        let joined = join(vec![("a".into(), a), ("b".into(), b)]).unwrap();
+        assert_eq!(names(&joined.file), ["horse mmp", "horse vtp"]);
+        assert_eq!(joined.file.models.len(), 1);
+    }
+
+    #[test]
+    fn what_does_not_compare_is_refused_and_what_differs_is_named() {
+        let a = file(&["horse"], "mmp");
+        let with = |change: fn(&mut ResultFile)| {
+            let mut b = file(&["horse"], "vtp");
+            change(&mut b);
+            join(vec![("a".into(), a.clone()), ("b".into(), b)])
+        };
+        let refused = |change| with(change).unwrap_err().to_string();
+        assert_eq!(
+            refused(|b| b.models[0].sha256 = Some("beef".into())),
+            "b: its model horse is not that of a: the SHA-256 is beef and not 00ff"
+        );
+        assert_eq!(
+            refused(|b| b.host.cores = 64),
+            "b: from another machine than a, so that their times do not compare: unknown processor, \
+             64 cores, some system and not unknown processor, 2 cores, some system"
+        );
+        let joined = with(|b| b.tool.commit = Some("c0ffee".into())).unwrap();
+        assert_eq!(
+            joined.notes,
+            ["`tool.commit` is \"c0ffee\" in b and null in a"]
+        );
+    }
+}

@@ -1,0 +1,116 @@
+//! The cells of an earlier result file, to which a run adds: as if its runs were in a journal.
+
+use std::collections::HashMap;
+
+use crate::exec::{Failure, Observation, Pass};
+use crate::measure::memory::Peaks;
+use crate::run::journal::{RunId, RunOutcome};
+use crate::schema::{Cell, ModelRecord, ResultFile, Status};
+
+/// A cell within a file.
+type Key = (Option<String>, String, Option<u32>, String, usize);
+
+/// The start of the message of a cell that could not be checked.
+pub(super) const NOT_CHECKED: &str = "not checked: ";
+
+/// Models and cells of an earlier result file.
+#[derive(Clone, Debug, Default)]
+pub struct Earlier {
+    models: HashMap<String, ModelRecord>,
+    cells: HashMap<Key, Cell>,
+}
+
+impl Earlier {
+    /// The models and cells of `file`.
+    pub fn new(file: &ResultFile) -> Self {
+        let models = file.models.iter().map(|m| (m.name.clone(), m.clone()));
+        Self {
+            models: models.collect(),
+            cells: file.cells.iter().map(|c| (key(c), c.clone())).collect(),
+        }
+    }
+
+    /// The record of a model.
+    pub(super) fn model(&self, name: &str) -> Option<&ModelRecord> {
+        self.models.get(name)
+    }
+
+    /// The cell of a run, if it has this number of threads.
+    pub(super) fn cell(&self, run: &RunId, threads: usize) -> Option<&Cell> {
+        self.cells.get(&(
+            run.group.clone(),
+            run.model.clone(),
+            Some(run.source),
+            run.algorithm.clone(),
+            threads,
+        ))
+    }
+}
+
+fn key(cell: &Cell) -> Key {
+    (
+        cell.group.clone(),
+        cell.model.clone(),
+        cell.source,
+        cell.algorithm.clone(),
+        cell.threads,
+    )
+}
+
+/// The outcome of a run of `cell`, if it had that run.
+pub(super) fn outcome(cell: &Cell, pass: Pass, round: usize) -> Option<RunOutcome> {
+    let unchecked = cell
+        .message
+        .as_deref()
+        .and_then(|message| message.strip_prefix(NOT_CHECKED))
+        .map(str::to_owned);
+    let of = |observation| RunOutcome {
+        observation,
+        check: cell.check.clone(),
+        unchecked,
+        failure: None,
+        place: cell.time.places.get(round).copied(),
+    };
+    if cell.status != Status::Ok {
+        // One run holds the failure of the cell.
+        return (pass == Pass::Warmup && round == 0).then(|| RunOutcome {
+            check: cell.check.clone(),
+            failure: Some(Failure {
+                status: cell.status,
+                message: cell.message.clone().unwrap_or_default(),
+            }),
+            ..RunOutcome::default()
+        });
+    }
+    match pass {
+        Pass::Warmup => (round == 0).then(|| {
+            of(Observation {
+                setup_seconds: cell.time.setup,
+                seconds: cell.time.median,
+                ..Observation::default()
+            })
+        }),
+        Pass::Time => {
+            let seconds = *cell.time.samples.get(round)?;
+            let solves = cell.time.solves.get(round).copied();
+            Some(of(Observation {
+                seconds: Some(seconds),
+                solves: solves.filter(|solves| *solves > 1),
+                ..Observation::default()
+            }))
+        }
+        Pass::Profile => Some(of(Observation {
+            phases: Some(cell.phases),
+            peaks: Peaks {
+                heap: cell.memory.heap_peak_bytes,
+                rss: cell.memory.rss_peak_bytes,
+            },
+            ..Observation::default()
+        })),
+        Pass::Count => Some(of(Observation {
+            counters: Some(cell.counters.clone()),
+            wavefront: cell.wavefront.clone(),
+            ..Observation::default()
+        })),
+    }
+}

@@ -36,11 +36,13 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     algorithms.insert(0, reference);
 
     let programs = options.isolation.programs()?;
-    for algorithm in &mut algorithms {
-        algorithm.find_program(&programs)?;
-        let set = algorithm.clone().with_threads(options.threads as usize);
-        *algorithm = set.with_simd(options.simd);
-    }
+    let found = algorithms.iter().map(|a| a.find_programs(&programs));
+    let found = found.collect::<Result<Vec<_>, _>>()?;
+    let found = found.into_iter().flatten();
+    let algorithms: Vec<Selection> = found
+        .map(|algorithm| algorithm.with_threads(options.threads as usize))
+        .map(|algorithm| algorithm.with_simd(options.simd))
+        .collect();
     options.isolation.check()?;
     let crowding = options.isolation.crowding(&algorithms);
     if let Some(crowding) = crowding.filter(|_| !options.quiet) {

@@ -66,6 +66,9 @@ pub struct Observation {
     /// Number of solves; `None` is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solves: Option<usize>,
+    /// Seconds between request and answer of an outside program, measured from outside.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outside_seconds: Option<f64>,
     /// Seconds that the set-up took, if this run needed one.
     pub setup_seconds: Option<f64>,
     /// The counters.

@@ -90,6 +90,7 @@ impl Reply {
             distances,
             seconds: self.seconds,
             solves: self.solves,
+            outside_seconds: None,
             setup_seconds: self.setup_seconds,
             counters: self.counters,
             wavefront: self.wavefront,
@@ -200,6 +201,7 @@ mod tests {
                 distances,
                 seconds: Some(1.0 / 3.0),
                 solves: Some(7),
+                outside_seconds: None,
                 setup_seconds: None,
                 counters,
                 wavefront: vec![WavefrontRecord {

@@ -93,6 +93,9 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     cell.time = Time {
         places: rounds.iter().flat_map(|c| c.time.places.clone()).collect(),
         solves: joined_solves(&rounds),
+        outside: rounds.iter().flat_map(|c| c.time.outside.clone()).collect(),
+        claimed: rounds.iter().flat_map(|c| c.time.claimed.clone()).collect(),
+        doubted: rounds.iter().any(|c| c.time.doubted),
         ..statistics::time(samples, over(|c| c.time.setup))
     };
     cell.phases.propagation = over(|c| c.phases.propagation);

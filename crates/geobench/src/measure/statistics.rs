@@ -63,6 +63,9 @@ pub fn time(samples: Vec<f64>, setup: Option<f64>) -> Time {
         places: Vec::new(),
         solves: Vec::new(),
         precision: None,
+        outside: Vec::new(),
+        claimed: Vec::new(),
+        doubted: false,
     }
 }
 

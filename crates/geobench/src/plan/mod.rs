@@ -147,13 +147,16 @@ impl Plan {
     ///
     /// Names the program that is not in `programs`.
     pub fn find_programs(&mut self, programs: &Programs) -> Result<(), UsageError> {
-        let reference = match &mut self.reference {
-            Reference::Algorithm(reference) => Some(reference),
-            Reference::None | Reference::Files(_) => None,
-        };
-        for algorithm in self.algorithms.iter_mut().chain(reference) {
-            algorithm.find_program(programs)?;
+        if let Reference::Algorithm(reference) = &mut self.reference {
+            let found = reference.find_programs(programs)?;
+            // A program with several values was chosen because it is the first algorithm.
+            if let Some(first) = found.into_iter().next() {
+                *reference = first;
+            }
         }
+        let found = self.algorithms.iter().map(|a| a.find_programs(programs));
+        let found = found.collect::<Result<Vec<_>, UsageError>>()?;
+        self.algorithms = found.into_iter().flatten().collect();
         Ok(())
     }
 
@@ -248,6 +251,9 @@ fn algorithm(selection: &Selection) -> PlannedAlgorithm {
         [
             ("command", program.command.clone().into()),
             ("protocol", program.lifetime.name().into()),
+            ("prepare", program.prepare.clone().into()),
+            ("cleanup", program.cleanup.clone().into()),
+            ("parameters", serde_json::json!(program.parameters)),
             ("approximate", program.approximate.into()),
             ("threads", selection.threads().into()),
         ]

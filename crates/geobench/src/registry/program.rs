@@ -14,8 +14,14 @@ use crate::UsageError;
 /// An outside program, as a TOML file describes it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Program {
-    /// Its name, in lower case.
+    /// Its name, in lower case, with the values of its parameters as in `heat{width=0.5}`.
     pub name: String,
+    /// The values of its parameters by name, in the order of their names.
+    pub parameters: BTreeMap<String, String>,
+    /// A command before each run, which is not timed; empty for none.
+    pub prepare: Vec<String>,
+    /// A command after each run, which is not timed; empty for none.
+    pub cleanup: Vec<String>,
     /// The program and its arguments, with placeholders.
     pub command: Vec<String>,
     /// Working directory: that of the file that describes it.
@@ -35,17 +41,20 @@ pub enum ProcessLifetime {
     Session,
     /// For one run, which starts without a request.
     Once,
+    /// For one run, from the start of a command to its end; it writes the distances and no answer.
+    Command,
 }
 
 impl ProcessLifetime {
-    /// Both.
-    pub(crate) const ALL: [Self; 2] = [Self::Session, Self::Once];
+    /// All of them.
+    pub(crate) const ALL: [Self; 3] = [Self::Session, Self::Once, Self::Command];
 
     /// The word for it in files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Session => "session",
             Self::Once => "once",
+            Self::Command => "none",
         }
     }
 }
@@ -54,7 +63,7 @@ impl ProcessLifetime {
 pub(crate) const PLACEHOLDERS: [&str; 4] = ["{model}", "{source}", "{threads}", "{output}"];
 
 /// The values of the placeholders of a command.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Call<'c> {
     /// The model, an OBJ file.
     pub(crate) model: &'c Path,
@@ -63,7 +72,7 @@ pub(crate) struct Call<'c> {
     /// Threads that it may use.
     pub(crate) threads: usize,
     /// The file to which distances go.
-    pub(crate) output: &'c Path,
+    pub(crate) output: PathBuf,
 }
 
 impl Program {
@@ -72,8 +81,8 @@ impl Program {
         self.command.iter().any(|word| word.contains("{threads}"))
     }
 
-    /// The command with its placeholders filled in.
-    pub(crate) fn command(&self, call: Call<'_>) -> Command {
+    /// One of its commands with the placeholders filled in.
+    pub(crate) fn command(&self, words: &[String], call: &Call<'_>) -> Command {
         let fill = |word: &String| {
             let values = [
                 call.model.display().to_string(),
@@ -82,11 +91,14 @@ impl Program {
                 call.output.display().to_string(),
             ];
             let pairs = PLACEHOLDERS.iter().zip(values);
-            pairs.fold(word.clone(), |word, (name, value)| {
+            let word = pairs.fold(word.clone(), |word, (name, value)| {
                 word.replace(name, &value)
+            });
+            self.parameters.iter().fold(word, |word, (name, value)| {
+                word.replace(&format!("{{{name}}}"), value)
             })
         };
-        let mut words = self.command.iter().map(fill);
+        let mut words = words.iter().map(fill);
         let program = words.next().unwrap_or_default();
         // A name without a slash is looked up in `PATH`; else it is relative to the file.
         let program = if program.contains('/') {
@@ -102,13 +114,14 @@ impl Program {
 
 /// Outside programs by name.
 #[derive(Clone, Debug, Default)]
-pub struct Programs(BTreeMap<String, Arc<Program>>);
+pub struct Programs(BTreeMap<String, Arc<Program>>, Vec<String>);
 
 impl Programs {
     /// Adds a program; false if the name is taken.
     pub(crate) fn add(&mut self, program: Program) -> bool {
         let free = !self.0.contains_key(&program.name);
         if free {
+            self.1.push(program.name.clone());
             self.0.insert(program.name.clone(), Arc::new(program));
         }
         free
@@ -117,12 +130,23 @@ impl Programs {
     /// These, and those of `others` whose names are not among them.
     #[must_use]
     pub fn or(mut self, others: &Self) -> Self {
-        for (name, program) in &others.0 {
-            self.0
-                .entry(name.clone())
-                .or_insert_with(|| program.clone());
+        for name in &others.1 {
+            if let Some(program) = others.0.get(name).filter(|_| !self.0.contains_key(name)) {
+                self.0.insert(name.clone(), program.clone());
+                self.1.push(name.clone());
+            }
         }
         self
+    }
+
+    /// The names of the programs that `name` stands for: its own, or, if its parameters have several
+    /// values, that of each combination, in the order of the file.
+    pub(crate) fn meant_by(&self, name: &str) -> Vec<String> {
+        if self.0.contains_key(name) {
+            return vec![name.to_owned()];
+        }
+        let begins = |full: &&String| full.strip_prefix(name).is_some_and(|r| r.starts_with('{'));
+        self.1.iter().filter(begins).cloned().collect()
     }
 
     /// The program called `name`.
@@ -184,22 +208,30 @@ mod tests {
                 "-s{source}",
                 "{threads}",
                 "--to={output}",
+                "{width}",
             ]
             .map(str::to_owned)
             .to_vec(),
+            parameters: BTreeMap::from([("width".to_owned(), "0.5".to_owned())]),
+            prepare: Vec::new(),
+            cleanup: Vec::new(),
             directory: "/here".into(),
             lifetime: ProcessLifetime::Once,
             approximate: false,
         };
-        let command = program.command(Call {
+        let call = Call {
             model: Path::new("/tmp/m.obj"),
             source: 7,
             threads: 2,
-            output: Path::new("/tmp/d.csv"),
-        });
+            output: "/tmp/d.csv".into(),
+        };
+        let command = program.command(&program.command, &call);
         assert_eq!(command.get_program(), "/here/./run");
         let arguments: Vec<_> = command.get_args().collect();
-        assert_eq!(arguments, ["/tmp/m.obj", "-s7", "2", "--to=/tmp/d.csv"]);
+        assert_eq!(
+            arguments,
+            ["/tmp/m.obj", "-s7", "2", "--to=/tmp/d.csv", "0.5"]
+        );
         assert_eq!(command.get_current_dir(), Some(Path::new("/here")));
     }
 }

@@ -50,21 +50,33 @@ impl Selection {
         self.label.strip_prefix(PREFIX)
     }
 
-    /// The outside program, once it has been [looked up](Self::find_program).
+    /// The outside program, once it has been [looked up](Self::find_programs).
     pub const fn program(&self) -> Option<&Arc<Program>> {
         self.program.as_ref()
     }
 
-    /// Looks up the outside program, if it is one.
+    /// This, or the outside programs that its name stands for, looked up.
     ///
     /// # Errors
     ///
     /// When there is none of its name.
-    pub fn find_program(&mut self, programs: &Programs) -> Result<(), UsageError> {
-        if let Some(name) = self.outside_name() {
-            self.program = Some(programs.find(name)?);
+    pub fn find_programs(&self, programs: &Programs) -> Result<Vec<Self>, UsageError> {
+        let Some(name) = self.outside_name() else {
+            return Ok(vec![self.clone()]);
+        };
+        let mut names = programs.meant_by(name);
+        if names.is_empty() {
+            names.push(name.to_owned());
         }
-        Ok(())
+        let found = names.iter().map(|name| {
+            let program = Some(programs.find(name)?);
+            Ok(Self {
+                program,
+                label: format!("{PREFIX}{name}"),
+                ..self.clone()
+            })
+        });
+        found.collect()
     }
 
     /// Whether its distances are not held to the tolerance, because its program
@@ -220,10 +232,12 @@ fn matches(item: &str, list: &str) -> Result<Vec<Selection>, UsageError> {
         )));
     }
     if let Some(program) = program {
-        return match settings.first() {
-            Some((key, _)) => Err(unknown_parameter(&name, &[], key)),
-            None => Ok(vec![Selection::outside(program)]),
-        };
+        // Its parameters are known when it is looked up.
+        let values: Vec<String> = settings.iter().map(|(k, v)| format!("{k}={v}")).collect();
+        return Ok(vec![Selection::outside(&match values.is_empty() {
+            true => program.to_owned(),
+            false => format!("{program}{{{}}}", values.join(",")),
+        })]);
     }
     let found: Vec<_> = algorithms()
         .iter()

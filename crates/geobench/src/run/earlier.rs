@@ -91,11 +91,13 @@ pub(super) fn outcome(cell: &Cell, pass: Pass, round: usize) -> Option<RunOutcom
             })
         }),
         Pass::Time => {
-            let seconds = *cell.time.samples.get(round)?;
+            let sample = *cell.time.samples.get(round)?;
+            let seconds = cell.time.claimed.get(round).copied().unwrap_or(sample);
             let solves = cell.time.solves.get(round).copied();
             Some(of(Observation {
                 seconds: Some(seconds),
                 solves: solves.filter(|solves| *solves > 1),
+                outside_seconds: cell.time.outside.get(round).copied(),
                 ..Observation::default()
             }))
         }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use geobench_mesh::{SplitMix64, VertexId};
 use geobench_window::{Counter, precision};
@@ -10,7 +11,7 @@ use crate::exec::{Failure, Listener, Observation, Pass, Session, Step};
 use crate::measure::memory::Peaks;
 use crate::plan::sampling::Sampling;
 use crate::plan::{Plan, Reference};
-use crate::registry::Selection;
+use crate::registry::{ProcessLifetime, Program, Selection};
 use crate::run::agreement;
 use crate::run::earlier::{self, Earlier, NOT_CHECKED};
 use crate::run::journal::{Journal, JournalLine, RunId, RunOutcome};
@@ -479,13 +480,17 @@ impl<'p> CellRuns<'p> {
     fn count_samples(&mut self) {
         let of = |found: &RunOutcome| {
             let seconds = found.observation.seconds?;
-            Some((
-                seconds,
-                seconds * found.observation.solves.unwrap_or(1) as f64,
-            ))
+            let solves = found.observation.solves.unwrap_or(1) as f64;
+            let outside = found.observation.outside_seconds;
+            Some((seconds, outside.unwrap_or(seconds * solves)))
         };
         let (samples, spent): (Vec<f64>, Vec<f64>) = self.timed().filter_map(of).unzip();
-        self.has_time = self.sampling.is_enough(&samples, spent.iter().sum());
+        let is_outside = self.algorithm.program().is_some();
+        let samples = match is_outside && is_doubtful(&samples, &spent) {
+            true => &spent,
+            false => &samples,
+        };
+        self.has_time = self.sampling.is_enough(samples, spent.iter().sum());
     }
 
     /// Solves of a timed run, from the time of the first warm-up. Outside programs solve once.
@@ -551,6 +556,7 @@ impl<'p> CellRuns<'p> {
             cell.message = Some("approximate: compared, but not held to the tolerance".to_owned());
         }
         let (mut samples, mut solves, mut setup) = (Vec::new(), Vec::new(), None);
+        let (mut outside, mut claimed, mut doubted) = (Vec::new(), Vec::new(), false);
         for ((pass, _), outcome) in self.outcomes {
             let observation = outcome.observation;
             if let Some(why) = outcome.unchecked {
@@ -563,6 +569,7 @@ impl<'p> CellRuns<'p> {
                 Pass::Time => {
                     samples.extend(observation.seconds);
                     solves.push(observation.solves.unwrap_or(1));
+                    outside.extend(observation.outside_seconds);
                 }
                 Pass::Count => {
                     cell.counters = observation.counters.unwrap_or_default();
@@ -583,9 +590,20 @@ impl<'p> CellRuns<'p> {
         if solves.iter().all(|&solves| solves == 1) {
             solves.clear();
         }
+        let speaks = |program: &Arc<Program>| program.lifetime != ProcessLifetime::Command;
+        if !outside.is_empty() && self.algorithm.program().is_some_and(speaks) {
+            claimed.clone_from(&samples);
+            doubted = is_doubtful(&claimed, &outside);
+            if doubted {
+                samples.clone_from(&outside);
+            }
+        }
         cell.time = Time {
             places,
             solves,
+            outside,
+            claimed,
+            doubted,
             precision: self.sampling.precision().map(|wanted| wanted.relative),
             ..crate::measure::statistics::time(samples, setup)
         };
@@ -629,6 +647,21 @@ impl<'p> CellRuns<'p> {
             ..worst.cloned().unwrap_or_default()
         }
     }
+}
+
+/// Least share of the time from outside that the own time of an outside program can be.
+const LEAST_CLAIM: f64 = 0.1;
+
+/// Share by which the clock of a program may run faster than ours.
+const CLOCKS: f64 = 0.01;
+
+/// Whether one of the times that an outside program claims is more than that from outside, or a
+/// small part of it.
+fn is_doubtful(claimed: &[f64], outside: &[f64]) -> bool {
+    let mut pairs = claimed.iter().zip(outside);
+    pairs.any(|(&claimed, &outside)| {
+        claimed > outside * (1.0 + CLOCKS) || claimed < LEAST_CLAIM * outside
+    })
 }
 
 /// A short outcome: the status of a failure, or the seconds of a timed run.

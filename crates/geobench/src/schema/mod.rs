@@ -399,6 +399,17 @@ pub struct Time {
     /// was fixed. The interval may be wider, if the time or the number of runs ended.
     #[serde(default)]
     pub precision: Option<f64>,
+    /// For an outside program, for each run the seconds between request and answer, measured from
+    /// outside; of a process that solves once, from its start.
+    #[serde(default)]
+    pub outside: Vec<f64>,
+    /// For an outside program, for each run the seconds that it claims.
+    #[serde(default)]
+    pub claimed: Vec<f64>,
+    /// Whether the claims are more than the time from outside or a small part of it. The samples
+    /// are then those from outside.
+    #[serde(default)]
+    pub doubted: bool,
 }
 
 impl Time {
@@ -466,7 +477,7 @@ pub struct Memory {
     /// Peak heap bytes of the algorithm: set-up, run and answer, without the mesh.
     pub heap_peak_bytes: Option<u64>,
     /// Peak RSS of the process during the run: mesh, solver and code pages touched. Loading is
-    /// excluded. Linux only.
+    /// excluded. Of an outside program measured from outside, with its descendants. Linux only.
     pub rss_peak_bytes: Option<u64>,
 }
 

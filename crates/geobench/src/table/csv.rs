@@ -137,6 +137,9 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
         ("time_places", list(&cell.time.places)),
         ("time_solves", list(&cell.time.solves)),
         ("time_precision", text(cell.time.precision)),
+        ("time_outside", list(&cell.time.outside)),
+        ("time_claimed", list(&cell.time.claimed)),
+        ("time_doubted", cell.time.doubted.to_string()),
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into();

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use geobench_mesh::did_you_mean;
 use geobench_window::{Counter, Counters};
 
+use crate::measure::statistics::median;
 use crate::schema::Cell;
 
 /// A figure of a cell: a row of a table.
@@ -129,6 +130,13 @@ fn all() -> &'static [Figure] {
     static ALL: LazyLock<Vec<Figure>> = LazyLock::new(|| {
         let mut all = vec![
             Figure::computed("time", "Time (s)", Decimals(6), |c| c.time.median),
+            Figure::computed("outside_time", "Time from outside (s)", Decimals(6), |c| {
+                median(&c.time.outside)
+            }),
+            Figure::computed("claimed_time", "Time it claims (s)", Decimals(6), |c| {
+                median(&c.time.claimed)
+            })
+            .informative(),
             Figure::computed("setup", "Set-up (s)", Decimals(6), |c| c.time.setup),
             Figure::computed(
                 "papers_memory",

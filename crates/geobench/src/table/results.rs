@@ -52,8 +52,17 @@ pub(super) fn part(group: &Group<'_>, model: &ModelRecord) -> Part {
     let columns: Vec<Vec<&Cell>> = names.map(|name| group.of(&model.name, name)).collect();
     let own = group.cells.iter().copied();
     let cells: Vec<&Cell> = own.filter(|cell| cell.model == model.name).collect();
-    let figures = figures(&group.record.rows).into_iter();
+    let mut figures = figures(&group.record.rows);
+    if cells.iter().any(|cell| !cell.time.outside.is_empty()) {
+        let known = |name: &&&Figure| figures.iter().all(|figure| figure.key != name.key);
+        let both = super::figures::figures(&["outside_time", "claimed_time"]);
+        let both: Vec<_> = both.iter().filter(known).copied().collect();
+        let after_time = figures.iter().position(|figure| figure.key == "time");
+        let place = after_time.map_or(figures.len(), |time| time + 1);
+        figures.splice(place..place, both);
+    }
     let mut rows: Vec<_> = figures
+        .into_iter()
         .map(|figure| figure_row(figure, &columns, model.vertices))
         .collect();
     let mut notes = notes(&cells, model.vertices);
@@ -105,6 +114,9 @@ fn figure_row(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) ->
         };
         if figure.key == "time" && cells.iter().any(|cell| cell.time.is_imprecise()) {
             text.insert_str(0, IMPRECISE);
+        }
+        if figure.key == "claimed_time" && cells.iter().any(|cell| cell.time.doubted) {
+            text.push_str(" !");
         }
         Entry::marked(text, if is_best { Mark::Best } else { Mark::None })
     });
@@ -178,6 +190,13 @@ fn notes_on_times(cells: &[&Cell]) -> Vec<String> {
         notes.push(format!(
             "{IMPRECISE} {names}: the interval is wider than the {} % wanted",
             (1e6 * wanted).round() / 1e4
+        ));
+    }
+    let doubted = timed().filter(|cell| cell.time.doubted);
+    for name in distinct(doubted.map(|cell| cell.algorithm.as_str())) {
+        notes.push(format!(
+            "! {name}: the time that it claims is more than that from outside, or less than a tenth \
+             of it; the time is that from outside"
         ));
     }
     for name in algorithms(cells.iter().copied()) {

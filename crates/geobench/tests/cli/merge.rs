@@ -93,6 +93,120 @@ fn the_parts_joined_are_the_whole() {
 }
 
 #[test]
+fn different_runs_on_one_machine_are_joined_and_what_differs_is_said() {
+    let sandbox = Sandbox::with_square();
+    let run = "run square.off --quiet --isolate none --repeat 2";
+    sandbox.succeed(&format!("{run} --algo mmp,vtp -o a.json"));
+    sandbox.succeed(&format!("{run} --algo vtp,ich --warmup 2 -o b.json"));
+    let call = sandbox.call("merge a.json b.json -o joined.json -o s.csv --csv samples");
+    assert_eq!(call.code, 0, "{}", call.stderr);
+    assert!(
+        call.stderr
+            .contains("1 of its cells are in the files before it"),
+        "{}",
+        call.stderr
+    );
+    assert!(
+        call.stderr
+            .contains("`plan.warmup` is 2 in b.json and 1 in a.json"),
+        "{}",
+        call.stderr
+    );
+    let joined = sandbox.json("joined.json");
+    let names: Vec<&str> = (joined["cells"].as_array().unwrap().iter())
+        .map(|cell| cell["algorithm"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["mmp", "vtp", "ich"]);
+    assert_eq!(joined["cells"][1], sandbox.json("a.json")["cells"][1]);
+    let csv = sandbox.read("s.csv");
+    assert_eq!(csv.lines().count(), 1 + 3 * 2);
+    assert!(csv.starts_with(
+        "model,algorithm,source,threads,group,sample,place,solves,seconds,vertices,faces,edges,machine\n"
+    ));
+
+    sandbox.write(
+        "square.off",
+        &crate::support::SQUARE.replace("1 1 0", "1 1 1"),
+    );
+    sandbox.succeed(&format!("{run} --algo mmp -o c.json"));
+    let refusal = sandbox.refuse("merge a.json c.json -o x.json");
+    assert!(refusal.starts_with("c.json: its model square is not that of a.json: the SHA-256 is "));
+}
+
+#[test]
+fn a_file_grows_by_algorithms_models_and_runs() {
+    let sandbox = Sandbox::with_square();
+    let run = "run square.off --quiet --repeat";
+    sandbox.succeed(&format!("{run} 2 --algo mmp,vtp -o r.json"));
+    let before = sandbox.json("r.json");
+    sandbox.succeed(&format!(
+        "{run} 2 --algo mmp,vtp,ich gen:cube,n=2 --add-to r.json"
+    ));
+    let more = sandbox.json("r.json");
+    let key = |cell: &Value| format!("{} {}", cell["model"], cell["algorithm"]);
+    let keys: Vec<String> = more["cells"].as_array().unwrap().iter().map(key).collect();
+    assert_eq!(keys.len(), 6);
+    assert_eq!(more["cells"][0], before["cells"][0]);
+    assert_eq!(more["cells"][1], before["cells"][1]);
+    assert_eq!(more["cells"][2]["check"]["reference"], "mmp");
+    assert_eq!(more["sessions"].as_array().unwrap().len(), 2);
+
+    sandbox.succeed(&format!("{run} 3 --algo vtp --add-to r.json"));
+    let longer = sandbox.json("r.json");
+    let samples = |file: &Value| {
+        file["cells"][1]["time"]["samples"]
+            .as_array()
+            .unwrap()
+            .clone()
+    };
+    assert_eq!(samples(&longer).len(), 3);
+    assert_eq!(samples(&longer)[..2], samples(&before));
+    assert_eq!(longer["cells"][0], before["cells"][0]);
+    // Nothing is left to do.
+    sandbox.succeed(&format!("{run} 3 --algo vtp --add-to r.json"));
+    assert_eq!(sandbox.json("r.json")["cells"], longer["cells"]);
+
+    let mut elsewhere = longer.clone();
+    elsewhere["host"]["cores"] = 1000.into();
+    sandbox.write("other.json", &elsewhere.to_string());
+    let refusal = sandbox.refuse(&format!("{run} 3 --algo ich --add-to other.json"));
+    assert!(
+        refusal.starts_with("other.json: from another machine"),
+        "{refusal}"
+    );
+}
+
+#[test]
+fn a_dash_is_standard_input_and_output() {
+    let sandbox = Sandbox::with_square();
+    let piped = |arguments: &str, input: &str| {
+        let mut command = sandbox.command(arguments);
+        let output = command.write_stdin(input.to_owned()).output().unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments}: {error}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let square = sandbox.read("square.off");
+    let csv = piped(
+        "distance - --input-format off --source 0 -o - --output-format csv",
+        &square,
+    );
+    assert!(csv.starts_with("vertex,distance\n0,0\n1,1\n"), "{csv}");
+    let run = "run - --input-format off --algo mmp --repeat 1 --quiet -o - --output-format json";
+    let json = piped(run, &square);
+    assert!(json.starts_with("{\n  \"schema\""), "{json}");
+    let merged = piped("merge - -o - --output-format csv", &json);
+    assert!(merged.starts_with("model,algorithm,"), "{merged}");
+    let model = piped("gen tetrahedron,subdiv=0 -o - --output-format obj", "");
+    assert!(model.contains("\nf "), "{model}");
+    let refusal = sandbox.refuse("info -");
+    assert!(
+        refusal.starts_with("-: --input-format says in which form"),
+        "{refusal}"
+    );
+}
+
+#[test]
 fn what_does_not_belong_together_is_not_joined() {
     let sandbox = sandbox();
     run_parts(&sandbox, 3);

@@ -39,6 +39,10 @@ pub(super) struct ChildProcess {
     stderr_tail: Tail,
     /// Exit status, once known.
     status: Option<ExitStatus>,
+    /// Whether the peak of its memory is watched while it works, because it ends with the answer.
+    watched: bool,
+    /// Its peak, as far as it was seen.
+    peak: Option<u64>,
 }
 
 impl ChildProcess {
@@ -82,6 +86,8 @@ impl ChildProcess {
             received: Vec::new(),
             stderr_tail: Tail::default(),
             status: None,
+            watched: false,
+            peak: None,
         };
         rustix::io::ioctl_fionbio(&child.replies, true)?;
         if let Some(errors) = &child.errors {
@@ -94,6 +100,47 @@ impl ChildProcess {
     pub(super) fn resident(&self) -> Option<u64> {
         let own = system::resident(self.process.id())?;
         Some(own + self.descendants.resident_orphans())
+    }
+
+    /// Watches the peak of its memory from now on.
+    pub(super) const fn watch(&mut self) {
+        self.watched = true;
+    }
+
+    /// Lets the peak of its memory begin anew.
+    pub(super) fn reset_peak(&mut self) {
+        self.peak = None;
+        system::reset_peak(self.process.id());
+    }
+
+    /// The peak of the resident bytes of the process and its descendants.
+    pub(super) fn peak(&mut self) -> Option<u64> {
+        self.peak = self.peak.max(system::peak_resident(self.process.id()));
+        self.peak
+    }
+
+    /// Waits for the end of a process that answers nothing. What it writes to standard output is
+    /// dropped.
+    pub(super) fn finish(&mut self) -> Result<(), ChildError> {
+        let kills = system::kernel_out_of_memory_kills();
+        let deadline = self.deadline();
+        let error = loop {
+            if let Err(error) = self.wait(deadline) {
+                break error;
+            }
+            match self.receive() {
+                Ok(true) => self.received.clear(),
+                // Standard output is closed. The process goes on, or has ended.
+                Ok(false) if self.has_ended() => match self.why_closed(kills) {
+                    ChildError::Ended(report) if report.status.success() => return Ok(()),
+                    error => break error,
+                },
+                Ok(false) => std::thread::sleep(Duration::from_millis(1)),
+                Err(error) => break error.into(),
+            }
+        };
+        self.kill();
+        Err(error)
     }
 
     /// Sends `request` as a line, unless it is empty, and waits for a reply of at most `longest`
@@ -120,10 +167,7 @@ impl ChildProcess {
 
     /// The line that answers a request.
     fn converse(&mut self, request: &str, longest: usize) -> Result<Vec<u8>, ChildError> {
-        let Limits {
-            timeout, memory, ..
-        } = self.limits;
-        let deadline = timeout.0.and_then(|time| Instant::now().checked_add(time));
+        let deadline = self.deadline();
         if !request.is_empty() {
             match self.requests.write_all(format!("{request}\n").as_bytes()) {
                 // The process has ended; the reason is found below.
@@ -141,25 +185,43 @@ impl ChildProcess {
             if searched > longest {
                 return Err(ChildError::garbage(&self.received));
             }
-            if interrupt::requested() {
-                return Err(ChildError::Interrupted);
-            }
-            let left = deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
-            if left.is_some_and(|left| left.is_zero()) {
-                return Err(ChildError::Timeout(timeout));
-            }
-            if let Some(most) = memory.0
-                && let Some(bytes) = self.resident().filter(|bytes| *bytes > most)
-            {
-                return Err(ChildError::Memory(MemoryLimit(Some(bytes)), memory));
-            }
-            let look = memory.0.map(|_| LOOK);
-            self.sleep([left, look].into_iter().flatten().min())?;
-            self.listen_to_errors();
+            self.wait(deadline)?;
             if !self.receive()? {
                 return Err(ChildError::Closed);
             }
         }
+    }
+
+    /// The end of the time that starts now.
+    fn deadline(&self) -> Option<Instant> {
+        let timeout = self.limits.timeout.0;
+        timeout.and_then(|time| Instant::now().checked_add(time))
+    }
+
+    /// Sleeps until something happens, within the limits.
+    fn wait(&mut self, deadline: Option<Instant>) -> Result<(), ChildError> {
+        let Limits {
+            timeout, memory, ..
+        } = self.limits;
+        if interrupt::requested() {
+            return Err(ChildError::Interrupted);
+        }
+        let left = deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
+        if left.is_some_and(|left| left.is_zero()) {
+            return Err(ChildError::Timeout(timeout));
+        }
+        if let Some(most) = memory.0
+            && let Some(bytes) = self.resident().filter(|bytes| *bytes > most)
+        {
+            return Err(ChildError::Memory(MemoryLimit(Some(bytes)), memory));
+        }
+        if self.watched {
+            self.peak();
+        }
+        let look = (memory.0.is_some() || self.watched).then_some(LOOK);
+        self.sleep([left, look].into_iter().flatten().min())?;
+        self.listen_to_errors();
+        Ok(())
     }
 
     /// Sleeps until output of the child, a signal or the end of `time`.

@@ -46,6 +46,7 @@ use crate::exec::model::ModelRef;
 use crate::exec::protocol::{ChildSettings, Reply, Request, SOLVE};
 use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::host::kibibytes;
+use crate::measure::memory::Peaks;
 use crate::registry::{Call, ProcessLifetime, Program};
 use crate::schema::{ModelRecord, Status};
 
@@ -165,6 +166,8 @@ struct Child {
     distances: Vec<f64>,
     /// Set if it is an outside program.
     outside: Option<Outside>,
+    /// When its process was started.
+    started: Instant,
 }
 
 struct Outside {
@@ -195,6 +198,21 @@ impl Handover {
             let message = format!("the model cannot be handed over: {error}");
             Failure::new(Status::Crashed, message)
         })
+    }
+}
+
+impl Handover {
+    /// The values of the placeholders of a program's commands.
+    fn call(&self, program: &Program, step: &Step<'_>) -> Call<'_> {
+        // Values of parameters may hold slashes.
+        let plain = |c: char| if c.is_alphanumeric() { c } else { '_' };
+        let name: String = program.name.chars().map(plain).collect();
+        Call {
+            model: &self.model,
+            source: step.source.raw(),
+            threads: step.algorithm.threads(),
+            output: self.folder.path().join(format!("{name}.csv")),
+        }
     }
 }
 
@@ -232,14 +250,17 @@ impl ChildPool<'_> {
         const DOING: &str = "loading the model";
         let cpus = self.options.cpus.as_ref();
         let cpus = cpus.map_or(&[][..], CpuList::numbers);
+        let started = Instant::now();
         let process = ChildProcess::start(command, self.options.limits, cpus);
         let mut child = Child {
             process: process.map_err(|error| error.failure(DOING))?,
             cell: String::new(),
             distances: Vec::new(),
             outside,
+            started,
         };
         if child.solves_once() {
+            child.process.watch();
             return Ok((child, None));
         }
         let reply = child.ask("", LONGEST, DOING)?;
@@ -268,19 +289,51 @@ impl ChildPool<'_> {
             Some(handover) => handover,
             none => none.insert(Handover::new(self.model, self.options.limits.decompressed)?),
         };
-        let output = handover.folder.path().join(format!("{}.csv", program.name));
-        let command = program.command(Call {
-            model: &handover.model,
-            source: step.source.raw(),
-            threads: step.algorithm.threads(),
-            output: &output,
-        });
+        let call = handover.call(program, step);
+        let command = program.command(&program.command, &call);
         let outside = Outside {
             program: program.clone(),
-            output,
+            output: call.output,
         };
         outside.forget();
         Ok(self.start(command, Some(outside))?.0)
+    }
+
+    /// Carries out a command that an outside program has beside its runs, to its end. It is not
+    /// timed.
+    fn aside(
+        &mut self,
+        program: &Program,
+        words: &[String],
+        step: &Step<'_>,
+        doing: &str,
+    ) -> Result<(), Failure> {
+        if words.is_empty() {
+            return Ok(());
+        }
+        let handover = match &mut self.handover {
+            Some(handover) => handover,
+            none => none.insert(Handover::new(self.model, self.options.limits.decompressed)?),
+        };
+        let command = program.command(words, &handover.call(program, step));
+        let cpus = self.options.cpus.as_ref();
+        let cpus = cpus.map_or(&[][..], CpuList::numbers);
+        let process = ChildProcess::start(command, self.options.limits, cpus);
+        let done = process.and_then(|mut process| process.finish());
+        done.map_err(|error| error.failure(doing))
+    }
+
+    /// Carries out a run of an outside program, between its preparation and its clean-up.
+    fn run_outside(
+        &mut self,
+        program: &Arc<Program>,
+        cell: &str,
+        step: &Step<'_>,
+    ) -> Result<Observation, Failure> {
+        self.aside(program, &program.prepare, step, "preparing")?;
+        let done = self.run(cell, step);
+        self.aside(program, &program.cleanup, step, "cleaning up")?;
+        done
     }
 
     /// Carries out a run in the child of `cell`, a new one if it has none.
@@ -341,24 +394,25 @@ impl Session for ChildPool<'_> {
         }
         self.source = Some(step.source);
         let label = step.algorithm.label();
-        if step.algorithm.program().is_none() {
+        let Some(program) = step.algorithm.program() else {
             return match &mut self.here {
                 Some(here) => here.execute(step),
                 None if self.options.shared => self.run("", step),
                 None => self.run(label, step),
             };
-        }
+        };
         // Outside programs report counts with each run, and have no phases.
         let counts = matches!(step.pass, Pass::Count | Pass::Profile);
         let solved = match self.solved.get(label) {
             Some(solved) if counts => solved.clone(),
-            _ => self.run(label, step)?,
+            _ => self.run_outside(program, label, step)?,
         };
         self.solved.insert(label.to_owned(), solved.clone());
         Ok(match step.pass {
             Pass::Warmup | Pass::Time => solved,
             Pass::Count => Observation {
                 seconds: None,
+                outside_seconds: None,
                 setup_seconds: None,
                 ..solved
             },
@@ -374,7 +428,31 @@ impl Child {
     /// Whether it is an outside program with protocol `once`.
     fn solves_once(&self) -> bool {
         let outside = self.outside.as_ref();
-        outside.is_some_and(|outside| outside.program.lifetime == ProcessLifetime::Once)
+        outside.is_some_and(|outside| outside.program.lifetime != ProcessLifetime::Session)
+    }
+
+    /// A run of a command that knows no protocol: from its start to its end.
+    fn finish(
+        &mut self,
+        timeout: Timeout,
+        vertices: usize,
+        output: &std::path::Path,
+    ) -> Result<Observation, Failure> {
+        self.process
+            .finish()
+            .map_err(|error| error.failure("solving"))?;
+        let seconds = self.started.elapsed().as_secs_f64();
+        let distances = answer::read_distances(output, vertices, timeout, Instant::now())?;
+        Ok(Observation {
+            distances,
+            seconds: Some(seconds),
+            outside_seconds: Some(seconds),
+            peaks: Peaks {
+                heap: None,
+                rss: self.process.peak(),
+            },
+            ..Observation::default()
+        })
     }
 
     fn execute(
@@ -383,7 +461,21 @@ impl Child {
         vertices: usize,
         step: &Step<'_>,
     ) -> Result<Observation, Failure> {
-        let start = Instant::now();
+        if let Some(Outside { program, output }) = &self.outside
+            && program.lifetime == ProcessLifetime::Command
+        {
+            let output = output.clone();
+            return self.finish(timeout, vertices, &output);
+        }
+        let mut start = Instant::now();
+        if self.outside.is_some() {
+            if self.solves_once() {
+                start = self.started;
+            } else {
+                self.process.reset_peak();
+                start = Instant::now();
+            }
+        }
         let doing = match (&self.outside, step.pass) {
             (Some(_), _) => "solving",
             (None, Pass::Warmup) => "warming up",
@@ -397,6 +489,7 @@ impl Child {
         if reply.ready && self.solves_once() {
             reply = self.ask("", longest, doing)?;
         }
+        let outside_seconds = start.elapsed().as_secs_f64();
         let Some(outside) = &self.outside else {
             if let Some(distances) = reply.distances.take() {
                 self.distances = distances;
@@ -407,8 +500,14 @@ impl Child {
             return Err(ChildError::Garbage("no \"seconds\"".into()).failure(doing));
         }
         reply.solves = None;
+        // The program's own figure stands where the system tells none.
+        let measured = self.process.peak();
+        reply.rss_peak_bytes = measured.or(reply.rss_peak_bytes);
         let distances = answer::read_distances(&outside.output, vertices, timeout, start)?;
-        Ok(reply.observation(distances))
+        Ok(Observation {
+            outside_seconds: Some(outside_seconds),
+            ..reply.observation(distances)
+        })
     }
 
     /// The request of a run.

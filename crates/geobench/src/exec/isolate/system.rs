@@ -12,6 +12,8 @@ use rustix::process::{
     setrlimit, waitid,
 };
 
+use crate::measure::host::kibibytes;
+
 /// A command that starts this program, even if its file has been replaced.
 pub(super) fn this_program() -> Command {
     if cfg!(target_os = "linux") {
@@ -58,6 +60,20 @@ pub(super) fn resident(pid: u32) -> Option<u64> {
     let pages: u64 = pages.split(' ').nth(1)?.parse().ok()?;
     let own = pages * rustix::param::page_size() as u64;
     let others: u64 = children(pid).into_iter().filter_map(resident).sum();
+    Some(own + others)
+}
+
+/// Lets the peak of a process and its descendants begin anew.
+pub(super) fn reset_peak(pid: u32) {
+    // Without the right to do so, the peak is that since the start.
+    let _ = fs::write(format!("/proc/{pid}/clear_refs"), "5");
+    children(pid).into_iter().for_each(reset_peak);
+}
+
+/// The sum of the peaks of the resident bytes of a process and its present descendants.
+pub(super) fn peak_resident(pid: u32) -> Option<u64> {
+    let own = kibibytes(&format!("/proc/{pid}/status"), "VmHWM")?;
+    let others: u64 = children(pid).into_iter().filter_map(peak_resident).sum();
     Some(own + others)
 }
 

@@ -22,6 +22,12 @@ pub(super) struct ProgramTable {
     protocol: ProcessLifetime,
     #[serde(default)]
     approximate: bool,
+    #[serde(default)]
+    prepare: Vec<String>,
+    #[serde(default)]
+    cleanup: Vec<String>,
+    #[serde(default)]
+    parameters: BTreeMap<String, Vec<toml::Value>>,
 }
 
 /// Reads the tables `[ext.NAME]` of a file that holds nothing else, or of a suite file.
@@ -62,45 +68,98 @@ pub(super) fn programs(
         if table.command.is_empty() {
             return error("an outside program must have a `command`");
         }
-        let added = programs.add(Program {
-            name: name.to_lowercase(),
-            command: table.command,
-            directory: directory.clone(),
-            lifetime: table.protocol,
-            approximate: table.approximate,
-        });
-        if !added {
-            return error("two are called so, letter case apart");
+        let combinations = match combinations(&table.parameters) {
+            Ok(combinations) => combinations,
+            Err(problem) => return error(&problem),
+        };
+        let commands = [&table.command, &table.prepare, &table.cleanup];
+        for word in commands.into_iter().flatten() {
+            if let Err(problem) = check_word(word, &table.parameters) {
+                return error(&problem);
+            }
+        }
+        for parameters in combinations {
+            let values: Vec<String> = parameters.iter().map(|(k, v)| format!("{k}={v}")).collect();
+            let added = programs.add(Program {
+                name: match values.is_empty() {
+                    true => name.to_lowercase(),
+                    false => format!("{}{{{}}}", name.to_lowercase(), values.join(",")),
+                },
+                parameters,
+                prepare: table.prepare.clone(),
+                cleanup: table.cleanup.clone(),
+                command: table.command.clone(),
+                directory: directory.clone(),
+                lifetime: table.protocol,
+                approximate: table.approximate,
+            });
+            if !added {
+                return error("two are called so, letter case apart");
+            }
         }
     }
     Ok(programs)
 }
 
-/// A word of a command, with known placeholders only.
-struct Word(String);
-
-impl<'de> Deserialize<'de> for Word {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        parsed(deserializer, |word| {
-            let mut rest = word.to_owned();
-            for name in PLACEHOLDERS {
-                rest = rest.replace(name, "");
-            }
-            if rest.contains(['{', '}']) {
-                return Err(format!(
-                    "`{word}` has braces that are no placeholder; known are {}",
-                    PLACEHOLDERS.join(", ")
-                ));
-            }
-            Ok(Self(word.to_owned()))
-        })
+/// All combinations of the values of some parameters, by name; one without any if there are none.
+fn combinations(
+    parameters: &BTreeMap<String, Vec<toml::Value>>,
+) -> Result<Vec<BTreeMap<String, String>>, String> {
+    let mut all = vec![BTreeMap::new()];
+    for (name, values) in parameters {
+        let is_word = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
+        let taken = PLACEHOLDERS.contains(&format!("{{{name}}}").as_str());
+        if name.is_empty() || !name.chars().all(is_word) || taken {
+            return Err(format!("`{name}` cannot be the name of a parameter"));
+        }
+        let texts = values.iter().map(|value| match value {
+            toml::Value::String(text) => Ok(text.clone()),
+            toml::Value::Integer(number) => Ok(number.to_string()),
+            toml::Value::Float(number) => Ok(number.to_string()),
+            _ => Err(format!(
+                "the values of `{name}` are numbers or words in a list, such as [0.5, 1, 2]"
+            )),
+        });
+        let texts = texts.collect::<Result<Vec<String>, String>>()?;
+        if texts.is_empty() || texts.iter().any(|text| text.contains([',', '{', '}', '='])) {
+            return Err(format!(
+                "the values of `{name}` are one or more numbers or words without any of `,{{}}=`"
+            ));
+        }
+        all = all
+            .into_iter()
+            .flat_map(|one: BTreeMap<String, String>| {
+                texts.iter().map(move |text| {
+                    let mut one = one.clone();
+                    one.insert(name.clone(), text.clone());
+                    one
+                })
+            })
+            .collect();
     }
+    Ok(all)
+}
+
+/// Checks that the braces of a word are placeholders or parameters.
+fn check_word(word: &str, parameters: &BTreeMap<String, Vec<toml::Value>>) -> Result<(), String> {
+    let names = parameters.keys().map(|name| format!("{{{name}}}"));
+    let known = PLACEHOLDERS.iter().map(|&name| name.to_owned());
+    let known: Vec<String> = known.chain(names).collect();
+    let rest = known
+        .iter()
+        .fold(word.to_owned(), |rest, name| rest.replace(name, ""));
+    if rest.contains(['{', '}']) {
+        return Err(format!(
+            "`{word}` has braces that are no placeholder; known are {}",
+            known.join(", ")
+        ));
+    }
+    Ok(())
 }
 
 /// A list of words, the model, the source and the output among them.
 fn command<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
-    let words = Vec::<Word>::deserialize(deserializer)?;
-    let words: Vec<String> = words.into_iter().map(|word| word.0).collect();
+    let words = Vec::<String>::deserialize(deserializer)?;
     for needed in ["{model}", "{source}", "{output}"] {
         // An empty list is no command at all.
         if !words.is_empty() && !words.iter().any(|word| word.contains(needed)) {
@@ -116,7 +175,7 @@ fn protocol<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ProcessLifetim
     parsed(deserializer, |word| {
         let mut all = ProcessLifetime::ALL.into_iter();
         let known = all.find(|lifetime| lifetime.name() == word);
-        known.ok_or_else(|| "\"session\" or \"once\" is expected".to_owned())
+        known.ok_or_else(|| "\"session\", \"once\" or \"none\" is expected".to_owned())
     })
 }
 
@@ -162,11 +221,11 @@ mod tests {
             ),
             (
                 "[ext.a]\ncommand = ['x', '{modell}']\n",
-                "peers.toml, line 2: `command`: `{modell}` has braces that are no placeholder; known are {model}, {source}, {threads}, {output}",
+                "peers.toml, line 1: `a`: `{modell}` has braces that are no placeholder; known are {model}, {source}, {threads}, {output}",
             ),
             (
                 "[ext.a]\ncommand = ['x',\n '{modell}']\n",
-                "peers.toml, line 3: `command`: `{modell}` has braces that are no placeholder; known are {model}, {source}, {threads}, {output}",
+                "peers.toml, line 1: `a`: `{modell}` has braces that are no placeholder; known are {model}, {source}, {threads}, {output}",
             ),
             (
                 "[ext.a]\ncommand = ['x', '{model}', '{source}']\n",
@@ -174,11 +233,11 @@ mod tests {
             ),
             (
                 "[ext.a]\nprotocol = 'twice'\n",
-                "peers.toml, line 2: `protocol`: \"session\" or \"once\" is expected",
+                "peers.toml, line 2: `protocol`: \"session\", \"once\" or \"none\" is expected",
             ),
             (
                 "[ext.a]\ncomand = []\n",
-                "peers.toml, line 2: there is no key `comand` here, did you mean `command`?; known are command, protocol, approximate",
+                "peers.toml, line 2: there is no key `comand` here, did you mean `command`?; known are command, protocol, approximate, prepare, cleanup, parameters",
             ),
             (
                 "[ext.'a,b']\ncommand = []\n",

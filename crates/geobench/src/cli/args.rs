@@ -77,7 +77,8 @@ pub(super) enum Command {
     Run(Box<RunOptions>),
     /// Compare the answers of all algorithms with each other and with stored distances
     Verify(VerifyOptions),
-    /// Compare two result files, and fail if the newer one is worse
+    /// Compare result files, or the newest commit of a history with earlier ones, and fail if
+    /// something is worse
     Compare(CompareOptions),
     /// Make tables, plots and a picture of result files: one page, or files to take into a paper
     Report(ReportOptions),
@@ -98,6 +99,11 @@ pub(super) enum Command {
     /// Join the rounds of a benchmark that was started once for each round, as when two versions of
     /// geobench take turns
     Pool(PoolOptions),
+    /// Add result files to a history: a directory with a small file for each commit, class of
+    /// machine and suite
+    Record(RecordOptions),
+    /// Show how the figures of a history have changed, and since which commits
+    Trend(TrendOptions),
     /// Print a script that lets a shell complete commands, options and values
     Completions(CompletionsOptions),
     /// Print the manual page of the program or of a command
@@ -538,13 +544,18 @@ pub(super) struct InfoOptions {
 #[derive(Args, Debug)]
 #[command(after_help = RULES_HELP)]
 pub(super) struct CompareOptions {
-    /// The older result file (.json)
-    #[arg(value_name = "OLD")]
-    pub(super) old: PathBuf,
+    /// Result files (.json), the older ones first; with --against the directory of a history
+    #[arg(value_name = "FILE", required = true)]
+    pub(super) files: Vec<PathBuf>,
 
-    /// The newer one
-    #[arg(value_name = "NEW")]
-    pub(super) new: PathBuf,
+    /// The file that counts as 1 [default: the first]
+    #[arg(long, value_name = "FILE", conflicts_with = "against")]
+    pub(super) baseline: Option<PathBuf>,
+
+    /// Compare the newest record of a history with those of these commits, such as main~10..main;
+    /// the noise of a time is that from commit to commit
+    #[arg(long, value_name = "RANGE", conflicts_with = "output")]
+    pub(super) against: Option<String>,
 
     /// What counts as a regression, separated by commas; without any, only a cell that does not end
     /// well any more
@@ -576,6 +587,44 @@ pub(super) struct MergeOptions {
 
     #[command(flatten)]
     pub(super) csv_rows: CsvOptions,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct RecordOptions {
+    /// Result files (.json)
+    #[arg(value_name = "RESULT", required = true)]
+    pub(super) results: Vec<PathBuf>,
+
+    /// Directory of the history; made if it does not exist
+    #[arg(long, value_name = "DIR")]
+    pub(super) into: PathBuf,
+
+    /// The commit that was measured [default: that of the result file]
+    #[arg(long, value_name = "HASH")]
+    pub(super) commit: Option<String>,
+
+    /// The suite; records of different suites are not compared [default: the name of the suite file]
+    #[arg(long, value_name = "NAME")]
+    pub(super) suite: Option<String>,
+
+    /// Do not print the path of the record
+    #[arg(long)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct TrendOptions {
+    /// Directory of the history
+    #[arg(value_name = "DIR")]
+    pub(super) history: PathBuf,
+
+    /// Page to write: one self-contained HTML file
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+
+    /// How to show the change points
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(super) format: ListFormat,
 }
 
 #[derive(Args, Debug)]

@@ -6,6 +6,7 @@ mod claims;
 mod compare;
 mod distance;
 mod generate;
+mod history;
 mod info;
 mod isolation;
 mod merge;
@@ -94,6 +95,8 @@ fn command() -> ExitCode {
         Command::Algos(options) => algos::algos(&options, terminal),
         Command::Merge(options) => merge::merge(&options),
         Command::Pool(options) => pool::pool(&options),
+        Command::Record(options) => history::record(&options),
+        Command::Trend(options) => history::trend(&options, terminal),
         Command::Completions(options) => shell::completions(&options),
         Command::Man(options) => shell::man(&options),
         Command::CountOneSolve(o) => {

@@ -27,6 +27,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 mod tex;
+mod trend;
 
 use std::path::PathBuf;
 
@@ -43,6 +44,7 @@ pub use files::{Form, write_files};
 pub use html::page;
 pub use papers::Tables;
 pub use picture::plot::{PictureError, Wanted};
+pub use trend::page as trend_page;
 
 /// A result file that a report is made from.
 #[derive(Clone, Debug)]

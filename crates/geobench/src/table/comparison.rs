@@ -8,7 +8,8 @@ use super::model::{Column, Entry, Mark, Table};
 use super::terminal::{self, Look};
 use super::{UnknownEnding, markdown, of_ending};
 use crate::history::compare::{
-    CellChange, Comparison, FigureChange, Key, Regression, Side, TimeMethod, exact, percent,
+    CellChange, Comparison, FigureChange, Key, Regression, Several, Side, TimeMethod, exact,
+    percent,
 };
 use crate::measure::number::decimals;
 use crate::schema::Status;
@@ -53,6 +54,113 @@ impl ComparisonFormat {
             Self::Json => serde_json::to_string_pretty(comparison)? + "\n",
         })
     }
+}
+
+impl ComparisonFormat {
+    /// Several comparisons with one baseline in this form, with a column for each file.
+    ///
+    /// # Errors
+    ///
+    /// As [`render`](Self::render).
+    pub fn render_several(self, several: &Several, look: Look) -> anyhow::Result<String> {
+        let table = ratios(several);
+        let sides = several.comparisons.iter().map(|c| &c.new);
+        let sides: Vec<&Side> = several
+            .comparisons
+            .first()
+            .map(|c| &c.old)
+            .into_iter()
+            .chain(sides)
+            .collect();
+        let worse: Vec<String> = several
+            .comparisons
+            .iter()
+            .flat_map(|c| {
+                let name = &c.new.file;
+                worse(c)
+                    .into_iter()
+                    .map(move |line| format!("{name}: {line}"))
+            })
+            .collect();
+        let notes = several.comparisons.iter().flat_map(|c| {
+            let name = &c.new.file;
+            c.notes.iter().map(move |note| format!("{name}: {note}"))
+        });
+        let notes: Vec<String> = worse.into_iter().chain(notes).collect();
+        Ok(match self {
+            Self::Json => serde_json::to_string_pretty(several)? + "\n",
+            Self::Table => {
+                let line = |indent, text: &str| terminal::line_in(look, indent, &printable(text));
+                let mut lines: Vec<String> = sides.iter().map(|s| line("", &side(s))).collect();
+                lines.push(String::new());
+                lines.push(terminal::grid(&table, &table.parts[0].rows, look));
+                lines.extend(notes.iter().map(|note| line("  ", note)));
+                lines.join("\n") + "\n"
+            }
+            Self::Markdown => {
+                let mut lines = markdown::grid(&table);
+                lines.push(String::new());
+                let remarks = sides.iter().map(|s| side(s)).chain(notes);
+                lines.extend(remarks.map(|text| format!("- {}", escape(&text))));
+                lines.join("\n") + "\n"
+            }
+        })
+    }
+}
+
+/// A row for each cell that is in the baseline and in another file: the time there, and the ratios
+/// of the times to it.
+fn ratios(several: &Several) -> Table {
+    let keys = several.comparisons.iter().flat_map(|c| &c.cells);
+    let mut cells: Vec<&CellChange> = Vec::new();
+    for change in keys {
+        if !cells.iter().any(|known| known.cell.is_same(&change.cell)) {
+            cells.push(change);
+        }
+    }
+    let baseline = several.comparisons.first().map(|c| c.old.file.as_str());
+    let files = several.comparisons.iter().map(|c| c.new.file.as_str());
+    let names = baseline.into_iter().chain(files);
+    let columns = std::iter::once(Column::text("Time relative to the first"));
+    let rows = cells.iter().map(|cell| {
+        let of = |c: &Comparison| {
+            let found = c
+                .cells
+                .iter()
+                .find(|change| change.cell.is_same(&cell.cell));
+            let Some(change) = found else {
+                return Entry::new("-");
+            };
+            let broken = !change.regressions.is_empty();
+            match &change.time {
+                Some(time) => {
+                    let interval = time
+                        .ci95
+                        .map_or_else(String::new, |[low, high]| format!(" [{low:.2}, {high:.2}]"));
+                    marked(format!("{:.2}{interval}", time.ratio), broken)
+                }
+                None => marked(change.status[1].in_words(), broken),
+            }
+        };
+        let first = several.comparisons.iter().find_map(|c| {
+            let change = c
+                .cells
+                .iter()
+                .find(|change| change.cell.is_same(&cell.cell))?;
+            Some(change.time.as_ref()?.medians[0])
+        });
+        let first = first.map_or_else(
+            || "-".to_owned(),
+            |median| format!("1 ({median:.*} s)", decimals([median], 6)),
+        );
+        let entries = several.comparisons.iter().map(of);
+        let head = [Entry::new(cell.cell.to_string()), Entry::new(first)];
+        head.into_iter().chain(entries).collect()
+    });
+    Table::new(
+        columns.chain(names.map(Column::number)).collect(),
+        rows.collect(),
+    )
 }
 
 /// Figures that the table shows even without a rule on them, if a cell has them.

@@ -11,8 +11,10 @@ mod comparison;
 pub(crate) mod csv;
 pub mod distance_formats;
 pub(crate) mod escape;
+mod exports;
 pub(crate) mod figures;
 pub(crate) mod group;
+mod history;
 pub(crate) mod html;
 pub(crate) mod latex;
 pub(crate) mod markdown;
@@ -28,6 +30,7 @@ pub use bars::model_bars;
 pub use comparison::ComparisonFormat;
 pub use csv::header as csv_header;
 pub use figures::{Figure, UnknownFigure, figure};
+pub use history::{change_points, gate};
 pub(crate) use model::{Column, Entry, Mark, Note, Part, Table};
 pub use terminal::Look;
 
@@ -47,14 +50,22 @@ pub enum Format {
     Samples,
     /// Everything.
     Json,
+    /// For Bencher, in its metric format.
+    #[value(skip)]
+    Bencher,
+    /// For github-action-benchmark.
+    #[value(skip)]
+    GithubAction,
 }
 
 /// The endings of result files.
-const ENDINGS: [(&str, Format); 4] = [
+const ENDINGS: [(&str, Format); 6] = [
     ("json", Format::Json),
     ("csv", Format::Csv),
     ("md", Format::Markdown),
     ("tex", Format::Latex),
+    ("bmf.json", Format::Bencher),
+    ("gab.json", Format::GithubAction),
 ];
 
 /// The path that stands for standard input and output.
@@ -75,8 +86,15 @@ pub(crate) fn ending_of(path: &Path) -> String {
     if path == Path::new(STANDARD) {
         return STANDARD_OUTPUT_FORM.get().cloned().unwrap_or_default();
     }
-    let ending = path.extension().unwrap_or_default();
-    ending.to_string_lossy().into_owned()
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    let stem = path.file_stem().map(Path::new);
+    match stem.and_then(Path::extension) {
+        // Endings of two words.
+        Some(before) if before == "bmf" || before == "gab" => {
+            format!("{}.{ending}", before.to_string_lossy())
+        }
+        _ => ending.into_owned(),
+    }
 }
 
 /// A path with an ending that cannot be written.
@@ -147,6 +165,10 @@ impl Format {
             Self::Csv => csv::table(&csv::results(result))?,
             Self::Samples => csv::table(&csv::samples(result))?,
             Self::Json => serde_json::to_string_pretty(result)? + "\n",
+            Self::Bencher => serde_json::to_string_pretty(&exports::bencher(result))? + "\n",
+            Self::GithubAction => {
+                serde_json::to_string_pretty(&exports::github_action(result))? + "\n"
+            }
         })
     }
 }

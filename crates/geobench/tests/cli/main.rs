@@ -6,6 +6,7 @@ mod distance;
 mod errors;
 mod gate;
 mod generate;
+mod history;
 mod info;
 mod instructions;
 mod isolation;

@@ -19,7 +19,7 @@ use std::collections::HashMap;
 use std::fmt;
 
 use geobench_window::{Counter, Counters};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::measure::number::group;
 use crate::measure::statistics::{mann_whitney, paired_ratio, unpaired_ratio};
@@ -190,6 +190,44 @@ pub fn compare(
         added: matched.added,
         notes,
     })
+}
+
+/// The schema of several comparisons in JSON.
+pub const SEVERAL: &str = "geobench-comparisons/1";
+
+/// Several files, each compared with the same one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Several {
+    /// Always [`SEVERAL`].
+    pub schema: &'static str,
+    /// One for each file but the baseline, which is the old file of all.
+    pub comparisons: Vec<Comparison>,
+}
+
+impl Several {
+    /// Compares each of `files` with `baseline`, each with its name.
+    ///
+    /// # Errors
+    ///
+    /// When one has no cell in common with the baseline.
+    pub fn new(
+        baseline: (&str, &ResultFile),
+        files: &[(String, ResultFile)],
+        rules: &Rules,
+    ) -> Result<Self, NothingInCommon> {
+        let compared = files
+            .iter()
+            .map(|(name, file)| compare(baseline, (name, file), rules));
+        Ok(Self {
+            schema: SEVERAL,
+            comparisons: compared.collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Whether anything is worse in one of the files.
+    pub fn is_worse(&self) -> bool {
+        self.comparisons.iter().any(Comparison::is_worse)
+    }
 }
 
 /// The regression of more missing cells than a rule allows.
@@ -578,7 +616,7 @@ impl TimeChange {
 }
 
 /// The identity of a cell.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Key {
     /// Name of the model, in the file that has the cell; in the new one if both have.
     pub model: String,
@@ -668,7 +706,8 @@ fn changed_models(old: &ResultFile, new: &ResultFile) -> Vec<String> {
 }
 
 impl Key {
-    fn of(file: &ResultFile, cell: &Cell) -> Self {
+    /// The identity of a cell of `file`.
+    pub fn of(file: &ResultFile, cell: &Cell) -> Self {
         let model = file.models.iter().find(|m| m.name == cell.model);
         Self {
             model: cell.model.clone(),
@@ -678,6 +717,11 @@ impl Key {
             threads: cell.threads,
             group: cell.group.clone(),
         }
+    }
+
+    /// Whether both identify the same cell, whatever the name of its model.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.identity() == other.identity()
     }
 
     fn identity(&self) -> Identity {

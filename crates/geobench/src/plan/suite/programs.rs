@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
@@ -16,8 +15,8 @@ pub(super) type ProgramTables = BTreeMap<String, Spanned<ProgramTable>>;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ProgramTable {
-    #[serde(default, deserialize_with = "command")]
-    command: Vec<String>,
+    #[serde(default)]
+    command: Option<Spanned<Vec<String>>>,
     #[serde(default, deserialize_with = "protocol")]
     protocol: ProcessLifetime,
     #[serde(default)]
@@ -65,15 +64,21 @@ pub(super) fn programs(
         if name.contains(|c: char| " ,{}=:".contains(c)) || name.is_empty() {
             return error("a name is a word without any of `,{}=:`");
         }
-        if table.command.is_empty() {
+        let no_command = Spanned::new(0..0, Vec::new());
+        let command = table.command.unwrap_or(no_command);
+        let command_span = Some(command.span());
+        let command = command.into_inner();
+        if command.is_empty() {
             return error("an outside program must have a `command`");
         }
         let combinations = match combinations(&table.parameters) {
             Ok(combinations) => combinations,
             Err(problem) => return error(&problem),
         };
-        let commands = [&table.command, &table.prepare, &table.cleanup];
-        for word in commands.into_iter().flatten() {
+        if let Err(problem) = check_command(&command, &table.parameters) {
+            return Err(document.error_at("command", command_span, &problem));
+        }
+        for word in table.prepare.iter().chain(&table.cleanup) {
             if let Err(problem) = check_word(word, &table.parameters) {
                 return error(&problem);
             }
@@ -88,7 +93,7 @@ pub(super) fn programs(
                 parameters,
                 prepare: table.prepare.clone(),
                 cleanup: table.cleanup.clone(),
-                command: table.command.clone(),
+                command: command.clone(),
                 directory: directory.clone(),
                 lifetime: table.protocol,
                 approximate: table.approximate,
@@ -140,6 +145,22 @@ fn combinations(
     Ok(all)
 }
 
+/// Checks the words of a command: the model, the source and the output are among them.
+fn check_command(
+    command: &[String],
+    parameters: &BTreeMap<String, Vec<toml::Value>>,
+) -> Result<(), String> {
+    for word in command {
+        check_word(word, parameters)?;
+    }
+    for needed in ["{model}", "{source}", "{output}"] {
+        if !command.iter().any(|word| word.contains(needed)) {
+            return Err(format!("{needed} is missing: nothing else tells it"));
+        }
+    }
+    Ok(())
+}
+
 /// Checks that the braces of a word are placeholders or parameters.
 fn check_word(word: &str, parameters: &BTreeMap<String, Vec<toml::Value>>) -> Result<(), String> {
     let names = parameters.keys().map(|name| format!("{{{name}}}"));
@@ -155,20 +176,6 @@ fn check_word(word: &str, parameters: &BTreeMap<String, Vec<toml::Value>>) -> Re
         ));
     }
     Ok(())
-}
-
-/// A list of words, the model, the source and the output among them.
-fn command<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
-    let words = Vec::<String>::deserialize(deserializer)?;
-    for needed in ["{model}", "{source}", "{output}"] {
-        // An empty list is no command at all.
-        if !words.is_empty() && !words.iter().any(|word| word.contains(needed)) {
-            return Err(D::Error::custom(format!(
-                "{needed} is missing: nothing else tells it"
-            )));
-        }
-    }
-    Ok(words)
 }
 
 fn protocol<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ProcessLifetime, D::Error> {
@@ -221,11 +228,11 @@ mod tests {
             ),
             (
                 "[ext.a]\ncommand = ['x', '{modell}']\n",
-                "peers.toml, line 1: `a`: `{modell}` has braces that are no placeholder; known are {model}, {source}, {threads}, {output}",
+                "peers.toml, line 2: `command`: `{modell}` has braces that are no placeholder; known are {model}, {source}, {threads}, {output}",
             ),
             (
                 "[ext.a]\ncommand = ['x',\n '{modell}']\n",
-                "peers.toml, line 1: `a`: `{modell}` has braces that are no placeholder; known are {model}, {source}, {threads}, {output}",
+                "peers.toml, line 2: `command`: `{modell}` has braces that are no placeholder; known are {model}, {source}, {threads}, {output}",
             ),
             (
                 "[ext.a]\ncommand = ['x', '{model}', '{source}']\n",

@@ -1,0 +1,128 @@
+//! `geobench record`, `geobench trend`, and `geobench compare DIR --against RANGE`.
+
+use std::collections::HashSet;
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, SystemTime};
+
+use anyhow::{Context, bail};
+
+use super::Verdict;
+use super::args::{CompareOptions, ListFormat, RecordOptions, TrendOptions};
+use super::terminal::{self, Terminal};
+use crate::history::records::{self, Record};
+use crate::history::{gate, trend};
+use crate::report;
+use crate::schema::{ResultFile, result_file};
+use crate::table::output::OutputFile;
+use crate::table::{self, ComparisonFormat};
+
+pub(super) fn record(options: &RecordOptions) -> anyhow::Result<Verdict> {
+    let mut all = Vec::new();
+    for path in &options.results {
+        let file = result_file::read(path)?;
+        let commit = options.commit.as_deref().or(file.tool.commit.as_deref());
+        let committed = commit.and_then(time_of);
+        let suite = options.suite.clone().or_else(|| suite_of(&file));
+        let record = Record::new(&file, options.commit.as_deref(), committed, suite);
+        all.push(record.with_context(|| path.display().to_string())?);
+    }
+    for record in all {
+        let path = records::add(&options.into, record)?;
+        if !options.quiet {
+            terminal::print(&format!("{}\n", path.display()))?;
+        }
+    }
+    Ok(Verdict::Passed)
+}
+
+/// The suite of a result file: the name of its suite file without the ending.
+fn suite_of(file: &ResultFile) -> Option<String> {
+    let mut words = file.command.iter();
+    let after = words.find_map(|word| match word.strip_prefix("--config") {
+        Some("") => Some(None),
+        Some(rest) => rest.strip_prefix('=').map(Some),
+        None => None,
+    })?;
+    let path = match after {
+        Some(path) => path,
+        None => words.next()?,
+    };
+    let stem = Path::new(path).file_stem()?;
+    Some(stem.to_string_lossy().into_owned())
+}
+
+/// The output of `git` with these arguments, in this directory.
+fn git(arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git").args(arguments).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    output.status.success().then_some(text)
+}
+
+/// When a commit of the repository here was made, RFC 3339 in UTC.
+fn time_of(commit: &str) -> Option<String> {
+    let seconds = git(&["show", "-s", "--format=%ct", "--end-of-options", commit])?;
+    let seconds = Duration::from_secs(seconds.trim().parse().ok()?);
+    let time = SystemTime::UNIX_EPOCH.checked_add(seconds)?;
+    Some(humantime::format_rfc3339_seconds(time).to_string())
+}
+
+pub(super) fn trend(options: &TrendOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
+    let page = options
+        .output
+        .as_deref()
+        .map(OutputFile::prepare)
+        .transpose()?;
+    let records = records::read_all(&options.history)?;
+    let series = trend::series(&records);
+    let found = trend::change_points(&series);
+    if let Some(page) = page {
+        page.write(report::trend_page(&records, &series, &found).as_bytes())?;
+        if page.is_standard_output() {
+            return Ok(Verdict::Passed);
+        }
+    }
+    match options.format {
+        ListFormat::Json => {
+            terminal::print_rendered(&(serde_json::to_string_pretty(&found)? + "\n"))?;
+        }
+        ListFormat::Table => {
+            terminal::print_rendered(&table::change_points(&found, terminal.look()))?;
+        }
+    }
+    Ok(Verdict::Passed)
+}
+
+/// Compares the newest record of a history with those of a range of commits.
+pub(super) fn against(
+    options: &CompareOptions,
+    range: &str,
+    terminal: Terminal,
+) -> anyhow::Result<Verdict> {
+    let [history] = &options.files[..] else {
+        bail!("--against compares within one history; give its directory alone");
+    };
+    let records = records::read_all(history)?;
+    let Some(commits) = git(&["rev-list", "--end-of-options", range]) else {
+        bail!("--against {range}: not a range of commits of the git repository here");
+    };
+    let commits: HashSet<String> = commits.lines().map(str::to_owned).collect();
+    let gate = gate::gate(&records, &commits, &options.fail_on)?;
+    match options.format {
+        ComparisonFormat::Json => {
+            terminal::print_rendered(&(serde_json::to_string_pretty(&gate)? + "\n"))?;
+        }
+        ComparisonFormat::Table | ComparisonFormat::Markdown => {
+            let text = table::gate(&gate, terminal.look());
+            let fenced = match options.format {
+                ComparisonFormat::Markdown => format!("```text\n{text}```\n"),
+                _ => text,
+            };
+            terminal::print_rendered(&fenced)?;
+        }
+    }
+    Ok(match gate.is_worse() {
+        true => Verdict::Failed,
+        false => Verdict::Passed,
+    })
+}

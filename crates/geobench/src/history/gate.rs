@@ -1,0 +1,253 @@
+//! The newest record of a history against earlier ones: a gate on the noise from commit to commit
+//! instead of that of one run.
+
+use std::collections::HashSet;
+
+use anyhow::bail;
+use serde::Serialize;
+
+use crate::history::compare::{Key, Measure, Rules, Subject, percent};
+use crate::history::records::{CellRecord, Record};
+use crate::measure::statistics::median;
+use crate::schema::Status;
+
+/// Fewest base commits from which the noise of times is estimated.
+pub const FEWEST: usize = 3;
+
+/// The newest record against a base.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gate {
+    /// The newest commit.
+    pub commit: String,
+    /// The commits of the base, the oldest first.
+    pub base: Vec<String>,
+    /// The figures that were compared.
+    pub lines: Vec<GateLine>,
+    /// What could not be compared.
+    pub notes: Vec<String>,
+}
+
+/// A figure of a cell against the base.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GateLine {
+    /// The cell.
+    pub cell: Key,
+    /// The figure.
+    pub figure: &'static str,
+    /// The level of the base: of a time the median over its commits, else its last value.
+    pub base: f64,
+    /// The new value.
+    pub new: f64,
+    /// New divided by base.
+    pub ratio: f64,
+    /// 95 % interval of the ratio that the noise of the base leaves to one new commit; null for
+    /// figures that are compared exactly.
+    pub ci95: Option<[f64; 2]>,
+    /// The rule that is broken, if one is.
+    pub broken: Option<String>,
+}
+
+impl Gate {
+    /// Whether a rule is broken.
+    pub fn is_worse(&self) -> bool {
+        self.lines.iter().any(|line| line.broken.is_some())
+    }
+}
+
+/// Compares the last of `records` with those of the commits `against`, all hashes in full. Only
+/// records of the same class of machine and suite count.
+///
+/// # Errors
+///
+/// When there are no such records.
+pub fn gate(records: &[Record], against: &HashSet<String>, rules: &Rules) -> anyhow::Result<Gate> {
+    let Some(newest) = records.last() else {
+        bail!("the history has no records");
+    };
+    let is_base = |record: &&Record| {
+        let is_asked = |commit: &String| commit.starts_with(&record.commit);
+        record.commit != newest.commit
+            && record.machine() == newest.machine()
+            && record.suite == newest.suite
+            && (against.contains(&record.commit) || against.iter().any(is_asked))
+    };
+    let base: Vec<&Record> = records.iter().filter(is_base).collect();
+    if base.is_empty() {
+        bail!(
+            "the history has no record of these commits on this class of machine ({}) and suite, \
+             apart from the newest, {}",
+            newest.machine(),
+            newest.short()
+        );
+    }
+    let (mut lines, mut notes) = (Vec::new(), Vec::new());
+    for cell in &newest.cells {
+        let earlier: Vec<&CellRecord> = base
+            .iter()
+            .filter_map(|r| r.cells.iter().find(|c| c.cell.is_same(&cell.cell)))
+            .filter(|c| c.status == Status::Ok)
+            .collect();
+        let Some(last) = earlier.last() else {
+            notes.push(format!("{}: not in the base", cell.cell));
+            continue;
+        };
+        if cell.status != Status::Ok {
+            lines.push(GateLine {
+                cell: cell.cell.clone(),
+                figure: "status",
+                base: 1.0,
+                new: 0.0,
+                ratio: 0.0,
+                ci95: None,
+                broken: Some(format!("was ok, is {}", cell.status.in_words())),
+            });
+            continue;
+        }
+        match time(cell, &earlier, rules) {
+            Some(line) => lines.push(line),
+            None if rules.on(Subject::Time).is_some() => notes.push(format!(
+                "{}: time is not compared: the noise needs {FEWEST} base commits with times",
+                cell.cell
+            )),
+            None => {}
+        }
+        for measure in Measure::all() {
+            let Some(rule) = rules.on(Subject::Figure(measure)) else {
+                continue;
+            };
+            let name = measure.name();
+            let [old, new] = [last, &cell].map(|cell| cell.figures.get(name).copied());
+            let (Some(old), Some(new)) = (old, new) else {
+                if old.is_some() {
+                    notes.push(format!(
+                        "{}: `{name}` is missing in the new record",
+                        cell.cell
+                    ));
+                }
+                continue;
+            };
+            let broken = rule.is_broken(old, new).then(|| rule.to_string());
+            lines.push(GateLine {
+                cell: cell.cell.clone(),
+                figure: name,
+                base: old,
+                new,
+                ratio: if old == new { 1.0 } else { new / old },
+                ci95: None,
+                broken,
+            });
+        }
+    }
+    Ok(Gate {
+        commit: newest.commit.clone(),
+        base: base.iter().map(|r| r.short().to_owned()).collect(),
+        lines,
+        notes,
+    })
+}
+
+/// The time of a cell against the medians of the base commits. The interval is the prediction
+/// interval of one more value, from the mean and deviation of the logarithms, by Student's
+/// distribution.
+fn time(cell: &CellRecord, earlier: &[&CellRecord], rules: &Rules) -> Option<GateLine> {
+    let of = |cell: &CellRecord| median(&cell.samples).filter(|median| *median > 0.0);
+    let medians: Vec<f64> = earlier.iter().filter_map(|cell| of(cell)).collect();
+    let new = of(cell)?;
+    if medians.len() < FEWEST {
+        return None;
+    }
+    let n = medians.len() as f64;
+    let logarithms: Vec<f64> = medians.iter().map(|median| median.ln()).collect();
+    let mean = logarithms.iter().sum::<f64>() / n;
+    let squares: f64 = logarithms.iter().map(|x| (x - mean).powi(2)).sum();
+    let deviation = (squares / (n - 1.0)).sqrt() * (1.0 + 1.0 / n).sqrt();
+    let reach = student(medians.len() - 1) * deviation;
+    let ratio = (new.ln() - mean).exp();
+    let ci95 = [ratio * (-reach).exp(), ratio * reach.exp()];
+    let rule = rules.on(Subject::Time);
+    let broken = rule.filter(|rule| ci95[0] > 1.0 + rule.limit);
+    Some(GateLine {
+        cell: cell.cell.clone(),
+        figure: "time",
+        base: mean.exp(),
+        new,
+        ratio,
+        ci95: Some(ci95),
+        broken: broken.map(ToString::to_string),
+    })
+}
+
+/// The 97.5th percentile of Student's distribution.
+fn student(freedom: usize) -> f64 {
+    const TABLE: [f64; 30] = [
+        12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160,
+        2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056,
+        2.052, 2.048, 2.045, 2.042,
+    ];
+    match freedom {
+        0 => f64::INFINITY,
+        few => TABLE.get(few - 1).copied().unwrap_or(2.042),
+    }
+}
+
+impl GateLine {
+    /// The change in words.
+    pub fn in_words(&self) -> String {
+        match self.ci95 {
+            Some(ends) => {
+                let [low, high] = ends.map(|ratio| 100.0 * (ratio - 1.0));
+                format!("{} ({low:+.1} to {high:+.1})", percent(self.ratio))
+            }
+            None => percent(self.ratio),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::history::trend::tests::history;
+
+    fn compared(records: &[Record], rules: &str) -> Gate {
+        let all: HashSet<String> = records.iter().map(|r| r.commit.clone()).collect();
+        gate(records, &all, &rules.parse().unwrap()).unwrap()
+    }
+
+    fn broken(gate: &Gate) -> Vec<String> {
+        let lines = gate.lines.iter().filter(|line| line.broken.is_some());
+        lines
+            .map(|l| format!("{} {}", l.cell.algorithm, l.figure))
+            .collect()
+    }
+
+    #[test]
+    fn the_gate_opens_for_noise_and_closes_for_a_slow_commit() {
+        let records = history();
+        assert_eq!(
+            broken(&compared(&records[..8], "time=5%,propagated=0")),
+            [""; 0]
+        );
+        // The slow commit, and that of another count.
+        assert_eq!(
+            broken(&compared(&records[..13], "time=5%,propagated=0")),
+            ["vtp time"]
+        );
+        assert_eq!(
+            broken(&compared(&records[..9], "time=5%,propagated=0")),
+            ["mmp propagated", "vtp propagated"]
+        );
+        let mut failed = records[..5].to_vec();
+        failed[4].cells[0].status = Status::Crashed;
+        assert_eq!(broken(&compared(&failed, "time=5%")), ["mmp status"]);
+    }
+
+    #[test]
+    fn too_few_commits_and_none_are_said() {
+        let records = history();
+        let gate_of_two = compared(&records[..3], "time=5%");
+        assert!(gate_of_two.notes[0].contains("the noise needs 3 base commits"));
+        assert!(gate_of_two.lines.is_empty());
+        let none = gate(&records, &HashSet::new(), &Rules::default()).unwrap_err();
+        assert!(none.to_string().contains("no record of these commits"));
+    }
+}

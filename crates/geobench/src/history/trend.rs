@@ -1,0 +1,254 @@
+//! Figures over the commits of a history, and the commits from which on they have changed.
+
+use serde::Serialize;
+
+use crate::history::changes::{self, Change};
+use crate::history::compare::Key;
+use crate::history::records::{CellRecord, Record};
+use crate::measure::statistics::{mann_whitney, summarise};
+use crate::schema::Status;
+
+/// A figure of a cell over the commits of one class of machines and one suite.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// The cell.
+    pub cell: Key,
+    /// The machine, in words.
+    pub machine: String,
+    /// The suite, if there was one.
+    pub suite: Option<String>,
+    /// The name of the figure.
+    pub figure: &'static str,
+    /// Its values, the oldest first.
+    pub points: Vec<Point>,
+    /// Changes of its level, each with the index of its first point.
+    pub changes: Vec<Change>,
+}
+
+/// A figure at a commit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// The commit, shortened.
+    pub commit: String,
+    /// The value.
+    pub value: f64,
+    /// Its 95 % interval, of a time with enough samples.
+    pub interval: Option<[f64; 2]>,
+}
+
+/// A change point in JSON.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChangePoint {
+    /// The cell.
+    pub cell: Key,
+    /// The machine, in words.
+    pub machine: String,
+    /// The suite; null without one.
+    pub suite: Option<String>,
+    /// The figure: `time` or a name of result files.
+    pub figure: &'static str,
+    /// The first commit of the new level.
+    pub commit: String,
+    /// The median of the level before.
+    pub before: f64,
+    /// The median of the level since.
+    pub after: f64,
+    /// The new level relative to the old one.
+    pub ratio: f64,
+    /// The probability of the test of Mann and Whitney that values so different come from the same
+    /// distribution, of the commits of both levels.
+    pub p: Option<f64>,
+}
+
+/// A figure of a record.
+struct Figure {
+    name: &'static str,
+    /// The least change that is reported.
+    least: f64,
+}
+
+/// The figures whose trends are shown, with the least changes that are reported.
+const FIGURES: [Figure; 5] = [
+    Figure {
+        name: "time",
+        least: 0.03,
+    },
+    Figure {
+        name: "instructions",
+        least: 0.005,
+    },
+    Figure {
+        name: "heap_peak_bytes",
+        least: 0.01,
+    },
+    Figure {
+        name: "propagated",
+        least: 1e-4,
+    },
+    Figure {
+        name: "kept",
+        least: 1e-4,
+    },
+];
+
+/// All series of `records`, which are in order.
+pub fn series(records: &[Record]) -> Vec<Series> {
+    let mut all: Vec<Series> = Vec::new();
+    for record in records {
+        for cell in record.cells.iter().filter(|c| c.status == Status::Ok) {
+            for figure in &FIGURES {
+                let Some(point) = point(record, cell, figure.name) else {
+                    continue;
+                };
+                let machine = record.machine();
+                let same = |s: &&mut Series| {
+                    s.figure == figure.name
+                        && s.machine == machine
+                        && s.suite == record.suite
+                        && s.cell.is_same(&cell.cell)
+                };
+                match all.iter_mut().find(same) {
+                    Some(series) => series.points.push(point),
+                    None => all.push(Series {
+                        cell: cell.cell.clone(),
+                        machine,
+                        suite: record.suite.clone(),
+                        figure: figure.name,
+                        points: vec![point],
+                        changes: Vec::new(),
+                    }),
+                }
+            }
+        }
+    }
+    for series in &mut all {
+        let values: Vec<f64> = series.points.iter().map(|point| point.value).collect();
+        let figure = FIGURES.iter().find(|figure| figure.name == series.figure);
+        series.changes = changes::changes(&values, figure.map_or(0.0, |figure| figure.least));
+    }
+    all
+}
+
+fn point(record: &Record, cell: &CellRecord, figure: &str) -> Option<Point> {
+    let (value, interval) = match figure {
+        "time" => {
+            let summary = summarise(&cell.samples)?;
+            (summary.median, summary.ci95)
+        }
+        name => (*cell.figures.get(name)?, None),
+    };
+    Some(Point {
+        commit: record.short().to_owned(),
+        value,
+        interval,
+    })
+}
+
+/// The change points of all series, in their order.
+pub fn change_points(all: &[Series]) -> Vec<ChangePoint> {
+    let of = |series: &Series| {
+        let values: Vec<f64> = series.points.iter().map(|point| point.value).collect();
+        let ends: Vec<usize> = series.changes.iter().map(|change| change.place).collect();
+        let point = |(i, change): (usize, &Change)| {
+            let start = if i == 0 { 0 } else { ends[i - 1] };
+            let end = ends.get(i + 1).copied().unwrap_or(values.len());
+            let (before, after) = (&values[start..change.place], &values[change.place..end]);
+            ChangePoint {
+                cell: series.cell.clone(),
+                machine: series.machine.clone(),
+                suite: series.suite.clone(),
+                figure: series.figure,
+                commit: series.points[change.place].commit.clone(),
+                before: change.before,
+                after: change.after,
+                ratio: change.ratio(),
+                p: mann_whitney(before, after).map(|test| test.p),
+            }
+        };
+        series
+            .changes
+            .iter()
+            .enumerate()
+            .map(point)
+            .collect::<Vec<_>>()
+    };
+    all.iter().flat_map(of).collect()
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use geobench_mesh::SplitMix64;
+
+    use super::*;
+    use crate::exec::mock::MockBackend;
+    use crate::run::mock::{plan, result, run_mock};
+
+    /// Twenty commits with noise of some percent, the times of `vtp` longer from the 13th on, and
+    /// another count from the 9th on.
+    pub(crate) fn history() -> Vec<Record> {
+        let records = run_mock(
+            &plan(&["horse"], "mmp,vtp", "0"),
+            &mut MockBackend::default(),
+        );
+        let file = result(records);
+        let mut random = SplitMix64::new(3);
+        (0..20)
+            .map(|i| {
+                let committed = Some(format!("2025-03-{:02}T00:00:00Z", i + 1));
+                let commit = format!("{i:012x}");
+                let mut record = Record::new(&file, Some(&commit), committed, None).unwrap();
+                for cell in &mut record.cells {
+                    let slower = if cell.cell.algorithm == "vtp" && i >= 12 {
+                        1.15
+                    } else {
+                        1.0
+                    };
+                    for sample in &mut cell.samples {
+                        *sample *=
+                            slower * (1.0 + 0.04 * (random.below(1000) as f64 / 1000.0 - 0.5));
+                    }
+                    if i >= 8 {
+                        *cell.figures.get_mut("propagated").unwrap() *= 1.5;
+                    }
+                }
+                record
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_slow_commit_is_caught_and_named_and_no_other() {
+        let found = change_points(&series(&history()));
+        let named: Vec<String> = found
+            .iter()
+            .map(|c| format!("{} {} {}", c.cell.algorithm, c.figure, c.commit))
+            .collect();
+        assert_eq!(
+            named,
+            [
+                "mmp propagated 000000000008",
+                "vtp time 00000000000c",
+                "vtp propagated 000000000008"
+            ]
+        );
+        assert!((found[1].ratio - 1.15).abs() < 0.02, "{}", found[1].ratio);
+        assert!(found[1].p.unwrap() < 0.001);
+    }
+
+    #[test]
+    fn machines_and_suites_are_told_apart() {
+        let mut records = history();
+        for record in &mut records[10..] {
+            record.host.cores = 64;
+        }
+        records[19].suite = Some("other".into());
+        let all = series(&records);
+        // Two cells with four figures on two machines, and those of the suite.
+        assert_eq!(all.len(), 3 * 2 * 3);
+        let found = change_points(&all);
+        assert!(
+            found.iter().all(|change| change.figure != "time"),
+            "{found:?}"
+        );
+    }
+}

@@ -1,0 +1,214 @@
+//! The page of a history: every cell over the commits, with the change points marked.
+
+use super::svg::Svg;
+use crate::history::compare::{exact, percent};
+use crate::history::records::Record;
+use crate::history::trend::{ChangePoint, Series};
+use crate::table::escape::xml as escape;
+
+const STYLE: &str = include_str!("page.css");
+
+/// Style of the charts, in the colours of the text.
+const CHARTS: &str = "
+svg.trend { width: 100%; height: auto; max-width: 60rem; color: inherit; }
+svg.trend path { fill: none; stroke: currentColor; stroke-width: 1; }
+svg.trend circle { fill: currentColor; }
+svg.trend .interval { stroke: currentColor; stroke-width: 1; opacity: 0.5; }
+svg.trend .change { stroke: #c0392b; stroke-width: 1.5; stroke-dasharray: 4 3; }
+svg.trend text { fill: currentColor; font: 11px sans-serif; }
+";
+
+const WIDTH: f64 = 720.0;
+const HEIGHT: f64 = 150.0;
+const LEFT: f64 = 90.0;
+const RIGHT: f64 = 12.0;
+const TOP: f64 = 14.0;
+const BOTTOM: f64 = 26.0;
+
+/// The page: the change points first, then a chart for each series.
+pub fn page(records: &[Record], series: &[Series], found: &[ChangePoint]) -> String {
+    let mut html = String::new();
+    html += "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
+    html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
+    html += "<meta name=\"color-scheme\" content=\"light dark\">\n";
+    html += "<link rel=\"icon\" href=\"data:,\">\n<title>Trend of run times</title>\n";
+    html += &format!("<style>\n{STYLE}{CHARTS}</style>\n</head>\n<body>\n");
+    html += "<header>\n<h1>Trend of run times</h1>\n</header>\n<main>\n";
+    let ends = [records.first(), records.last()].map(|r| r.map_or("none", Record::short));
+    html += &format!(
+        "<p>{} records, from commit {} to {}. Dashed lines are change points: the first commits of \
+         a new level.</p>\n",
+        records.len(),
+        escape(ends[0]),
+        escape(ends[1])
+    );
+    html += "<section id=\"changes\">\n<h2>Change points</h2>\n";
+    if found.is_empty() {
+        html += "<p>No figure has changed its level.</p>\n";
+    } else {
+        html += "<div class=\"wide\" tabindex=\"0\"><table>\n<thead><tr><th>Commit</th><th>Cell</th>\
+                 <th>Figure</th><th>Before</th><th>After</th><th>Change</th></tr></thead>\n<tbody>\n";
+        for change in found {
+            let cells = [
+                change.commit.clone(),
+                change.cell.to_string(),
+                change.figure.to_owned(),
+                figure(change.figure, change.before),
+                figure(change.figure, change.after),
+                percent(change.ratio),
+            ];
+            let cells = cells
+                .iter()
+                .map(|text| format!("<td>{}</td>", escape(text)));
+            html += &format!("<tr>{}</tr>\n", cells.collect::<String>());
+        }
+        html += "</tbody></table></div>\n";
+    }
+    html += "</section>\n";
+    let mut last = None;
+    for one in series {
+        let place = (&one.machine, &one.suite, one.cell.to_string());
+        if last.as_ref() != Some(&place) {
+            let suite = match &one.suite {
+                Some(suite) => format!("suite {suite}; "),
+                None => String::new(),
+            };
+            html += &format!(
+                "<h2>{}</h2>\n<p>{}{}</p>\n",
+                escape(&place.2),
+                escape(&suite),
+                escape(&one.machine)
+            );
+            last = Some(place);
+        }
+        html += &chart(one);
+    }
+    html += "</main>\n<footer><p>Made by <code>geobench trend</code> ";
+    html += env!("CARGO_PKG_VERSION");
+    html += ".</p></footer>\n</body>\n</html>\n";
+    html
+}
+
+/// A value of a figure with its unit.
+fn figure(name: &str, value: f64) -> String {
+    match name {
+        "time" => format!("{value:.6} s"),
+        _ => exact(value),
+    }
+}
+
+/// The values of a series as a line, from 0 on unless they hardly differ.
+fn chart(series: &Series) -> String {
+    let points = &series.points;
+    let ends = points
+        .iter()
+        .flat_map(|p| p.interval.unwrap_or([p.value; 2]));
+    let ends = ends.chain(points.iter().map(|p| p.value));
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(value), high.max(value))
+    });
+    let margin = ((high - low) * 0.1)
+        .max(high.abs() * 1e-3)
+        .max(f64::MIN_POSITIVE);
+    let (low, high) = ((low - margin).max(0.0), high + margin);
+    let steps = points.len().saturating_sub(1).max(1) as f64;
+    let x = |place: f64| LEFT + (WIDTH - LEFT - RIGHT) * place / steps;
+    let y = |value: f64| TOP + (HEIGHT - TOP - BOTTOM) * (high - value) / (high - low);
+    let mut svg = Svg::default();
+    let mut label = format!(
+        "{}: {} commits, the last at {}",
+        series.figure,
+        points.len(),
+        points
+            .last()
+            .map_or_else(String::new, |p| figure(series.figure, p.value))
+    );
+    for change in &series.changes {
+        label += &format!(
+            "; {} from {}",
+            percent(change.ratio()),
+            points[change.place].commit
+        );
+    }
+    svg.open(
+        "svg",
+        &[
+            ("class", "trend".to_owned()),
+            ("xmlns", "http://www.w3.org/2000/svg".to_owned()),
+            ("viewBox", format!("0 0 {WIDTH} {HEIGHT}")),
+            ("role", "img".to_owned()),
+            ("aria-label", label),
+        ],
+    );
+    svg.text([4.0, TOP], "name", series.figure);
+    for value in [low, high] {
+        svg.text(
+            [4.0, y(value).clamp(2.0 * TOP, HEIGHT - BOTTOM)],
+            "tick",
+            &short(value),
+        );
+    }
+    for change in &series.changes {
+        // Between the last commit of the old level and the first of the new one.
+        let at = x(change.place as f64 - 0.5);
+        svg.line("change", [at, TOP], [at, HEIGHT - BOTTOM]);
+        svg.text([at + 3.0, TOP], "commit", &points[change.place].commit);
+    }
+    let path: Vec<String> = points
+        .iter()
+        .enumerate()
+        .map(|(i, p)| format!("{:.1} {:.1}", x(i as f64), y(p.value)))
+        .collect();
+    svg.leaf("path", &[("d", format!("M{}", path.join(" L")))]);
+    for (i, point) in points.iter().enumerate() {
+        let at = x(i as f64);
+        if let Some([low, high]) = point.interval {
+            svg.line("interval", [at, y(low)], [at, y(high)]);
+        }
+        svg.open(
+            "circle",
+            &[
+                ("cx", format!("{at:.1}")),
+                ("cy", format!("{:.1}", y(point.value))),
+                ("r", "2".to_owned()),
+            ],
+        );
+        let text = format!("{}: {}", point.commit, figure(series.figure, point.value));
+        svg.holding("title", &[], &text);
+        svg.close();
+    }
+    for (place, anchor) in [(0, LEFT), (points.len() - 1, WIDTH - RIGHT - 80.0)] {
+        svg.text([anchor, HEIGHT - 8.0], "commit", &points[place].commit);
+    }
+    svg.finish()
+}
+
+/// A number of four digits.
+fn short(value: f64) -> String {
+    match value.abs() {
+        size if size == 0.0 || (1e-3..1e4).contains(&size) => {
+            let digits = if size < 1.0 { 4 } else { 2 };
+            format!("{value:.digits$}")
+        }
+        _ => format!("{value:.3e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::history::trend::tests::history;
+    use crate::history::trend::{change_points, series};
+
+    #[test]
+    fn every_cell_has_its_charts_and_changes_are_named() {
+        let records = history();
+        let all = series(&records);
+        let html = page(&records, &all, &change_points(&all));
+        assert_eq!(html.matches("<svg class=\"trend\"").count(), all.len());
+        assert!(html.contains("<td>00000000000c</td><td>horse, vtp, source 0</td><td>time</td>"));
+        assert_eq!(html.matches("class=\"change\"").count(), 3);
+        assert!(!html.contains("NaN") && !html.contains("inf"));
+        assert!(!html.contains("http://www.w3.org/1999") && !html.contains("<script"));
+    }
+}

@@ -1,0 +1,168 @@
+//! `geobench record`, `trend`, `compare` of several files and of a history, and exports.
+
+use std::process::Command;
+
+use serde_json::{Value, json};
+
+use crate::support::Sandbox;
+
+/// A result file with the times and counts of commit `i`, made from one of the program.
+fn result_of(base: &Value, i: usize, commit: &str) -> Value {
+    let mut file = base.clone();
+    file["tool"]["commit"] = commit.into();
+    file["started"] = format!("2025-03-{:02}T00:00:00Z", i + 1).into();
+    for cell in file["cells"].as_array_mut().unwrap() {
+        // Slower from the twelfth on; the noise has no pattern of some commits.
+        let slower = if i >= 12 { 1.3 } else { 1.0 };
+        let samples = (0..5).map(|k| {
+            let noise = ((i * 7 + k * 3) % 11) as f64 / 11.0 - 0.5;
+            slower * (1.0 + 0.02 * noise)
+        });
+        let samples: Vec<f64> = samples.collect();
+        cell["time"]["median"] = samples[2].into();
+        cell["time"]["samples"] = json!(samples);
+    }
+    file
+}
+
+fn git(sandbox: &Sandbox, arguments: &str) -> String {
+    let output = Command::new("git")
+        .current_dir(sandbox.path(""))
+        .args(arguments.split_whitespace())
+        .env("GIT_CONFIG_GLOBAL", "/dev/null")
+        .env("GIT_CONFIG_NOSYSTEM", "1")
+        .output()
+        .unwrap();
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "git {arguments}: {error}");
+    String::from_utf8(output.stdout).unwrap().trim().to_owned()
+}
+
+/// A repository of 16 commits, and a history with a record of each.
+fn recorded() -> (Sandbox, Vec<String>) {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed("run square.off --algo mmp,vtp --repeat 1 --quiet -o r.json");
+    let base = sandbox.json("r.json");
+    git(&sandbox, "init -q -b main .");
+    let commits: Vec<String> = (0..16)
+        .map(|i| {
+            let author = "-c user.name=n -c user.email=e@example.org";
+            git(
+                &sandbox,
+                &format!("{author} commit -q --allow-empty -m {i}"),
+            );
+            let commit = git(&sandbox, "rev-parse HEAD");
+            sandbox.write("one.json", &result_of(&base, i, &commit).to_string());
+            // All commits were made within a second or so: the times of the runs order them.
+            sandbox.succeed("record one.json --into history --suite quick --quiet");
+            commit
+        })
+        .collect();
+    (sandbox, commits)
+}
+
+#[test]
+fn a_slow_commit_is_named_and_shown_on_the_page() {
+    let (sandbox, commits) = recorded();
+    let shown = sandbox.succeed("trend history -o trend.html");
+    let slow = &commits[12][..12];
+    for algorithm in ["mmp", "vtp"] {
+        let line = shown
+            .lines()
+            .find(|line| line.contains(&format!("square, {algorithm}, ")));
+        let line = line.unwrap_or_else(|| panic!("{shown}"));
+        assert!(line.contains(slow) && line.contains("time"), "{line}");
+    }
+    let found: Value =
+        serde_json::from_str(&sandbox.succeed("trend history --format json")).unwrap();
+    assert_eq!(found.as_array().unwrap().len(), 2, "{found}");
+    assert_eq!(found[0]["commit"], slow);
+    assert!((found[0]["ratio"].as_f64().unwrap() - 1.3).abs() < 0.02);
+    let page = sandbox.read("trend.html");
+    assert!(page.contains(slow) && page.contains("<svg class=\"trend\""));
+    let names: Vec<_> = std::fs::read_dir(sandbox.path("history"))
+        .unwrap()
+        .collect();
+    // And the lock.
+    assert_eq!(names.len(), 16 + 1);
+}
+
+#[test]
+fn the_newest_commit_is_held_against_the_noise_of_others() {
+    let (sandbox, _) = recorded();
+    let gate = |more: &str| sandbox.call(&format!("compare history --against {more}"));
+    // Against slow ones it is no slower, against all before it is.
+    let same = gate("main~4..main~1 --fail-on time=5%,propagated=0");
+    assert_eq!(same.code, 0, "{}{}", same.stdout, same.stderr);
+    assert!(
+        same.stdout.ends_with("0 of 4 figures are worse\n"),
+        "{}",
+        same.stdout
+    );
+    let worse = gate("main~15..main~4 --fail-on time=5%,propagated=0");
+    assert_eq!(worse.code, 1, "{}{}", worse.stdout, worse.stderr);
+    assert!(worse.stdout.contains("! [time=5%]"), "{}", worse.stdout);
+    let error = gate("nothing..main").stderr;
+    assert!(error.contains("not a range of commits"), "{error}");
+    let error = gate("main~1..main").stderr;
+    assert!(error.contains("no record of these commits"), "{error}");
+}
+
+#[test]
+fn several_files_have_a_column_each() {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed("run square.off --algo mmp,vtp --repeat 1 --quiet -o r.json");
+    let base = sandbox.json("r.json");
+    for (i, name) in [(0, "a"), (1, "b"), (12, "c")] {
+        let file = result_of(&base, i, "c0ffee").to_string();
+        sandbox.write(&format!("{name}.json"), &file);
+    }
+    let shown = sandbox.succeed("compare a.json b.json c.json");
+    assert!(
+        shown.contains("a.json") && shown.contains("1 (1.00"),
+        "{shown}"
+    );
+    assert!(shown.contains("1.30 ["), "{shown}");
+    let call = sandbox.call("compare a.json b.json c.json --baseline c.json --format json");
+    let several: Value = serde_json::from_str(&call.stdout).unwrap();
+    assert_eq!(several["schema"], "geobench-comparisons/1");
+    assert_eq!(several["comparisons"][1]["old"]["file"], "c.json");
+    let ratio = &several["comparisons"][0]["cells"][0]["time"]["ratio"];
+    assert!(
+        (ratio.as_f64().unwrap() - 1.0 / 1.3).abs() < 0.02,
+        "{ratio}"
+    );
+    let call = sandbox.call("compare a.json b.json c.json --fail-on time=10%");
+    assert_eq!(call.code, 1, "{}", call.stdout);
+    assert!(
+        sandbox
+            .refuse("compare a.json")
+            .contains("give two or more files")
+    );
+}
+
+#[test]
+fn services_get_their_forms() {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed(
+        "run square.off --algo mmp --repeat 5 --quiet -o r.json -o r.bmf.json -o r.gab.json",
+    );
+    let cell = &sandbox.json("r.json")["cells"][0];
+    let median = cell["time"]["median"].as_f64().unwrap();
+    let bencher = sandbox.json("r.bmf.json");
+    let measures = &bencher["square, mmp, source 0"];
+    assert_eq!(measures["latency"]["value"].as_f64().unwrap(), median * 1e9);
+    assert!(measures["latency"]["lower_value"].as_f64().unwrap() <= median * 1e9);
+    assert_eq!(
+        measures["propagations"]["value"],
+        cell["counters"]["propagated"].as_f64().unwrap()
+    );
+    let list = sandbox.json("r.gab.json");
+    assert_eq!(list[0]["name"], "square, mmp, source 0");
+    assert_eq!(
+        (&list[0]["unit"], &list[0]["value"]),
+        (&json!("s"), &json!(median))
+    );
+    assert!(list[0]["range"].as_str().unwrap().starts_with("± "));
+    assert_eq!(list[1]["unit"], "windows");
+}

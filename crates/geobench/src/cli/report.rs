@@ -5,6 +5,7 @@ use anyhow::bail;
 use super::Verdict;
 use super::args::ReportOptions;
 use super::terminal;
+use crate::history::join;
 use crate::report::{self, Input, Options, Wanted};
 use crate::schema::result_file;
 use crate::table::output::OutputFile;
@@ -29,6 +30,28 @@ pub(super) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
             path: path.clone(),
             result,
         });
+    }
+    // One table of all, if their models agree.
+    if let [first, _, ..] = &inputs[..] {
+        let name = |input: &Input| input.path.display().to_string();
+        let files = inputs.iter().map(|i| (name(i), i.result.clone())).collect();
+        match join::beside(files) {
+            Ok(joined) => {
+                if !options.quiet {
+                    for note in &joined.notes {
+                        terminal::warning(note);
+                    }
+                }
+                inputs = vec![Input {
+                    path: first.path.clone(),
+                    result: joined.file,
+                }];
+            }
+            Err(error) if !options.quiet => terminal::warning(&format!(
+                "the files are shown one after the other: {error:#}"
+            )),
+            Err(_) => {}
+        }
     }
     let wanted = Options {
         ratio_to: options.ratio_to.clone(),

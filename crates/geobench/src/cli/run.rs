@@ -70,7 +70,8 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         journal = Some(opened);
     }
     let runs = plans.iter().map(Plan::runs).fold(0, usize::saturating_add);
-    let earlier = options.add_to.as_deref().map(earlier).transpose()?;
+    let add_to = options.add_to.as_deref();
+    let earlier = add_to.map(|path| earlier(path, &plans)).transpose()?;
     let past = earlier.as_ref().map(|(_, file)| Earlier::new(file));
     let mut listener = Reporter {
         earlier,
@@ -323,7 +324,7 @@ fn session(options: &RunOptions) -> SessionRecord {
 }
 
 /// The file that results are added to, with its name.
-fn earlier(path: &Path) -> anyhow::Result<(String, ResultFile)> {
+fn earlier(path: &Path, plans: &[Plan]) -> anyhow::Result<(String, ResultFile)> {
     let name = path.display().to_string();
     let file = result_file::read(path)?;
     let here = host::host();
@@ -336,6 +337,27 @@ fn earlier(path: &Path) -> anyhow::Result<(String, ResultFile)> {
     }
     if file.plan.as_ref().is_some_and(|plan| plan.shard.is_some()) {
         bail!("{name}: a part of a benchmark; join the parts with `geobench merge` first");
+    }
+    for plan in plans {
+        for algorithm in &plan.algorithms {
+            let label = algorithm.label();
+            let of_same = |cell: &&Cell| cell.group == plan.group.name && cell.algorithm == label;
+            let found = file
+                .cells
+                .iter()
+                .filter(of_same)
+                .find(|cell| cell.simd.is_some());
+            if let Some(cell) = found.filter(|cell| cell.simd != algorithm.simd()) {
+                let [there, here] = [cell.simd.clone(), algorithm.simd()];
+                let word = |simd: Option<String>| simd.unwrap_or_else(|| "no choice of".to_owned());
+                bail!(
+                    "{name}: its cells of {label} have {} instructions, and this run {}; give the \
+                     same --simd or name another file",
+                    word(there),
+                    word(here)
+                );
+            }
+        }
     }
     Ok((name, file))
 }

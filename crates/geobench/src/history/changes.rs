@@ -55,7 +55,8 @@ pub fn changes(values: &[f64], least: f64) -> Vec<Change> {
     }
     let logarithms: Vec<f64> = values.iter().map(|value| value.ln()).collect();
     let noise = noise(&logarithms).max(least / 5.0);
-    let cuts = partition(&without_outliers(&logarithms, noise), noise);
+    let clean = without_outliers(&logarithms, noise);
+    let cuts = confirmed(&clean, &partition(&clean, noise));
     let mut pieces: Vec<(usize, usize)> = Vec::new();
     let mut start = 0;
     for end in cuts.into_iter().chain([values.len()]) {
@@ -134,6 +135,28 @@ fn partition(values: &[f64], noise: f64) -> Vec<usize> {
     }
     cuts.reverse();
     cuts
+}
+
+/// The cuts, each moved to where it fits best between its neighbours. Those with fewer than
+/// [`SHORTEST`] values on a side there are left out: the level may be that of a few slow runs.
+fn confirmed(values: &[f64], cuts: &[usize]) -> Vec<usize> {
+    let deviation = |values: &[f64]| {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        values
+            .iter()
+            .map(|value| (value - mean).powi(2))
+            .sum::<f64>()
+    };
+    let mut found: Vec<usize> = Vec::new();
+    for (i, _) in cuts.iter().enumerate() {
+        let start = found.last().copied().unwrap_or(0);
+        let end = cuts.get(i + 1).copied().unwrap_or(values.len());
+        let both = |cut: usize| deviation(&values[start..cut]) + deviation(&values[cut..end]);
+        let best = (start + 1..end).min_by(|&a, &b| both(a).total_cmp(&both(b)));
+        let is_confirmed = |cut: &usize| cut - start >= SHORTEST && end - cut >= SHORTEST;
+        found.extend(best.filter(is_confirmed));
+    }
+    found
 }
 
 fn median(values: &[f64]) -> f64 {
@@ -220,6 +243,10 @@ mod tests {
         assert_eq!(found.len(), 1);
         assert_eq!((found[0].place, found[0].before), (17, 1e9));
         assert!((found[0].ratio() - 1.01).abs() < 1e-12);
+        // Two commits do not confirm a step, and it is not named after a commit before it.
+        values.fill(1e9);
+        values[18..].fill(1.01e9);
+        assert_eq!(changes(&values, 0.005), []);
         // A step there and back is two, a single commit none.
         values.fill(1e9);
         values[8..12].fill(1.01e9);

@@ -1,5 +1,8 @@
 //! Joins result files of different runs on one machine.
 
+use std::collections::HashMap;
+use std::path::Path;
+
 use anyhow::{Context, bail};
 use serde_json::Value;
 
@@ -29,6 +32,7 @@ pub fn join(files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
         notes: Vec::new(),
     };
     for (name, file) in rest {
+        check_machine(&joined.file, &first, &name, &file)?;
         let kept = add(&mut joined, &first, &name, file, Of::Joined)?;
         if kept > 0 {
             joined.notes.push(format!(
@@ -53,8 +57,92 @@ pub fn extend(
         file: earlier,
         notes: Vec::new(),
     };
+    check_machine(&joined.file, earlier_name, new_name, &new)?;
     add(&mut joined, earlier_name, new_name, new, Of::Added)?;
     Ok(joined)
+}
+
+/// All cells of `files`, each with its name, for one table. The algorithms of cells that several
+/// have are followed by the name of the file. The machines may differ, which is noted.
+///
+/// # Errors
+///
+/// When files have different models of one name.
+pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
+    let mut names = Vec::new();
+    for place in 1..files.len() {
+        let (before, rest) = files.split_at_mut(place);
+        let (name, file) = &mut rest[0];
+        for (first, known) in before {
+            rename_models(known, first, name, file)?;
+        }
+    }
+    type Identity = (Option<String>, String, Option<u32>, String, usize);
+    let identity = |cell: &Cell| -> Identity {
+        let (group, model) = (cell.group.clone(), cell.model.clone());
+        (
+            group,
+            model,
+            cell.source,
+            cell.algorithm.clone(),
+            cell.threads,
+        )
+    };
+    let mut holders: HashMap<Identity, usize> = HashMap::new();
+    for (name, file) in &files {
+        names.push(name.clone());
+        for cell in &file.cells {
+            *holders.entry(identity(cell)).or_default() += 1;
+        }
+    }
+    let stem = |name: &str| {
+        let stem = Path::new(name).file_stem();
+        stem.map_or_else(|| name.to_owned(), |s| s.to_string_lossy().into_owned())
+    };
+    let stems: Vec<String> = names.iter().map(|name| stem(name)).collect();
+    for (place, (name, file)) in files.iter_mut().enumerate() {
+        let is_unique = stems.iter().filter(|stem| **stem == stems[place]).count() == 1;
+        let shown = if is_unique { &stems[place] } else { &*name };
+        for cell in &mut file.cells {
+            if holders[&identity(cell)] > 1 {
+                cell.algorithm = format!("{} ({shown})", cell.algorithm);
+            }
+        }
+    }
+    let mut rest = files.into_iter();
+    let (first, file) = rest.next().context("there are no files to join")?;
+    let mut joined = Joined {
+        file,
+        notes: Vec::new(),
+    };
+    for (name, file) in rest {
+        if !joined.file.host.is_same_machine(&file.host) {
+            joined.notes.push(format!(
+                "{name}: from another machine than {first}, so that their times do not compare: {}",
+                file.host.in_words()
+            ));
+        }
+        add(&mut joined, &first, &name, file, Of::Joined)?;
+    }
+    Ok(joined)
+}
+
+/// Refuses files from different machines.
+fn check_machine(
+    whole: &ResultFile,
+    first: &str,
+    name: &str,
+    file: &ResultFile,
+) -> anyhow::Result<()> {
+    if !whole.host.is_same_machine(&file.host) {
+        bail!(
+            "{name}: from another machine than {first}, so that their times do not compare: {} and \
+             not {}",
+            file.host.in_words(),
+            whole.host.in_words()
+        );
+    }
+    Ok(())
 }
 
 /// Which file has a cell that is in both.
@@ -73,14 +161,6 @@ fn add(
     wins: Of,
 ) -> anyhow::Result<usize> {
     let whole = &mut joined.file;
-    if !whole.host.is_same_machine(&file.host) {
-        bail!(
-            "{name}: from another machine than {first}, so that their times do not compare: {} and \
-             not {}",
-            file.host.in_words(),
-            whole.host.in_words()
-        );
-    }
     rename_models(whole, first, name, &mut file)?;
     joined.notes.extend(differences(whole, first, name, &file));
     if whole.tool != file.tool {
@@ -305,6 +385,19 @@ mod tests {
         let joined = join(vec![("a".into(), a), ("b".into(), b)]).unwrap();
         assert_eq!(names(&joined.file), ["horse mmp", "horse vtp"]);
         assert_eq!(joined.file.models.len(), 1);
+    }
+
+    #[test]
+    fn beside_each_other_cells_of_both_files_name_theirs() {
+        let a = file(&["horse"], "mmp,vtp");
+        let mut b = file(&["horse"], "vtp,ich");
+        b.host.cores = 64;
+        let joined = beside(vec![("x/a.json".into(), a), ("x/b.json".into(), b)]).unwrap();
+        assert_eq!(
+            names(&joined.file),
+            ["horse mmp", "horse vtp (a)", "horse vtp (b)", "horse ich"]
+        );
+        assert!(joined.notes[0].contains("from another machine than x/a.json"));
     }
 
     #[test]

@@ -189,7 +189,7 @@ fn files_that_cannot_be_written_are_found_before_the_work() {
         ("d.json", "d.json: cannot be written: it is a directory"),
         (
             "r.xml",
-            "r.xml: the ending says in which form to write results; use .json, .csv, .md or .tex",
+            "r.xml: the ending says in which form to write results; use .json, .csv, .md, .tex, .bmf.json or .gab.json",
         ),
         ("r", "r: the ending says in which form"),
         ("r.csv -o ./r.csv", "./r.csv: given twice as output"),

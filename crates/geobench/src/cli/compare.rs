@@ -46,8 +46,9 @@ pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::R
     if outputs.iter().all(|(_, file)| !file.is_standard_output()) {
         terminal::print_rendered(&render(options.format, terminal.look())?)?;
     }
-    Ok(match is_worse {
-        true => Verdict::Failed,
-        false => Verdict::Passed,
+    Ok(if is_worse {
+        Verdict::Failed
+    } else {
+        Verdict::Passed
     })
 }

@@ -23,9 +23,10 @@ pub(super) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
 }
 
 fn ending(path: &Path) -> anyhow::Result<&'static str> {
-    let name = match path == Path::new(STANDARD) {
-        true => format!(".{}", ending_of(path)),
-        false => path.to_string_lossy().to_lowercase(),
+    let name = if path == Path::new(STANDARD) {
+        format!(".{}", ending_of(path))
+    } else {
+        path.to_string_lossy().to_lowercase()
     };
     match ENDINGS.iter().find(|ending| name.ends_with(*ending)) {
         Some(ending) => Ok(ending),

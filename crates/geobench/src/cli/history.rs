@@ -1,6 +1,5 @@
 //! `geobench record`, `geobench trend`, and `geobench compare DIR --against RANGE`.
 
-use std::collections::HashSet;
 use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, SystemTime};
@@ -106,7 +105,7 @@ pub(super) fn against(
     let Some(commits) = git(&["rev-list", "--end-of-options", range]) else {
         bail!("--against {range}: not a range of commits of the git repository here");
     };
-    let commits: HashSet<String> = commits.lines().map(str::to_owned).collect();
+    let commits: Vec<String> = commits.lines().map(str::to_owned).collect();
     let gate = gate::gate(&records, &commits, &options.fail_on)?;
     match options.format {
         ComparisonFormat::Json => {
@@ -121,8 +120,9 @@ pub(super) fn against(
             terminal::print_rendered(&fenced)?;
         }
     }
-    Ok(match gate.is_worse() {
-        true => Verdict::Failed,
-        false => Verdict::Passed,
+    Ok(if gate.is_worse() {
+        Verdict::Failed
+    } else {
+        Verdict::Passed
     })
 }

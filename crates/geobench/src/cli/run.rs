@@ -30,22 +30,7 @@ use crate::table::{self, Format};
 pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     options.isolation.check()?;
     let Plans { plans, notes } = possible_plans(options)?;
-    let mut outputs = options.csv_rows.outputs(&options.output)?;
-    let mut format = options.csv_rows.of(options.format);
-    outputs.retain(|(form, file)| {
-        let to_file = !file.is_standard_output();
-        if !to_file {
-            format = *form;
-        }
-        to_file
-    });
-    if let Some(path) = &options.add_to {
-        let file = OutputFile::prepare(path)?;
-        if outputs.iter().any(|(_, other)| other.path() == file.path()) {
-            bail!("{}: given twice as output", path.display());
-        }
-        outputs.push((Format::Json, file));
-    }
+    let (format, outputs) = self::outputs(options)?;
     if options.extras.instructions {
         instructions::check_valgrind()?;
     }
@@ -307,6 +292,27 @@ fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
             ..Limits::default()
         };
     }
+}
+
+/// What goes to standard output, and the files to write.
+fn outputs(options: &RunOptions) -> anyhow::Result<(Format, Vec<(Format, OutputFile)>)> {
+    let mut format = options.csv_rows.of(options.format);
+    let mut outputs = options.csv_rows.outputs(&options.output)?;
+    outputs.retain(|(form, file)| {
+        let to_file = !file.is_standard_output();
+        if !to_file {
+            format = *form;
+        }
+        to_file
+    });
+    if let Some(path) = &options.add_to {
+        let file = OutputFile::prepare(path)?;
+        if outputs.iter().any(|(_, other)| other.path() == file.path()) {
+            bail!("{}: given twice as output", path.display());
+        }
+        outputs.push((Format::Json, file));
+    }
+    Ok((format, outputs))
 }
 
 /// The record of this process.

@@ -93,9 +93,10 @@ fn without_outliers(values: &[f64], noise: f64) -> Vec<f64> {
         let start = place.saturating_sub(NEIGHBOURS);
         let end = (place + NEIGHBOURS + 1).min(values.len());
         let level = median(&values[start..end]);
-        match (values[place] - level).abs() > FAR * noise {
-            true => level,
-            false => values[place],
+        if (values[place] - level).abs() > FAR * noise {
+            level
+        } else {
+            values[place]
         }
     };
     (0..values.len()).map(clean).collect()

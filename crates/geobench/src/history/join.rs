@@ -69,6 +69,8 @@ pub fn extend(
 ///
 /// When files have different models of one name.
 pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
+    type Identity = (Option<String>, String, Option<u32>, String, usize);
+
     let mut names = Vec::new();
     for place in 1..files.len() {
         let (before, rest) = files.split_at_mut(place);
@@ -77,7 +79,6 @@ pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
             rename_models(known, first, name, file)?;
         }
     }
-    type Identity = (Option<String>, String, Option<u32>, String, usize);
     let identity = |cell: &Cell| -> Identity {
         let (group, model) = (cell.group.clone(), cell.model.clone());
         (

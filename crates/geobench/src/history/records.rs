@@ -106,8 +106,12 @@ impl Record {
             .collect();
         words.truncate(4);
         let digest = Sha256::digest(class.as_bytes());
-        let digits: String = digest.iter().take(3).map(|b| format!("{b:02x}")).collect();
-        format!("{date}-{}-{}-{digits}.json", self.short(), words.join("-"))
+        let digits = u32::from_be_bytes([0, digest[0], digest[1], digest[2]]);
+        format!(
+            "{date}-{}-{}-{digits:06x}.json",
+            self.short(),
+            words.join("-")
+        )
     }
 
     /// Adds the cells of another run of the same commit. A cell of both has the samples of both, and
@@ -247,7 +251,7 @@ mod tests {
             name.starts_with("2025-03-04-c0ffee012345-unknown-processor-2-cores-"),
             "{name}"
         );
-        assert_eq!(read_all(&history).unwrap(), [first.clone()]);
+        assert_eq!(read_all(&history).unwrap(), std::slice::from_ref(&first));
         assert_eq!(first.cells[0].figures["propagated"], 3_000_009.0);
         assert_eq!(add(&history, first.clone()).unwrap(), path);
         let grown = &read_all(&history).unwrap()[0];

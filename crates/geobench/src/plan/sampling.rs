@@ -101,7 +101,7 @@ impl Sampling {
 /// Whether the interval is computed at this number of samples: at each up to 20, then at each tenth
 /// more, because the bootstrap takes milliseconds.
 fn is_checkpoint(samples: usize) -> bool {
-    samples <= 20 || samples % (samples / 10) == 0
+    samples <= 20 || samples.is_multiple_of(samples / 10)
 }
 
 /// A share such as `3%` or `0.03`, above 0 and at most 1.

@@ -234,9 +234,10 @@ fn matches(item: &str, list: &str) -> Result<Vec<Selection>, UsageError> {
     if let Some(program) = program {
         // Its parameters are known when it is looked up.
         let values: Vec<String> = settings.iter().map(|(k, v)| format!("{k}={v}")).collect();
-        return Ok(vec![Selection::outside(&match values.is_empty() {
-            true => program.to_owned(),
-            false => format!("{program}{{{}}}", values.join(",")),
+        return Ok(vec![Selection::outside(&if values.is_empty() {
+            program.to_owned()
+        } else {
+            format!("{program}{{{}}}", values.join(","))
         })]);
     }
     let found: Vec<_> = algorithms()

@@ -156,9 +156,12 @@ impl Journal {
             journal.read(&bytes, header)?;
             journal.cut()
         };
-        let begun = begun.and_then(|()| match journal.plans.contains(&header.plan) {
-            true => Ok(()),
-            false => journal.append(&JournalLine::Plan(header.plan.clone())),
+        let begun = begun.and_then(|()| {
+            if journal.plans.contains(&header.plan) {
+                Ok(())
+            } else {
+                journal.append(&JournalLine::Plan(header.plan.clone()))
+            }
         });
         let noted = begun.and_then(|()| journal.append(&JournalLine::Session(session.clone())));
         if noted.is_err() && !existed {

@@ -486,9 +486,10 @@ impl<'p> CellRuns<'p> {
         };
         let (samples, spent): (Vec<f64>, Vec<f64>) = self.timed().filter_map(of).unzip();
         let is_outside = self.algorithm.program().is_some();
-        let samples = match is_outside && is_doubtful(&samples, &spent) {
-            true => &spent,
-            false => &samples,
+        let samples = if is_outside && is_doubtful(&samples, &spent) {
+            &spent
+        } else {
+            &samples
         };
         self.has_time = self.sampling.is_enough(samples, spent.iter().sum());
     }

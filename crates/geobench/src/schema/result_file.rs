@@ -13,9 +13,10 @@ use crate::schema::{ResultFile, SCHEMA};
 ///
 /// Names the file and the field.
 pub fn read(path: &Path) -> anyhow::Result<ResultFile> {
-    let text = match path == Path::new("-") {
-        true => std::io::read_to_string(std::io::stdin()),
-        false => std::fs::read_to_string(path),
+    let text = if path == Path::new("-") {
+        std::io::read_to_string(std::io::stdin())
+    } else {
+        std::fs::read_to_string(path)
     };
     let text = text.with_context(|| format!("{}: cannot be read", path.display()))?;
     parse(path, &text)

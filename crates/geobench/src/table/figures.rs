@@ -125,6 +125,7 @@ fn count(cell: &Cell, counter: Counter) -> Option<f64> {
 }
 
 /// All figures: computed ones, and every counter.
+#[allow(clippy::too_many_lines)] // A list.
 fn all() -> &'static [Figure] {
     use Style::{Count, Decimals, Scientific};
     static ALL: LazyLock<Vec<Figure>> = LazyLock::new(|| {

@@ -125,9 +125,10 @@ pub(crate) fn of_ending<F: Copy>(
         let names: Vec<String> = endings.iter().map(|(name, _)| format!(".{name}")).collect();
         UnknownEnding {
             path: path.display().to_string(),
-            how: match path == Path::new(STANDARD) {
-                true => "--output-format",
-                false => "the ending",
+            how: if path == Path::new(STANDARD) {
+                "--output-format"
+            } else {
+                "the ending"
             },
             what,
             endings: match names.split_last() {
@@ -221,7 +222,7 @@ pub fn footnote(result: &ResultFile, look: Look) -> String {
     };
     let batches = result.cells.iter().flat_map(|cell| &cell.time.solves);
     if let Some(solves) = batches.max() {
-        times += &format!("runs have up to {solves} solves and their mean time; ");
+        times = format!("{times}runs have up to {solves} solves and their mean time; ");
     }
     let star = if look.styled { "" } else { "; * best" };
     let text = format!(

@@ -41,11 +41,9 @@ pub(super) fn table(table: &Table, look: Look) -> String {
 /// A part under its title, with its notes, followed by an empty line.
 pub(super) fn part(table: &Table, part: &Part, look: Look) -> String {
     let mut lines = vec![format!("{}  ({})", printable(&part.title), part.detail)];
-    if !part.refused {
-        if !part.sources.is_empty() {
-            lines[0] += "  ";
-            lines[0] += &part.sources;
-        }
+    if !part.refused && !part.sources.is_empty() {
+        lines[0] += "  ";
+        lines[0] += &part.sources;
     }
     lines[0] = line_in(look, "", &lines[0]);
     if !part.refused {

@@ -72,7 +72,7 @@ pub(super) fn reset_peak(pid: u32) {
 
 /// The sum of the peaks of the resident bytes of a process and its present descendants.
 pub(super) fn peak_resident(pid: u32) -> Option<u64> {
-    let own = kibibytes(&format!("/proc/{pid}/status"), "VmHWM")?;
+    let own = kibibytes(format!("/proc/{pid}/status"), "VmHWM")?;
     let others: u64 = children(pid).into_iter().filter_map(peak_resident).sum();
     Some(own + others)
 }

@@ -69,17 +69,14 @@ pub fn plans(
     };
     let Some(suite) = suite else {
         let mut asked = asked.clone();
-        let models = match &asked.models {
-            Some(models) => {
-                let arguments = models.iter().map(|model| &model.get_ref().path);
-                let arguments: Vec<&str> = arguments.map(String::as_str).collect();
-                model::collect(&arguments)?
-            }
-            None => {
-                // The built-in suite ends within a minute on a noisy machine, too.
-                asked.max_time.get_or_insert(MODELS_MAX_TIME);
-                model::collect(MODELS)?
-            }
+        let models = if let Some(models) = &asked.models {
+            let arguments = models.iter().map(|model| &model.get_ref().path);
+            let arguments: Vec<&str> = arguments.map(String::as_str).collect();
+            model::collect(&arguments)?
+        } else {
+            // The built-in suite ends within a minute on a noisy machine, too.
+            asked.max_time.get_or_insert(MODELS_MAX_TIME);
+            model::collect(MODELS)?
         };
         if asked.algorithms.is_some() || asked.simd.is_some() {
             done.plans

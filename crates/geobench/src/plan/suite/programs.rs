@@ -86,9 +86,10 @@ pub(super) fn programs(
         for parameters in combinations {
             let values: Vec<String> = parameters.iter().map(|(k, v)| format!("{k}={v}")).collect();
             let added = programs.add(Program {
-                name: match values.is_empty() {
-                    true => name.to_lowercase(),
-                    false => format!("{}{{{}}}", name.to_lowercase(), values.join(",")),
+                name: if values.is_empty() {
+                    name.to_lowercase()
+                } else {
+                    format!("{}{{{}}}", name.to_lowercase(), values.join(","))
                 },
                 parameters,
                 prepare: table.prepare.clone(),

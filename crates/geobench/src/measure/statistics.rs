@@ -97,6 +97,22 @@ fn deviation(values: &[f64], center: f64) -> Option<f64> {
     median_in_place(&mut deviations)
 }
 
+/// Fewest points of a fit.
+pub const FEWEST_FOR_FIT: usize = 3;
+
+/// The e for which y = c x^e fits `points` best, in least squares on logarithms; none of fewer
+/// than [`FEWEST_FOR_FIT`] points, of points in one place or of numbers that are not positive.
+pub fn exponent_of_growth(points: impl Iterator<Item = [f64; 2]>) -> Option<f64> {
+    let points: Vec<[f64; 2]> = points.map(|point| point.map(libm::log)).collect();
+    let count = points.len();
+    let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / count as f64;
+    let [mx, my] = [mean(0), mean(1)];
+    let spread: f64 = points.iter().map(|[x, _]| (x - mx) * (x - mx)).sum();
+    let shared: f64 = points.iter().map(|[x, y]| (x - mx) * (y - my)).sum();
+    let exponent = shared / spread;
+    (count >= FEWEST_FOR_FIT && exponent.is_finite()).then_some(exponent)
+}
+
 /// Resamples of the bootstrap.
 const RESAMPLES: usize = 10_000;
 
@@ -609,6 +625,21 @@ mod tests {
             let (exact, normal) = (exact(25, 25, u), normal(25.0, 25.0, u as f64, 0.0));
             assert!((exact - normal).abs() < 0.003, "{u}: {exact} {normal}");
         }
+    }
+
+    #[test]
+    fn the_exponent_of_a_power_is_found_and_of_nothing_is_none() {
+        let power = |e: f64| [2e3, 1e4, 5e4, 3e5].map(|x: f64| [x, 7e-8 * x.powf(e)]);
+        for e in [1.0, 1.37, 2.0, -0.5] {
+            let found = exponent_of_growth(power(e).into_iter()).unwrap();
+            assert!((found - e).abs() < 1e-12, "{found} is not {e}");
+        }
+        assert_eq!(exponent_of_growth(power(1.0).into_iter().take(2)), None);
+        assert_eq!(exponent_of_growth([[1e4, 2.0]; 5].into_iter()), None);
+        assert_eq!(
+            exponent_of_growth([[1e4, 2.0], [2e4, 0.0], [4e4, 1.0]].into_iter()),
+            None
+        );
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::Setting;
 use super::chart::{Axis, Chart, Lines, Series};
 use super::document::{Plot, slug};
 use crate::measure::number::grouped;
+use crate::measure::statistics::{FEWEST_FOR_FIT, exponent_of_growth};
 use crate::schema::ModelRecord;
 use crate::table::figures::time;
 use crate::table::group::{Group, Value, distinct};
@@ -73,9 +74,6 @@ impl Against {
     }
 }
 
-/// Fewest models of a line.
-const FEWEST: usize = 3;
-
 /// The name of models without a common family.
 const ALL: &str = "all models";
 
@@ -97,13 +95,13 @@ pub(super) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
         for family in &families {
             let own = models.iter().filter(|(_, m)| against.family(m) == *family);
             let own: Vec<_> = own.copied().collect();
-            if differ(&own) >= FEWEST {
+            if differ(&own) >= FEWEST_FOR_FIT {
                 let all = family.is_empty().then_some(ALL);
                 lines.push((all.unwrap_or(family), own));
             }
         }
         let joined = !lines.is_empty();
-        if !joined && against == Against::Faces && differ(&models) >= FEWEST {
+        if !joined && against == Against::Faces && differ(&models) >= FEWEST_FOR_FIT {
             lines.push((ALL, models));
         }
         for (i, (family, models)) in lines.into_iter().enumerate() {
@@ -203,7 +201,11 @@ fn against_plots(
 fn growth(series: &[Series]) -> String {
     let grows = |series: &Series| {
         let points = series.points.iter().map(|(x, value)| [*x, value.value]);
-        Some(format!("{} {:.2}", series.name, exponent(points)?))
+        Some(format!(
+            "{} {:.2}",
+            series.name,
+            exponent_of_growth(points)?
+        ))
     };
     let grows: Vec<String> = series.iter().filter_map(grows).collect();
     if grows.is_empty() {
@@ -215,37 +217,9 @@ fn growth(series: &[Series]) -> String {
     )
 }
 
-/// The e for which y = c x^e fits `points` best, in least squares on logarithms; none of fewer
-/// than [`FEWEST`] points, of points in one place or of numbers that are not positive.
-fn exponent(points: impl Iterator<Item = [f64; 2]>) -> Option<f64> {
-    let points: Vec<[f64; 2]> = points.map(|point| point.map(libm::log)).collect();
-    let count = points.len();
-    let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / count as f64;
-    let [mx, my] = [mean(0), mean(1)];
-    let spread: f64 = points.iter().map(|[x, _]| (x - mx) * (x - mx)).sum();
-    let shared: f64 = points.iter().map(|[x, y]| (x - mx) * (y - my)).sum();
-    let exponent = shared / spread;
-    (count >= FEWEST && exponent.is_finite()).then_some(exponent)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_exponent_of_a_power_is_found_and_of_nothing_is_none() {
-        let power = |e: f64| [2e3, 1e4, 5e4, 3e5].map(|x: f64| [x, 7e-8 * x.powf(e)]);
-        for e in [1.0, 1.37, 2.0, -0.5] {
-            let found = exponent(power(e).into_iter()).unwrap();
-            assert!((found - e).abs() < 1e-12, "{found} is not {e}");
-        }
-        assert_eq!(exponent(power(1.0).into_iter().take(2)), None);
-        assert_eq!(exponent([[1e4, 2.0]; 5].into_iter()), None);
-        assert_eq!(
-            exponent([[1e4, 2.0], [2e4, 0.0], [4e4, 1.0]].into_iter()),
-            None
-        );
-    }
 
     fn model(name: &str, path: &str) -> ModelRecord {
         ModelRecord {

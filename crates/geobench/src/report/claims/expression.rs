@@ -3,7 +3,7 @@
 //! An expression is a tree over numbers that vary: counts do not, times are the medians of samples,
 //! shares of phases have a standard error. `measure::statistics` computes the interval.
 
-use crate::measure::statistics::{Variable, interval_of, median};
+use crate::measure::statistics::{Variable, exponent_of_growth, interval_of, median};
 use crate::table::group::Value;
 
 /// An expression.
@@ -36,9 +36,6 @@ pub(super) enum Node {
     Growth(Vec<(f64, Self)>),
 }
 
-/// Fewest different places of a line.
-pub(super) const FEWEST_FOR_GROWTH: usize = 3;
-
 impl Node {
     fn of(&self, values: &[f64]) -> f64 {
         let all = |nodes: &[Self]| -> Vec<f64> { nodes.iter().map(|n| n.of(values)).collect() };
@@ -67,8 +64,9 @@ impl Node {
             Self::Growth(points) => {
                 let [least, greatest] = ends(points);
                 let points = points.iter().map(|(x, node)| [*x, node.of(values)]);
+                let exponent = exponent_of_growth(points);
                 // Not a power, which is 1 of a range of 1 whatever the exponent is.
-                libm::exp(exponent(points) * libm::log(greatest / least))
+                libm::exp(exponent.unwrap_or(f64::NAN) * libm::log(greatest / least))
             }
         }
     }
@@ -85,16 +83,6 @@ pub(super) fn ends(points: &[(f64, Node)]) -> [f64; 2] {
 fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let count = values.len() as f64;
     values.sum::<f64>() / count
-}
-
-/// The e for which y = c x^e fits `points` best, in least squares on logarithms; no finite number
-/// for points in one place, or of numbers that are not positive.
-fn exponent(points: impl Iterator<Item = [f64; 2]>) -> f64 {
-    let points: Vec<[f64; 2]> = points.map(|point| point.map(libm::log)).collect();
-    let [mx, my] = [0, 1].map(|axis| mean(points.iter().map(|point: &[f64; 2]| point[axis])));
-    let spread: f64 = points.iter().map(|[x, _]| (x - mx) * (x - mx)).sum();
-    let shared: f64 = points.iter().map(|[x, y]| (x - mx) * (y - my)).sum();
-    shared / spread
 }
 
 /// The numbers that an expression is built over.

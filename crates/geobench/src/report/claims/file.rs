@@ -63,6 +63,18 @@ pub(super) struct Test {
     /// The outcome that a run must have, instead of an expression.
     pub(super) ends: Option<Status>,
     pub(super) at_least_faces: u64,
+    pub(super) simd: Vectors,
+}
+
+/// The runs whose times and instructions decide.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Vectors {
+    /// Those without vector instructions.
+    #[default]
+    Scalar,
+    /// All.
+    Any,
 }
 
 /// What a figure is taken of.
@@ -194,6 +206,8 @@ struct RawTest {
     ends: Option<Status>,
     #[serde(default)]
     at_least_faces: u64,
+    #[serde(default)]
+    simd: Vectors,
 }
 
 #[derive(Deserialize)]
@@ -391,6 +405,7 @@ fn test(document: &Document<'_>, raw: Spanned<RawTest>) -> Result<Test, Document
         paper: None,
         ends: raw.ends,
         at_least_faces: raw.at_least_faces,
+        simd: raw.simd,
     };
     if let Some(paper) = raw.paper {
         let span = paper.span();

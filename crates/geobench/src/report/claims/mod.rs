@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::UsageError;
 use crate::measure::number::grouped;
-use crate::measure::statistics::FEWEST_FOR_INTERVAL;
+use crate::measure::statistics::{FEWEST_FOR_FIT, FEWEST_FOR_INTERVAL};
 use crate::registry::{Selection, Value as Parameter};
 use crate::schema::{Cell, ModelRecord, Phases, PlannedAlgorithm, ResultFile, Status};
 use crate::table::figures::Figure;
@@ -23,8 +23,8 @@ mod page;
 #[cfg(test)]
 mod tests;
 
-use self::expression::{FEWEST_FOR_GROWTH, Leaves, Node, Quantity, ends};
-use self::file::{Axis, Combine, Operand, Show, Size, Test, labels, path};
+use self::expression::{Leaves, Node, Quantity, ends};
+use self::file::{Axis, Combine, Operand, Show, Size, Test, Vectors, labels, path};
 pub use self::file::{Claim, ClaimsFile};
 pub use self::page::ClaimsFormat;
 
@@ -42,7 +42,13 @@ macro_rules! file {
     };
 }
 
-const FILES: &[(&str, &str)] = &[file!("000"), file!("001"), file!("002"), file!("003")];
+const FILES: &[(&str, &str)] = &[
+    file!("000"),
+    file!("001"),
+    file!("002"),
+    file!("003"),
+    file!("004"),
+];
 
 /// The claims of the papers, which are part of the program.
 ///
@@ -477,6 +483,29 @@ impl Results<'_> {
         if is_timed(figure) && self.result.tool.profile != "release" {
             return Err("it was measured with a debug build".to_owned());
         }
+        if is_timed(figure) && self.test.simd == Vectors::Scalar {
+            // Vector code of one algorithm beside scalar code of another compares programs.
+            let simd = match figure.key {
+                "instructions" if cell.instructions.is_none() => Some("scalar"),
+                "instructions" => cell.instructions_simd.as_deref(),
+                _ => cell.simd.as_deref(),
+            };
+            match simd {
+                Some("scalar") => {}
+                Some(other) => {
+                    return Err(format!(
+                        "{label} ran with vector instructions ({other}); only scalar runs decide"
+                    ));
+                }
+                None => {
+                    return Err(
+                        "the result does not say which vector instructions ran; only scalar runs \
+                         decide"
+                            .to_owned(),
+                    );
+                }
+            }
+        }
         if figure.key == "time" {
             return match &cell.time.samples[..] {
                 [] => Err(format!("{label} has no times")),
@@ -770,8 +799,8 @@ impl Results<'_> {
             }
         }
         let places: Vec<f64> = points.iter().map(|(x, _)| *x).collect();
-        if distinct(places).len() < FEWEST_FOR_GROWTH {
-            let few = format!("fewer than {FEWEST_FOR_GROWTH} models of the series have a value");
+        if distinct(places).len() < FEWEST_FOR_FIT {
+            let few = format!("fewer than {FEWEST_FOR_FIT} models of the series have a value");
             return Err(missing.map_or(few.clone(), |why| format!("{few}: {why}")));
         }
         Ok(Built {
@@ -834,7 +863,7 @@ impl Results<'_> {
                 });
             }
         }
-        if cases.is_empty() {
+        if cases.is_empty() && self.test.at_least_faces > 0 {
             let greatest = groups.iter().flat_map(|group| self.models(*group));
             let greatest = greatest.filter_map(|model| model.faces).max().unwrap_or(0);
             cases.push(Case {

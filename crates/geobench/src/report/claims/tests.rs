@@ -32,6 +32,8 @@ fn made_up(algorithms: &str) -> ResultFile {
     for cell in &mut made.cells {
         cell.time = time(vec![1.0, 1.1, 0.9, 1.05, 0.95], None);
         cell.instructions = None;
+        cell.simd = Some("scalar".into());
+        cell.instructions_simd = Some("scalar".into());
         cell.counters.set(Counter::Propagated, 100);
         cell.counters.set(Counter::Children, 100);
         cell.phases.samples = Some(2500);
@@ -263,6 +265,48 @@ fn what_does_not_tell_is_not_judged() {
 }
 
 #[test]
+fn times_and_instructions_of_vector_code_do_not_decide() {
+    let mut result = made_up("ich,vtp");
+    for model in MODELS {
+        scale(&mut result, "ich", model, 2.0);
+        cell(&mut result, "ich", model).instructions = Some(300);
+        let vector = cell(&mut result, "vtp", model);
+        vector.instructions = Some(100);
+        vector.simd = Some("avx512".into());
+    }
+    let test = "of = [\"ich\"]\nto = \"vtp\"\nholds = \"> 1\"";
+    let reason = "vtp ran with vector instructions (avx512); only scalar runs decide".to_owned();
+    assert_eq!(verdict_of(test, &result), (Unjudged, reason.clone()));
+    assert_eq!(
+        verdict_of(&format!("{test}\nsimd = \"any\""), &result).0,
+        Confirmed
+    );
+    // Callgrind counts narrower instructions than the timed runs had; those decide by themselves.
+    let counted = format!("{test}\nfigure = \"instructions\"");
+    assert_eq!(verdict_of(&counted, &result).0, Confirmed);
+    for cell in &mut result.cells {
+        cell.instructions_simd = Some("avx2".into());
+    }
+    assert_eq!(
+        verdict_of(&counted, &result),
+        (
+            Unjudged,
+            "ich ran with vector instructions (avx2); only scalar runs decide".to_owned()
+        )
+    );
+    // Counts do not depend on vectors.
+    let propagated = test.replace(
+        "holds = \"> 1\"",
+        "figure = \"propagated\"\nholds = \"0.9 to 1.1\"",
+    );
+    assert_eq!(verdict_of(&propagated, &result).0, Confirmed);
+    cell(&mut result, "vtp", "small").simd = None;
+    let (verdict, reason) = verdict_of(test, &result);
+    assert_eq!(verdict, Unjudged);
+    assert!(reason.contains("the result does not say which vector instructions ran"));
+}
+
+#[test]
 fn an_algorithm_of_other_parameters_is_another_one() {
     let test = "of = [\"ich\"]\nto = \"vtp\"\nfigure = \"propagated\"\nholds = \"0.9 to 1.1\"";
     let mut result = made_up("ich,vtp");
@@ -470,6 +514,14 @@ fn runs_that_must_fail_are_looked_for_on_large_models() {
     assert_eq!(verdict_of(&test(16_000), &result).0, Not);
     cell(&mut result, "ich", "large").status = Status::OutOfMemory;
     assert_eq!(verdict_of(&test(16_000), &result).0, Confirmed);
+    let elsewhere = format!("group = [\"memory\"]\n{}", test(0));
+    assert_eq!(
+        verdict_of(&elsewhere, &result),
+        (
+            Unjudged,
+            "no model of the result is one that the claim is about".to_owned()
+        )
+    );
     assert_eq!(
         verdict_of(&test(1_000_000), &result),
         (
@@ -567,6 +619,10 @@ fn mistakes_in_files_are_named_with_their_line() {
         (
             "of = [\"vtp\"]\nover = \"size\"\nholds = \"> 1\"",
             at(1) + "`over`: unknown variant `size`",
+        ),
+        (
+            "of = [\"vtp\"]\nsimd = \"avx2\"\nholds = \"> 1\"",
+            at(1) + "`simd`: unknown variant `avx2`",
         ),
         (
             "of = [{ figure = \"time\" }]\nholds = \"> 1\"",
@@ -708,10 +764,9 @@ fn claims_are_about_what_suites_run() {
                     .collect();
                 let able = groups.clone().filter(|group| {
                     let algorithms = group.settings.algorithms.iter().flatten();
-                    let names = algorithms.map(|selection| selection.algorithm().name);
-                    let names: Vec<&str> = names.collect();
+                    let labels: Vec<&str> = algorithms.map(Selection::label).collect();
                     all.iter()
-                        .all(|selection| names.contains(&selection.algorithm().name))
+                        .all(|selection| labels.contains(&selection.label()))
                 });
                 let able: Vec<_> = able.collect();
                 assert!(

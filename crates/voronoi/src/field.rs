@@ -1,0 +1,41 @@
+//! What a run leaves: the distance and the source of every vertex, and windows on edges.
+
+use geobench_mesh::Mesh;
+
+use crate::store::EdgeWindows;
+
+/// The label of a vertex that no source reaches.
+pub const NO_SOURCE: u32 = u32::MAX;
+
+/// What a run has found: the distance and the nearest source of every vertex, and on the edges of
+/// all faces in which cells meet the windows by which their borders are known.
+#[derive(Clone, Copy, Debug)]
+pub struct Field<'a> {
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) distances: &'a [f64],
+    pub(crate) labels: &'a [u32],
+    pub(crate) store: &'a EdgeWindows,
+}
+
+impl<'a> Field<'a> {
+    /// The mesh.
+    pub const fn mesh(&self) -> &'a Mesh {
+        self.mesh
+    }
+
+    /// The distance of every vertex from the nearest source; infinite where no path leads.
+    pub const fn distances(&self) -> &'a [f64] {
+        self.distances
+    }
+
+    /// The nearest source of every vertex, by its place in the list of sources; [`NO_SOURCE`] where
+    /// no path leads. Of several sources that are equally near, one of them.
+    pub const fn labels(&self) -> &'a [u32] {
+        self.labels
+    }
+
+    /// Number of windows that are stored on edges.
+    pub fn stored_windows(&self) -> usize {
+        self.store.stored()
+    }
+}

@@ -1,0 +1,123 @@
+//! The method of Liu, Chen and Tang: MMP from all sources at once, with all windows kept.
+
+use geobench_mesh::{Mesh, VertexId};
+use geobench_window::queue::{Discipline, Event, EventKind, Priority};
+use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFilter};
+
+use crate::field::Field;
+use crate::store::edge_of;
+use crate::wave::{COUNTERS, Wave};
+
+/// MMP with sources (Liu, Chen, Tang 2011): windows one by one in the order of `queue`, all of them
+/// kept on edges until the end.
+///
+/// Windows of both directions of an edge are trimmed together, as in
+/// [`WindowVtp`](crate::WindowVtp), so that both leave the same windows at cell borders.
+#[derive(Clone, Debug)]
+pub struct Lct11<Q = Priority> {
+    wave: Wave,
+    queue: Q,
+}
+
+impl Lct11<Priority> {
+    /// Sets up for `mesh`, nearest window first; O(faces).
+    pub fn new(mesh: &Mesh) -> Self {
+        Self::in_order(mesh, Priority::new(mesh), VertexFilter::Off)
+    }
+}
+
+impl<Q: Discipline> Lct11<Q> {
+    /// Sets up for `mesh`, in the order of `queue`; O(faces).
+    pub fn in_order(mesh: &Mesh, queue: Q, filter: VertexFilter) -> Self {
+        Self {
+            wave: Wave::new(mesh, filter),
+            queue,
+        }
+    }
+
+    /// As [`WindowVtp::field`](crate::WindowVtp::field).
+    ///
+    /// # Errors
+    ///
+    /// When `sources` is empty or names a vertex that does not exist.
+    pub fn field(&mut self, sources: &[VertexId]) -> Result<Field<'_>, SolveError> {
+        crate::check_sources(self.wave.mesh.vertex_count(), sources)?;
+        self.run(sources, &mut ());
+        Ok(self.wave.field())
+    }
+
+    fn run<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) {
+        self.queue.clear();
+        self.wave.start(sources, false, probe);
+        self.wave.improved.clear();
+        for &s in sources {
+            self.queue.start(s);
+            self.wave.spawn(s, probe);
+            self.receive(probe);
+        }
+        while let Some((label, event)) = self.queue.pop(probe) {
+            match event.kind() {
+                EventKind::Vertex(v) => {
+                    if self.wave.distances[v.index()] == label {
+                        self.wave.spawn(v, probe);
+                    }
+                }
+                EventKind::Window(h, serial) => {
+                    let Some(twin) = self.wave.faces.twin(h) else {
+                        continue;
+                    };
+                    let (e, is_reversed) = edge_of(h, twin);
+                    let Some(stored) = self.wave.store.find(e, serial) else {
+                        continue;
+                    };
+                    let (source, window) = (stored.source(), stored.window);
+                    let now = window.min_distance();
+                    if now > label && !self.queue.is_due(now) {
+                        self.queue.push(now, event, probe);
+                        continue;
+                    }
+                    self.wave.store.take(e, serial);
+                    let window = if is_reversed {
+                        window.reversed(self.wave.faces.length(h))
+                    } else {
+                        window
+                    };
+                    let tries = self.wave.cross(h, &window, source, probe);
+                    self.queue.crossed(h, tries, probe);
+                    self.wave.sample(1, probe);
+                }
+            }
+            self.receive(probe);
+        }
+        self.wave.finish(probe);
+    }
+
+    fn receive<P: Probe>(&mut self, probe: &mut P) {
+        let mut arrivals = std::mem::take(&mut self.wave.arrivals);
+        for arrival in arrivals.drain(..) {
+            let event = Event::window(arrival.h, arrival.serial);
+            self.queue.push(arrival.label, event, probe);
+        }
+        self.wave.arrivals = arrivals;
+        let mut improved = std::mem::take(&mut self.wave.improved);
+        for (d, v) in improved.drain(..) {
+            self.queue.push(d, Event::vertex(v), probe);
+        }
+        self.wave.improved = improved;
+    }
+}
+
+impl<Q: Discipline> Propagate for Lct11<Q> {
+    fn counters() -> Vec<Counter> {
+        [COUNTERS, Q::COUNTERS].concat()
+    }
+
+    fn vertex_count(&self) -> usize {
+        self.wave.mesh.vertex_count()
+    }
+
+    fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+        self.run(sources, probe);
+        Solution::new(self.wave.distances.clone())
+    }
+}

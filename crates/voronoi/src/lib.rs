@@ -1,0 +1,27 @@
+//! Geodesic Voronoi diagrams: which of several sources is the nearest, at every point of a surface.
+
+mod field;
+mod lct11;
+mod removal;
+mod store;
+#[cfg(test)]
+mod tests;
+mod wave;
+mod window_vtp;
+
+use geobench_mesh::VertexId;
+use geobench_window::SolveError;
+
+pub use field::{Field, NO_SOURCE};
+pub use lct11::Lct11;
+pub use removal::Removal;
+pub use window_vtp::{Options, WindowVtp};
+
+/// Refuses a run without sources or from a vertex that does not exist.
+fn check_sources(vertices: usize, sources: &[VertexId]) -> Result<(), SolveError> {
+    match sources.iter().find(|v| v.index() >= vertices) {
+        Some(&vertex) => Err(SolveError::NoSuchVertex { vertex, vertices }),
+        None if sources.is_empty() => Err(SolveError::NoSource),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,204 @@
+//! Redundant windows: those around which all comes from one source.
+
+use geobench_mesh::{FaceId, HalfEdgeId};
+use geobench_window::precision::MARGIN;
+use geobench_window::queue::MinHeap;
+
+use crate::field::NO_SOURCE;
+use crate::store::{Stored, edge_of};
+use crate::wave::Wave;
+
+/// Which windows are given up during a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Removal {
+    /// None: all that trimming leaves are kept until the end.
+    Off,
+    /// Those on redundant edges, as soon as the wave has passed (Qin, Yu, Zhang 2017, section 3).
+    #[default]
+    Continuous,
+    /// The same edges, looked for among all faces at times (Xu et al. 2014).
+    Periodic {
+        /// The faces are looked through after this many propagations for each face of the mesh.
+        c: f64,
+    },
+}
+
+/// What is known of a face.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum State {
+    /// Windows may still improve it.
+    #[default]
+    Active,
+    /// No window that is still to come is shorter anywhere in it, and several sources reach it.
+    Border,
+    /// As `Border`, but it has one source.
+    Redundant,
+}
+
+/// Finds redundant edges and gives their windows up.
+///
+/// A face is *inactive* once all windows that are still to cross any face offer more than
+/// `d + e` everywhere, where one point of the face is reached within d, and e is its longest edge:
+/// all its points are reached within that. It is *redundant* if, then, the windows on its edges and
+/// its three vertices have one source. An edge both of whose faces are so is of no use to the
+/// diagram. It is closed: what comes later would be longer there, and settle nevertheless, since
+/// nothing is left to compare it with.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Remover {
+    removal: Removal,
+    states: Vec<State>,
+    /// Faces that are not inactive by the length below which they may be.
+    queue: MinHeap<u32>,
+    /// Faces that have been reached and not been found redundant, for the periodic check.
+    open: Vec<u32>,
+    crossed: u64,
+    #[cfg(test)]
+    pub(crate) traps: Traps,
+}
+
+/// Mistakes of the printed procedure, to show that tests notice them.
+#[cfg(test)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[allow(clippy::struct_excessive_bools)]
+pub(crate) struct Traps {
+    /// The neighbour need not be inactive.
+    pub(crate) active_neighbour: bool,
+    /// Edges stay open.
+    pub(crate) no_closing: bool,
+    /// Vertices do not count, only windows.
+    pub(crate) windows_alone: bool,
+}
+
+impl Remover {
+    pub(crate) fn new(removal: Removal) -> Self {
+        Self {
+            removal,
+            ..Self::default()
+        }
+    }
+
+    /// Whether it needs to know how near faces are.
+    pub(crate) fn watches_faces(&self) -> bool {
+        self.removal != Removal::Off
+    }
+
+    /// Forgets the last run, on a mesh of so many faces.
+    pub(crate) fn reset(&mut self, faces: usize) {
+        self.states.clear();
+        self.queue.clear();
+        self.open.clear();
+        self.crossed = 0;
+        if self.watches_faces() {
+            self.states.resize(faces, State::Active);
+        }
+    }
+
+    /// So many more windows have been propagated, and all that are still to be offer `d` or more.
+    pub(crate) fn step(&mut self, wave: &mut Wave, propagated: u64, d: f64) {
+        match self.removal {
+            Removal::Off => {}
+            Removal::Continuous => self.sweep(wave, d),
+            Removal::Periodic { c } => {
+                self.open.append(&mut wave.reached);
+                self.crossed += propagated;
+                if d == f64::INFINITY || self.crossed as f64 >= c * self.states.len() as f64 {
+                    self.crossed = 0;
+                    self.look_through(wave, d);
+                }
+            }
+        }
+    }
+
+    /// Gives up what has become redundant since the last time.
+    fn sweep(&mut self, wave: &mut Wave, d: f64) {
+        for i in 0..wave.reached.len() {
+            let f = wave.reached[i];
+            self.queue.push(bound(wave, f), f);
+        }
+        wave.reached.clear();
+        while let Some((_, f)) = self.queue.peek()
+            && is_inactive(wave, f, d)
+        {
+            self.queue.pop();
+            self.settle(wave, f);
+        }
+    }
+
+    /// The same, looking at every face that is not known to be redundant.
+    fn look_through(&mut self, wave: &mut Wave, d: f64) {
+        let mut open = std::mem::take(&mut self.open);
+        open.retain(|&f| {
+            if is_inactive(wave, f, d) {
+                self.settle(wave, f);
+            }
+            self.states[f as usize] != State::Redundant
+        });
+        self.open = open;
+    }
+
+    /// Face `f` is inactive.
+    fn settle(&mut self, wave: &mut Wave, f: u32) {
+        let face = FaceId::new(f);
+        if !self.has_one_source(wave, face) {
+            self.states[f as usize] = State::Border;
+            return;
+        }
+        self.states[f as usize] = State::Redundant;
+        for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
+            // The edges of the boundary hold no windows.
+            if let Some(twin) = wave.faces.twin(h)
+                && self.is_redundant(wave, twin)
+            {
+                wave.store.give_up(edge_of(h, twin).0, self.closes());
+            }
+        }
+    }
+
+    fn is_redundant(&self, wave: &Wave, h: HalfEdgeId) -> bool {
+        #[cfg(test)]
+        if self.traps.active_neighbour {
+            return self.has_one_source(wave, h.face());
+        }
+        let _ = wave;
+        self.states[h.face().index()] == State::Redundant
+    }
+
+    #[allow(clippy::unused_self)] // Tests set a trap here.
+    fn closes(&self) -> bool {
+        #[cfg(test)]
+        if self.traps.no_closing {
+            return false;
+        }
+        true
+    }
+
+    /// Whether all windows on the edges of `face` and its vertices have the same source.
+    #[allow(clippy::unused_self)] // As above.
+    fn has_one_source(&self, wave: &Wave, face: FaceId) -> bool {
+        let corners = wave.mesh.face_vertices(face);
+        let vertices = corners.into_iter().map(|v| wave.labels[v.index()]);
+        let windows = [0, 1, 2].into_iter().flat_map(|corner| {
+            let h = face.half_edge(corner);
+            let twin = wave.faces.twin(h);
+            let list = twin.map_or(&[][..], |twin| wave.store.list(edge_of(h, twin).0));
+            list.iter().map(Stored::source)
+        });
+        #[cfg(test)]
+        let vertices = vertices.filter(|_| !self.traps.windows_alone);
+        let mut sources = vertices.chain(windows);
+        let first = sources.next();
+        first != Some(NO_SOURCE) && sources.all(|source| Some(source) == first)
+    }
+}
+
+/// The length within which all points of face `f` are reached.
+fn bound(wave: &Wave, f: u32) -> f64 {
+    let face = FaceId::new(f);
+    let lengths = [0, 1, 2].map(|corner| wave.faces.length(face.half_edge(corner)));
+    wave.nearest[f as usize] + lengths.into_iter().fold(0.0, f64::max)
+}
+
+/// Whether windows of `d` and more cannot improve face `f`, beyond doubt.
+fn is_inactive(wave: &Wave, f: u32, d: f64) -> bool {
+    bound(wave, f) * (1.0 + MARGIN) < d
+}

@@ -1,0 +1,473 @@
+//! Windows kept on edges with their sources, those of both directions trimmed together.
+
+use std::ops::Range;
+
+use geobench_mesh::HalfEdgeId;
+use geobench_window::Window;
+use geobench_window::trimming::{Division, Duel, Owner, foot, is_sliver, pieces};
+
+/// A window of a list. It is in the frame of the edge's first half-edge, whichever way it crosses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stored {
+    pub(crate) window: Window,
+    /// Number of its source, with two flags above it.
+    marks: u32,
+    /// The number by which a queue finds it in its list.
+    pub(crate) serial: u32,
+}
+
+/// The window waits to cross the face ahead of it.
+const WAITS: u32 = 1 << 31;
+/// The window crosses from above the edge to below it.
+const REVERSED: u32 = 1 << 30;
+impl Stored {
+    const NONE: Self = Self {
+        window: Window {
+            b0: 0.0,
+            b1: 0.0,
+            px: 0.0,
+            py: 0.0,
+            sigma: 0.0,
+        },
+        marks: 0,
+        serial: 0,
+    };
+
+    /// Number of the source from which the window comes.
+    #[inline]
+    pub(crate) fn source(&self) -> u32 {
+        self.marks & !(WAITS | REVERSED)
+    }
+
+    #[inline]
+    pub(crate) fn waits(&self) -> bool {
+        self.marks & WAITS != 0
+    }
+
+    #[inline]
+    pub(crate) fn is_reversed(&self) -> bool {
+        self.marks & REVERSED != 0
+    }
+}
+
+/// The list of an edge: a block in the array of all lists.
+#[derive(Clone, Copy, Debug, Default)]
+struct Head {
+    start: u32,
+    len: u32,
+    /// Size class of the block; 0 without any.
+    class: u8,
+    /// No window is kept here any more.
+    closed: bool,
+}
+
+/// Windows that a block of size class `class` holds: 2, 3, 4, 6, 8, 12, 16, ...
+const fn room(class: u8) -> usize {
+    match class {
+        0 => 0,
+        c if c % 2 == 1 => 2 << (c / 2),
+        c => 3 << (c / 2 - 1),
+    }
+}
+
+/// A window that has to wait.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Waiting {
+    /// Its least distance.
+    pub(crate) label: f64,
+    pub(crate) serial: u32,
+    pub(crate) is_reversed: bool,
+}
+
+/// What an insertion did.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Changes {
+    /// Windows to queue: what is left of the new one, and further parts of stored ones that wait.
+    pub(crate) waiting: Vec<Waiting>,
+    /// How many of these are parts of the new one.
+    pub(crate) new_parts: usize,
+    /// Stored windows that lost a part.
+    pub(crate) trimmed: usize,
+    /// Stored windows that lost everything.
+    pub(crate) removed: usize,
+}
+
+impl Changes {
+    fn clear(&mut self) {
+        self.waiting.clear();
+        (self.new_parts, self.trimmed, self.removed) = (0, 0, 0);
+    }
+}
+
+/// The windows of all edges. Those of one edge have disjoint intervals and stand in ascending
+/// order; gaps are normal. The edge of half-edges h and t has the number of the lesser one, and its
+/// windows are in the frame of that one.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct EdgeWindows {
+    heads: Vec<Head>,
+    windows: Vec<Stored>,
+    free: Vec<Vec<u32>>,
+    stored: usize,
+    waiting: usize,
+    next_serial: u32,
+    division: Division,
+    met: Vec<Window>,
+    replaced: Vec<Stored>,
+    pub(crate) changes: Changes,
+}
+
+impl EdgeWindows {
+    /// Bytes of one stored window.
+    pub(crate) const WINDOW_BYTES: usize = size_of::<Stored>();
+
+    /// Empty lists for the edges of so many half-edges.
+    pub(crate) fn new(half_edges: usize) -> Self {
+        Self {
+            heads: vec![Head::default(); half_edges],
+            ..Self::default()
+        }
+    }
+
+    /// Makes all lists empty and opens them.
+    pub(crate) fn clear(&mut self) {
+        self.heads.fill(Head::default());
+        self.windows.clear();
+        self.free.clear();
+        (self.stored, self.waiting, self.next_serial) = (0, 0, 0);
+    }
+
+    /// Number of windows that are stored.
+    pub(crate) fn stored(&self) -> usize {
+        self.stored
+    }
+
+    /// Number of windows that wait.
+    pub(crate) fn waiting(&self) -> usize {
+        self.waiting
+    }
+
+    /// The windows of edge `e`.
+    #[inline]
+    pub(crate) fn list(&self, e: usize) -> &[Stored] {
+        let Head { start, len, .. } = self.heads[e];
+        &self.windows[start as usize..][..len as usize]
+    }
+
+    #[inline]
+    fn list_mut(&mut self, e: usize) -> &mut [Stored] {
+        let Head { start, len, .. } = self.heads[e];
+        &mut self.windows[start as usize..][..len as usize]
+    }
+
+    /// All windows that are stored.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Stored> {
+        (0..self.heads.len()).flat_map(|e| self.list(e))
+    }
+
+    /// Whether edge `e` keeps no windows any more.
+    #[inline]
+    pub(crate) fn is_closed(&self, e: usize) -> bool {
+        self.heads[e].closed
+    }
+
+    /// Gives up the windows of edge `e`, and keeps none from now on if `and_close`. Returns how
+    /// many there were.
+    pub(crate) fn give_up(&mut self, e: usize, and_close: bool) -> usize {
+        let list = self.list(e);
+        let (count, waiting) = (list.len(), list.iter().filter(|s| s.waits()).count());
+        self.stored -= count;
+        self.waiting -= waiting;
+        let Head { start, class, .. } = self.heads[e];
+        self.give_block(class, start);
+        self.heads[e] = Head {
+            closed: and_close,
+            ..Head::default()
+        };
+        count
+    }
+
+    /// Whether any window waits on edge `e` that crosses in this direction.
+    pub(crate) fn any_waits(&self, e: usize, is_reversed: bool) -> bool {
+        let mut list = self.list(e).iter();
+        list.any(|s| s.waits() && s.is_reversed() == is_reversed)
+    }
+
+    /// Moves the windows that wait on edge `e` and cross in this direction into `batch`, in the
+    /// frame of the edge. They stay stored.
+    pub(crate) fn take_all(&mut self, e: usize, is_reversed: bool, batch: &mut Vec<Stored>) {
+        let before = batch.len();
+        for stored in self.list_mut(e) {
+            if stored.waits() && stored.is_reversed() == is_reversed {
+                stored.marks &= !WAITS;
+                batch.push(*stored);
+            }
+        }
+        self.waiting -= batch.len() - before;
+    }
+
+    /// Window number `serial` of edge `e`, if it still waits.
+    pub(crate) fn find(&self, e: usize, serial: u32) -> Option<&Stored> {
+        let mut list = self.list(e).iter();
+        list.find(|s| s.serial == serial && s.waits())
+    }
+
+    /// The same window waits no longer.
+    pub(crate) fn take(&mut self, e: usize, serial: u32) {
+        let mut list = self.list_mut(e).iter_mut();
+        if let Some(stored) = list.find(|s| s.serial == serial && s.waits()) {
+            stored.marks &= !WAITS;
+            self.waiting -= 1;
+        }
+    }
+
+    /// Inserts a window of `source` on edge `e` of length `l`, which then waits; the window is in
+    /// the frame of the edge. The [`changes`](Self::changes) tell what became of it and of others.
+    ///
+    /// Ranges that it shares with stored windows are divided at tie points, whatever the directions
+    /// are: what is longer at a point of the edge is of no use beyond it.
+    pub(crate) fn insert(
+        &mut self,
+        e: usize,
+        new: &Window,
+        is_reversed: bool,
+        source: u32,
+        l: f64,
+    ) {
+        self.changes.clear();
+        let new = Stored {
+            window: *new,
+            marks: source | WAITS | if is_reversed { REVERSED } else { 0 },
+            serial: 0,
+        };
+        if foot(&new.window, l).is_some() {
+            for window in pieces(&new.window, l) {
+                self.insert_piece(e, Stored { window, ..new }, l);
+            }
+        } else {
+            self.insert_piece(e, new, l);
+        }
+    }
+
+    fn insert_piece(&mut self, e: usize, new: Stored, l: f64) {
+        let window = new.window;
+        let list = self.list(e);
+        let first = list.partition_point(|s| s.window.b1 <= window.b0);
+        let met = list[first..]
+            .iter()
+            .take_while(|s| s.window.b0 < window.b1)
+            .count();
+        if loses_everywhere(&list[first..][..met], &window, l) {
+            return;
+        }
+        self.met.clear();
+        let start = self.heads[e].start as usize + first;
+        let ranges = self.windows[start..start + met].iter();
+        self.met.extend(ranges.map(|s| s.window));
+        let mut division = std::mem::take(&mut self.division);
+        division.share_out(&self.met, &window, l);
+        if division.segments().iter().any(|s| s.owner == Owner::New) {
+            self.apply(e, first..first + met, &division, new);
+        }
+        self.division = division;
+    }
+
+    /// Puts the segments in the place of the windows `met` of edge `e`.
+    fn apply(&mut self, e: usize, met: Range<usize>, division: &Division, new: Stored) {
+        let mut replaced = std::mem::take(&mut self.replaced);
+        replaced.clear();
+        let start = self.heads[e].start as usize;
+        let mut last_old = None;
+        for segment in division.segments() {
+            let (stored, is_first) = match segment.owner {
+                Owner::New => (new, false),
+                Owner::Old(k) => {
+                    let is_first = last_old != Some(k);
+                    if is_first {
+                        self.changes.removed += k - last_old.map_or(0, |last: usize| last + 1);
+                    }
+                    last_old = Some(k);
+                    (self.windows[start + met.start + k], is_first)
+                }
+            };
+            let mut part = stored;
+            (part.window.b0, part.window.b1) = (segment.start, segment.end);
+            if is_first {
+                self.changes.trimmed += usize::from(part.window != stored.window);
+            } else {
+                part.serial = self.next_serial;
+                self.next_serial = self.next_serial.wrapping_add(1);
+                if part.waits() {
+                    self.changes.waiting.push(Waiting {
+                        label: part.window.min_distance(),
+                        serial: part.serial,
+                        is_reversed: part.is_reversed(),
+                    });
+                }
+                self.changes.new_parts += usize::from(segment.owner == Owner::New);
+            }
+            replaced.push(part);
+        }
+        self.changes.removed += met.len() - last_old.map_or(0, |last| last + 1);
+        let waiting = |list: &[Stored]| list.iter().filter(|s| s.waits()).count();
+        self.waiting += waiting(&replaced);
+        self.waiting -= waiting(&self.windows[start + met.start..start + met.end]);
+        self.stored = self.stored + replaced.len() - met.len();
+        self.splice(e, met, &replaced);
+        self.replaced = replaced;
+    }
+
+    /// Puts `new` in the place of the windows `old` of edge `e`.
+    fn splice(&mut self, e: usize, old: Range<usize>, new: &[Stored]) {
+        let Head {
+            start, len, class, ..
+        } = self.heads[e];
+        let (from, len) = (start as usize, len as usize);
+        let longer = len - old.len() + new.len();
+        let behind = from + old.end..from + len;
+        let mut to = from;
+        if longer > room(class) {
+            let mut larger = class + 1;
+            while room(larger) < longer {
+                larger += 1;
+            }
+            to = self.take_block(larger);
+            self.windows.copy_within(from..from + old.start, to);
+            self.give_block(class, start);
+            (self.heads[e].start, self.heads[e].class) = (to as u32, larger);
+        }
+        self.windows.copy_within(behind, to + old.start + new.len());
+        self.windows[to + old.start..][..new.len()].copy_from_slice(new);
+        self.heads[e].len = longer as u32;
+    }
+
+    fn take_block(&mut self, class: u8) -> usize {
+        if let Some(start) = self.free.get_mut(class as usize).and_then(Vec::pop) {
+            return start as usize;
+        }
+        let start = self.windows.len();
+        self.windows.resize(start + room(class), Stored::NONE);
+        start
+    }
+
+    fn give_block(&mut self, class: u8, start: u32) {
+        if class > 0 {
+            let class = class as usize;
+            if self.free.len() <= class {
+                self.free.resize(class + 1, Vec::new());
+            }
+            self.free[class].push(start);
+        }
+    }
+}
+
+/// The edge of half-edge `h` with twin `twin`, and whether windows of `h` are reversed there.
+#[inline]
+pub(crate) fn edge_of(h: HalfEdgeId, twin: HalfEdgeId) -> (usize, bool) {
+    (h.min(twin).index(), twin < h)
+}
+
+/// Whether `new` has nothing but what the windows `met` hold at least as cheaply: the answer for
+/// most windows, without a division.
+fn loses_everywhere(met: &[Stored], new: &Window, l: f64) -> bool {
+    let mut covered = new.b0;
+    for Stored { window, .. } in met {
+        let (lo, hi) = (window.b0.max(new.b0), window.b1.min(new.b1));
+        if covered < lo && !is_sliver(new, covered, lo, l)
+            || Duel::between(window, new, lo, hi, l) != Duel::Lost
+        {
+            return false;
+        }
+        covered = hi;
+    }
+    is_sliver(new, covered, new.b1, l)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WINDOW: Window = Window {
+        b0: 0.0,
+        b1: 1.0,
+        px: 0.5,
+        py: -1.0,
+        sigma: 0.0,
+    };
+
+    fn ends(lists: &EdgeWindows) -> Vec<(f64, f64, u32)> {
+        let list = lists.list(0).iter();
+        list.map(|s| (s.window.b0, s.window.b1, s.source()))
+            .collect()
+    }
+
+    #[test]
+    fn windows_of_both_directions_share_an_edge() {
+        let mut lists = EdgeWindows::new(1);
+        lists.insert(0, &WINDOW, false, 0, 1.0);
+        let from_above = Window {
+            px: 1.5,
+            py: 1.0,
+            ..WINDOW
+        };
+        lists.insert(0, &from_above, true, 1, 1.0);
+        // The bisector of (0.5, -1) and (1.5, 1) meets the edge at 1: nothing is won.
+        assert_eq!(ends(&lists), [(0.0, 1.0, 0)]);
+        let nearer = Window {
+            px: 1.0,
+            ..from_above
+        };
+        lists.insert(0, &nearer, true, 1, 1.0);
+        assert_eq!(ends(&lists), [(0.0, 0.75, 0), (0.75, 1.0, 1)]);
+        assert_eq!((lists.stored(), lists.waiting()), (2, 2));
+        assert_eq!((lists.changes.trimmed, lists.changes.new_parts), (1, 1));
+        let mut batch = Vec::new();
+        lists.take_all(0, true, &mut batch);
+        assert_eq!((batch.len(), lists.waiting()), (1, 1));
+        assert!(lists.any_waits(0, false) && !lists.any_waits(0, true));
+    }
+
+    #[test]
+    fn a_window_that_is_split_keeps_its_number_once() {
+        let mut lists = EdgeWindows::new(1);
+        let far = Window { py: -3.0, ..WINDOW };
+        lists.insert(0, &far, false, 0, 1.0);
+        let near = Window {
+            py: -0.1,
+            sigma: 2.7,
+            ..WINDOW
+        };
+        lists.insert(0, &near, false, 1, 1.0);
+        let list = lists.list(0);
+        assert_eq!(list.len(), 3);
+        assert!(list[0].serial != list[2].serial && list[0].source() == list[2].source());
+        assert_eq!(lists.changes.waiting.len(), 2);
+        assert_eq!(lists.changes.new_parts, 1);
+    }
+
+    #[test]
+    fn blocks_are_used_again_and_closed_lists_stay_empty() {
+        let mut lists = EdgeWindows::new(2);
+        for i in 0..20 {
+            let b0 = f64::from(i) / 20.0;
+            let window = Window {
+                b0,
+                b1: b0 + 0.05,
+                ..WINDOW
+            };
+            lists.insert(0, &window, false, i, 1.0);
+        }
+        assert_eq!((lists.list(0).len(), lists.stored()), (20, 20));
+        let room_taken = lists.windows.len();
+        assert_eq!(lists.give_up(0, true), 20);
+        assert!(lists.is_closed(0) && !lists.is_closed(1));
+        assert_eq!((lists.stored(), lists.waiting()), (0, 0));
+        lists.insert(1, &WINDOW, false, 0, 1.0);
+        assert_eq!(lists.windows.len(), room_taken);
+    }
+
+    #[test]
+    fn size_classes_grow_by_halves() {
+        let rooms: Vec<usize> = (0..9).map(room).collect();
+        assert_eq!(rooms, [0, 2, 3, 4, 6, 8, 12, 16, 24]);
+    }
+}

@@ -1,0 +1,45 @@
+//! Whole runs on small surfaces.
+
+mod propagation;
+
+use geobench_mesh::{Mesh, SplitMix64, TriangleSoup, VertexId};
+use geobench_oracle::{Geometry, Model};
+use geobench_vtp::VtpFast;
+use geobench_window::Solver;
+
+/// A difference that rounding explains, relative to the distance.
+pub(super) const ROUNDING: f64 = 1e-12;
+
+/// `None` if the mesh has a defect that no program accepts.
+pub(super) fn try_mesh_of(model: &Model) -> Option<Mesh> {
+    let triangles = model.triangles.clone();
+    let built = match &model.geometry {
+        Geometry::Positions(positions) => {
+            Mesh::from_soup(TriangleSoup::new(positions.clone(), triangles))
+        }
+        Geometry::Lengths(lengths) => Mesh::from_lengths(model.vertex_count, &triangles, lengths),
+    };
+    built.ok().map(|(mesh, _)| mesh)
+}
+
+pub(super) fn mesh_of(model: &Model) -> Mesh {
+    try_mesh_of(model).unwrap_or_else(|| panic!("{}", model.name))
+}
+
+/// So many different vertices, or all.
+pub(super) fn some_vertices(mesh: &Mesh, count: usize, seed: u64) -> Vec<VertexId> {
+    let mut random = SplitMix64::new(seed);
+    let mut all: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
+    for i in (1..all.len()).rev() {
+        all.swap(i, (random.next() % (i as u64 + 1)) as usize);
+    }
+    all.truncate(count);
+    all.into_iter().map(VertexId::new).collect()
+}
+
+/// The distances from each of `sources` alone.
+pub(super) fn one_by_one(mesh: &Mesh, sources: &[VertexId]) -> Vec<Vec<f64>> {
+    let mut solver = VtpFast::new(mesh);
+    let solve = |&s| solver.solve(&[s]).unwrap().distances;
+    sources.iter().map(solve).collect()
+}

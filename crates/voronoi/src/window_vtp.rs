@@ -1,0 +1,253 @@
+//! window-VTP: vertex by vertex, windows kept and trimmed on edges, redundant ones given up.
+
+use std::collections::VecDeque;
+
+use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_window::queue::MinHeap;
+use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFilter};
+
+use crate::field::Field;
+use crate::removal::{Removal, Remover};
+use crate::store::{Stored, edge_of};
+use crate::wave::{COUNTERS, Wave};
+
+/// Options of [`WindowVtp`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Which windows are given up.
+    pub removal: Removal,
+    /// Whether windows that a path through an end of their edge beats are dropped before they are
+    /// compared with others. The paper has no filter.
+    pub filter: VertexFilter,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            removal: Removal::default(),
+            filter: VertexFilter::Off,
+        }
+    }
+}
+
+/// Whose turn it is.
+#[derive(Clone, Copy, Debug)]
+enum Turn {
+    /// The faces around this vertex join the traversed area.
+    Join(VertexId),
+    /// So do they, and the vertex sends out windows.
+    Spawn(VertexId),
+}
+
+/// window-VTP (Qin, Yu, Zhang 2017): the schedule of VTP, the trimming of MMP over both directions
+/// of an edge, and a source for every window.
+///
+/// The *traversed area* grows by the faces around the vertex at which the nearest window waits.
+/// Windows cross the faces of the area, first in first out, until they come to its border or lose
+/// everything to windows that they meet.
+///
+/// ```
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_voronoi::WindowVtp;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let mut solver = WindowVtp::new(&mesh);
+/// let field = solver.field(&[0, 24].map(VertexId::new))?;
+/// // Vertices 0 and 24 are opposite corners; vertex 1 is beside the first one.
+/// assert_eq!((field.labels()[1], field.labels()[23]), (0, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct WindowVtp {
+    wave: Wave,
+    pub(crate) remover: Remover,
+    queue: MinHeap<Turn>,
+    /// For each vertex the least distance of the windows that wait for it.
+    keys: Vec<f64>,
+    joined: Vec<bool>,
+    /// Half-edges with windows that can cross, and whether each is among them.
+    ready: VecDeque<HalfEdgeId>,
+    is_ready: Vec<bool>,
+    batch: Vec<Stored>,
+}
+
+impl WindowVtp {
+    /// Sets up for `mesh`; O(faces).
+    pub fn new(mesh: &Mesh) -> Self {
+        Self::with_options(mesh, Options::default())
+    }
+
+    /// Sets up for `mesh`; O(faces).
+    pub fn with_options(mesh: &Mesh, options: Options) -> Self {
+        Self {
+            wave: Wave::new(mesh, options.filter),
+            remover: Remover::new(options.removal),
+            queue: MinHeap::default(),
+            keys: Vec::new(),
+            joined: Vec::new(),
+            ready: VecDeque::new(),
+            is_ready: vec![false; mesh.half_edge_count()],
+            batch: Vec::new(),
+        }
+    }
+
+    /// Finds the distance and the nearest of `sources` for every vertex, and the windows from which
+    /// the [diagram](crate::Diagram) is made.
+    ///
+    /// # Errors
+    ///
+    /// When `sources` is empty or names a vertex that does not exist.
+    pub fn field(&mut self, sources: &[VertexId]) -> Result<Field<'_>, SolveError> {
+        self.field_with(sources, &mut ())
+    }
+
+    /// The same, observed by `probe`.
+    ///
+    /// # Errors
+    ///
+    /// As [`field`](Self::field).
+    pub fn field_with<P: Probe>(
+        &mut self,
+        sources: &[VertexId],
+        probe: &mut P,
+    ) -> Result<Field<'_>, SolveError> {
+        crate::check_sources(self.wave.mesh.vertex_count(), sources)?;
+        self.run(sources, probe);
+        Ok(self.wave.field())
+    }
+
+    fn run<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) {
+        let (vertices, faces) = (self.wave.mesh.vertex_count(), self.wave.mesh.face_count());
+        self.remover.reset(faces);
+        self.queue.clear();
+        self.keys.clear();
+        self.keys.resize(vertices, f64::INFINITY);
+        self.joined.clear();
+        self.joined.resize(faces, false);
+        self.wave
+            .start(sources, self.remover.watches_faces(), probe);
+        self.wave.improved.clear();
+        for &s in sources {
+            self.push(0.0, Turn::Spawn(s), probe);
+        }
+        while let Some((d, turn)) = self.queue.pop() {
+            match turn {
+                Turn::Join(v) if self.keys[v.index()] == d => {
+                    self.keys[v.index()] = f64::INFINITY;
+                    self.join(v);
+                }
+                Turn::Spawn(v) if self.wave.distances[v.index()] == d => {
+                    self.join(v);
+                    self.wave.spawn(v, probe);
+                    self.receive(probe);
+                }
+                // The vertex has had its turn, or has improved since.
+                _ => continue,
+            }
+            let propagated = self.cross_ready(probe);
+            let next = self.queue.peek().map_or(f64::INFINITY, |(d, _)| d);
+            self.remover.step(&mut self.wave, propagated, next);
+        }
+        self.remover.step(&mut self.wave, 0, f64::INFINITY);
+        self.wave.finish(probe);
+    }
+
+    fn push<P: Probe>(&mut self, d: f64, turn: Turn, probe: &mut P) {
+        self.queue.push(d, turn);
+        probe.add(Counter::QueuePushes, 1);
+        probe.raise(Counter::QueuePeak, self.queue.len() as u64);
+    }
+
+    /// The faces around `v` join the area, and the windows that wait for them can cross.
+    fn join(&mut self, v: VertexId) {
+        let mesh = self.wave.mesh.clone();
+        for face in mesh.outgoing(v).iter().map(|h| h.face()) {
+            if std::mem::replace(&mut self.joined[face.index()], true) {
+                continue;
+            }
+            for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
+                if let Some(twin) = self.wave.faces.twin(h) {
+                    let (e, is_reversed) = edge_of(h, twin);
+                    if self.wave.store.any_waits(e, is_reversed) {
+                        self.make_ready(h);
+                    }
+                }
+            }
+        }
+    }
+
+    fn make_ready(&mut self, h: HalfEdgeId) {
+        if !std::mem::replace(&mut self.is_ready[h.index()], true) {
+            self.ready.push_back(h);
+        }
+    }
+
+    /// Takes windows across the faces of the area until none can cross any more. Returns how many
+    /// were propagated.
+    fn cross_ready<P: Probe>(&mut self, probe: &mut P) -> u64 {
+        let mut propagated = 0;
+        while let Some(h) = self.ready.pop_front() {
+            self.is_ready[h.index()] = false;
+            let Some(twin) = self.wave.faces.twin(h) else {
+                continue;
+            };
+            let (e, is_reversed) = edge_of(h, twin);
+            let l = self.wave.faces.length(h);
+            let mut batch = std::mem::take(&mut self.batch);
+            batch.clear();
+            self.wave.store.take_all(e, is_reversed, &mut batch);
+            for stored in &batch {
+                let window = if is_reversed {
+                    stored.window.reversed(l)
+                } else {
+                    stored.window
+                };
+                propagated += self.wave.cross(h, &window, stored.source(), probe);
+            }
+            self.wave.sample(batch.len() as u64, probe);
+            self.batch = batch;
+            self.receive(probe);
+        }
+        propagated
+    }
+
+    /// Windows that have arrived can cross, or wait for one of the vertices of their edge.
+    fn receive<P: Probe>(&mut self, probe: &mut P) {
+        let mut arrivals = std::mem::take(&mut self.wave.arrivals);
+        for arrival in arrivals.drain(..) {
+            let h = arrival.h;
+            if self.joined[h.face().index()] {
+                self.make_ready(h);
+                continue;
+            }
+            let [tail, head, _] = self.wave.faces.corners(h);
+            for v in [tail, head] {
+                if arrival.label < self.keys[v.index()] {
+                    self.keys[v.index()] = arrival.label;
+                    self.push(arrival.label, Turn::Join(v), probe);
+                }
+            }
+        }
+        self.wave.arrivals = arrivals;
+        let mut improved = std::mem::take(&mut self.wave.improved);
+        for (d, v) in improved.drain(..) {
+            self.push(d, Turn::Spawn(v), probe);
+        }
+        self.wave.improved = improved;
+    }
+}
+
+impl Propagate for WindowVtp {
+    fn counters() -> Vec<Counter> {
+        [COUNTERS, &[Counter::QueuePushes, Counter::QueuePeak]].concat()
+    }
+
+    fn vertex_count(&self) -> usize {
+        self.wave.mesh.vertex_count()
+    }
+
+    fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+        self.run(sources, probe);
+        Solution::new(self.wave.distances.clone())
+    }
+}

@@ -1,5 +1,6 @@
 //! Geodesic Voronoi diagrams: which of several sources is the nearest, at every point of a surface.
 
+mod diagram;
 mod field;
 mod lct11;
 mod removal;
@@ -12,6 +13,7 @@ mod window_vtp;
 use geobench_mesh::VertexId;
 use geobench_window::SolveError;
 
+pub use diagram::{Arc, Bisector, Cell, Diagram, Dual, Kind, Node, Obstacle, Part};
 pub use field::{Field, NO_SOURCE};
 pub use lct11::Lct11;
 pub use removal::Removal;

@@ -1,5 +1,6 @@
 //! Whole runs on small surfaces.
 
+mod diagram;
 mod propagation;
 
 use geobench_mesh::{Mesh, SplitMix64, TriangleSoup, VertexId};

@@ -1,0 +1,622 @@
+//! The cells inside a face.
+//!
+//! What is known is where cells change along the sides. Every cell reaches its points by straight
+//! lines from the sides, so each part of a cell touches a side: the borders inside form a forest
+//! whose leaves are the changes on the sides. Two changes are joined by one border; changes between
+//! cells that are all different meet in one vertex, if there is a point that is equally far from
+//! all. Everything else is cut into four triangles, until each of them is as simple, or too small
+//! to matter. So the outcome is always a division of the face, whatever rounding does.
+
+use super::curve::{Bisector, newton_across};
+use super::line::{Change, Line};
+use super::plane::{Point, between, cross, dot, norm, sub};
+use super::sites::FaceSites;
+
+/// A point of the diagram inside a face or on its sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Node {
+    pub(crate) at: Point,
+    pub(crate) kind: NodeKind,
+}
+
+/// Where a [`Node`] is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NodeKind {
+    /// Change number `change` of side `side`.
+    Side { side: u8, change: u32 },
+    /// Inside, where a border goes on along another bisector.
+    Inside,
+    /// Where this many borders meet.
+    Vertex(u32),
+}
+
+/// A piece of a border inside a face.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Piece {
+    /// From where to where, by the numbers of nodes.
+    pub(crate) nodes: [usize; 2],
+    /// The cells on its left and on its right.
+    pub(crate) sources: [u32; 2],
+    /// `None` for one that rounding cannot tell from a straight line.
+    pub(crate) curve: Option<Bisector>,
+}
+
+/// A part of a cell in one of the triangles into which a face was cut.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Region {
+    pub(crate) source: u32,
+    /// Its border along the sides of the triangle, counter-clockwise.
+    pub(crate) outline: Vec<Point>,
+    /// Its border inside, going on from there: pieces, and whether they are to be followed from
+    /// their first node to their second.
+    pub(crate) pieces: Vec<(usize, bool)>,
+    /// The runs along which it lies, by their numbers.
+    pub(crate) runs: Vec<u32>,
+}
+
+/// What a face is divided into.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Arrangement {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) pieces: Vec<Piece>,
+    pub(crate) regions: Vec<Region>,
+    /// The cells along the segments by which the face was cut, which part [regions](Self::regions):
+    /// a run for each.
+    pub(crate) cuts: Vec<u32>,
+    /// The vertices by their nodes, and the cells around each, counter-clockwise.
+    pub(crate) vertices: Vec<(usize, Vec<u32>)>,
+}
+
+/// Cuts into four after which a triangle is too small to matter: it is 1e-11 as long as the face.
+const DEEPEST: u32 = 36;
+
+/// Triangles of a face that are cut into four; a few dozen lie around each point that is in doubt.
+const MOST_CUTS: u32 = 500;
+
+/// Points of a border that are looked at to find where its bisectors change: some 90 for each.
+const MOST_STEPS: u32 = 600;
+
+/// How far beside a triangle a point may come to lie by rounding, as a fraction of its size.
+const BESIDE: f64 = 1e-9;
+
+/// The same, as a fraction of the face.
+const BESIDE_FACE: f64 = 1e-14;
+
+/// A change on a side of a triangle.
+#[derive(Clone, Copy, Debug)]
+struct Mark {
+    /// Place on the side, from 0 to 1.
+    at: f64,
+    node: usize,
+    /// The cell behind it.
+    next: u32,
+}
+
+/// A side of a triangle.
+#[derive(Clone, Debug)]
+struct Side {
+    first: u32,
+    marks: Vec<Mark>,
+    /// The number of the run before the first change, and of those behind each.
+    runs: Vec<u32>,
+}
+
+impl Side {
+    fn last(&self) -> u32 {
+        self.marks.last().map_or(self.first, |mark| mark.next)
+    }
+
+    fn reversed(&self) -> Self {
+        let mut next = self.first;
+        let mut marks: Vec<Mark> = Vec::with_capacity(self.marks.len());
+        for mark in &self.marks {
+            marks.push(Mark {
+                at: 1.0 - mark.at,
+                next,
+                ..*mark
+            });
+            next = mark.next;
+        }
+        marks.reverse();
+        Self {
+            first: next,
+            marks,
+            runs: self.runs.iter().rev().copied().collect(),
+        }
+    }
+
+    /// Its two halves.
+    fn halves(&self) -> [Self; 2] {
+        let count = self.marks.iter().take_while(|mark| mark.at <= 0.5).count();
+        let (near, far) = self.marks.split_at(count);
+        let scaled = |marks: &[Mark], from: f64| {
+            let scale = |mark: &Mark| Mark {
+                at: (2.0 * (mark.at - from)).clamp(0.0, 1.0),
+                ..*mark
+            };
+            marks.iter().map(scale).collect()
+        };
+        let near = Self {
+            first: self.first,
+            marks: scaled(near, 0.0),
+            runs: self.runs[..=count].to_vec(),
+        };
+        let far = Self {
+            first: near.last(),
+            marks: scaled(far, 0.5),
+            runs: self.runs[count..].to_vec(),
+        };
+        [near, far]
+    }
+}
+
+/// A triangle of a face, with the cells along its sides.
+struct Triangle {
+    corners: [Point; 3],
+    sides: [Side; 3],
+}
+
+/// The change at which a walk around a triangle arrives.
+struct Stop {
+    node: usize,
+    side: usize,
+    /// The cells before and behind it.
+    before: u32,
+    next: u32,
+    /// The runs up to the next one.
+    runs: Vec<u32>,
+}
+
+impl Triangle {
+    fn stops(&self) -> Vec<Stop> {
+        let mut stops: Vec<Stop> = Vec::new();
+        let mut leading = Vec::new();
+        let mut before = self.sides[0].first;
+        for (number, side) in self.sides.iter().enumerate() {
+            let runs = stops.last_mut().map_or(&mut leading, |stop| &mut stop.runs);
+            runs.push(side.runs[0]);
+            for (mark, &run) in side.marks.iter().zip(&side.runs[1..]) {
+                stops.push(Stop {
+                    node: mark.node,
+                    side: number,
+                    before,
+                    next: mark.next,
+                    runs: vec![run],
+                });
+                before = mark.next;
+            }
+        }
+        if let Some(last) = stops.last_mut() {
+            last.runs.extend(leading);
+        }
+        stops
+    }
+
+    fn size(&self) -> f64 {
+        let [a, b, c] = self.corners;
+        norm(sub(b, a)).max(norm(sub(c, b))).max(norm(sub(a, c)))
+    }
+
+    /// Whether `x` is inside, or beside it by no more than `slack`.
+    fn contains(&self, x: Point, slack: f64) -> bool {
+        (0..3).all(|k| {
+            let (a, b) = (self.corners[k], self.corners[(k + 1) % 3]);
+            let side = sub(b, a);
+            cross(side, sub(x, a)) >= -slack * norm(side)
+        })
+    }
+
+    /// The sides between two stops, counter-clockwise.
+    fn outline(&self, from: &Stop, to: &Stop, wraps: bool, nodes: &[Node]) -> Vec<Point> {
+        let mut outline = vec![nodes[from.node].at];
+        let end = to.side + if wraps { 3 } else { 0 };
+        for side in from.side..end {
+            outline.push(self.corners[(side + 1) % 3]);
+        }
+        outline.push(nodes[to.node].at);
+        outline
+    }
+}
+
+/// Divides a face along whose sides the cells are `lines`, with these numbers of the runs; those
+/// inside are numbered from `next_run` on.
+pub(crate) fn arrange(
+    sites: &FaceSites,
+    lines: &[Line; 3],
+    runs: [Vec<u32>; 3],
+    next_run: u32,
+) -> Arrangement {
+    let mut arranger = Arranger {
+        sites,
+        next_run,
+        cut: 0,
+        found: Arrangement::default(),
+    };
+    let mut runs = runs.into_iter();
+    let sides = [0, 1, 2].map(|k| {
+        let (from, to) = (sites.corners[k], sites.corners[(k + 1) % 3]);
+        let place = |(i, change): (usize, &Change)| {
+            let node = arranger.node(
+                between(from, to, change.at),
+                NodeKind::Side {
+                    side: k as u8,
+                    change: i as u32,
+                },
+            );
+            Mark {
+                at: change.at,
+                node,
+                next: change.next,
+            }
+        };
+        Side {
+            first: lines[k].first,
+            marks: lines[k].changes.iter().enumerate().map(place).collect(),
+            runs: runs.next().unwrap_or_default(),
+        }
+    });
+    let corners = sites.corners;
+    arranger.solve(&Triangle { corners, sides }, 0);
+    arranger.found
+}
+
+struct Arranger<'a> {
+    sites: &'a FaceSites,
+    next_run: u32,
+    /// Triangles that have been cut into four.
+    cut: u32,
+    found: Arrangement,
+}
+
+impl Arranger<'_> {
+    fn node(&mut self, at: Point, kind: NodeKind) -> usize {
+        self.found.nodes.push(Node { at, kind });
+        self.found.nodes.len() - 1
+    }
+
+    fn solve(&mut self, triangle: &Triangle, depth: u32) {
+        let stops = triangle.stops();
+        if stops.is_empty() {
+            self.found.regions.push(Region {
+                source: triangle.sides[0].first,
+                outline: triangle.corners.to_vec(),
+                pieces: Vec::new(),
+                runs: triangle.sides.iter().map(|side| side.runs[0]).collect(),
+            });
+            return;
+        }
+        let before = (
+            self.found.nodes.len(),
+            self.found.pieces.len(),
+            self.found.regions.len(),
+        );
+        let is_last = depth == DEEPEST || self.cut >= MOST_CUTS;
+        if self.solve_simple(triangle, &stops, is_last).is_some() {
+            return;
+        }
+        self.found.nodes.truncate(before.0);
+        self.found.pieces.truncate(before.1);
+        self.found.regions.truncate(before.2);
+        self.cut += 1;
+        for part in self.quarters(triangle) {
+            self.solve(&part, depth + 1);
+        }
+    }
+
+    /// Cuts a triangle into four at the middles of its sides.
+    fn quarters(&mut self, triangle: &Triangle) -> [Triangle; 4] {
+        let corners = triangle.corners;
+        let halves = [0, 1, 2].map(|k| triangle.sides[k].halves());
+        let middles = [0, 1, 2].map(|k| between(corners[k], corners[(k + 1) % 3], 0.5));
+        // From the middle of each side to that of the next.
+        let cuts = [0, 1, 2].map(|k| {
+            let ends = [halves[k][1].first, halves[(k + 1) % 3][1].first];
+            self.cut(middles[k], middles[(k + 1) % 3], ends)
+        });
+        // At corner k + 1, between the second half of side k and the first of the next.
+        let at_corner = |k: usize| Triangle {
+            corners: [middles[k], corners[(k + 1) % 3], middles[(k + 1) % 3]],
+            sides: [
+                halves[k][1].clone(),
+                halves[(k + 1) % 3][0].clone(),
+                cuts[k].reversed(),
+            ],
+        };
+        [
+            at_corner(0),
+            at_corner(1),
+            at_corner(2),
+            Triangle {
+                corners: middles,
+                sides: cuts.clone(),
+            },
+        ]
+    }
+
+    /// The cells along a segment inside the face.
+    fn cut(&mut self, from: Point, to: Point, ends: [u32; 2]) -> Side {
+        let l = norm(sub(to, from));
+        let sites = self.sites.sites.iter();
+        let windows = sites.filter_map(|s| Some((s.window(from, to, l)?, s.source)));
+        let line = Line::envelope(windows, l, ends);
+        let runs = line.cells().map(|source| {
+            self.found.cuts.push(source);
+            self.next_run + self.found.cuts.len() as u32 - 1
+        });
+        let runs = runs.collect();
+        let marks = line.changes.iter().map(|change| Mark {
+            at: change.at,
+            node: self.node(between(from, to, change.at), NodeKind::Inside),
+            next: change.next,
+        });
+        Side {
+            first: line.first,
+            marks: marks.collect(),
+            runs,
+        }
+    }
+
+    /// Divides a triangle with two changes, or whose cells all meet in a point. If it `is_last`,
+    /// any triangle is divided, as well as may be.
+    fn solve_simple(&mut self, triangle: &Triangle, stops: &[Stop], is_last: bool) -> Option<()> {
+        if let [a, b] = stops {
+            let sources = [a.before, a.next];
+            let pieces = self.join(triangle, [a.node, b.node], sources, is_last)?;
+            let nodes = &self.found.nodes;
+            let right = Region {
+                source: a.next,
+                outline: triangle.outline(a, b, false, nodes),
+                pieces: pieces.clone().rev().map(|piece| (piece, false)).collect(),
+                runs: a.runs.clone(),
+            };
+            let left = Region {
+                source: a.before,
+                outline: triangle.outline(b, a, true, nodes),
+                pieces: pieces.map(|piece| (piece, true)).collect(),
+                runs: b.runs.clone(),
+            };
+            self.found.regions.extend([right, left]);
+            return Some(());
+        }
+        let at = match self.meeting(triangle, stops) {
+            Some(at) => at,
+            None if is_last => centre(stops.iter().map(|stop| self.found.nodes[stop.node].at)),
+            None => return None,
+        };
+        let vertex = self.node(at, NodeKind::Vertex(stops.len() as u32));
+        let mut arms = Vec::new();
+        for stop in stops {
+            let sources = [stop.before, stop.next];
+            arms.push(self.join(triangle, [stop.node, vertex], sources, is_last)?);
+        }
+        for (i, stop) in stops.iter().enumerate() {
+            let j = (i + 1) % stops.len();
+            let nodes = &self.found.nodes;
+            let inward = arms[j].clone().map(|piece| (piece, true));
+            let outward = arms[i].clone().rev().map(|piece| (piece, false));
+            let region = Region {
+                source: stop.next,
+                outline: triangle.outline(stop, &stops[j], j == 0, nodes),
+                pieces: inward.chain(outward).collect(),
+                runs: stop.runs.clone(),
+            };
+            self.found.regions.push(region);
+        }
+        let around = stops.iter().map(|stop| stop.next).collect();
+        self.found.vertices.push((vertex, around));
+        Some(())
+    }
+
+    /// The point at which all cells around a triangle meet, if they are different and there is one
+    /// beyond doubt.
+    fn meeting(&self, triangle: &Triangle, stops: &[Stop]) -> Option<Point> {
+        let mut cells: Vec<u32> = stops.iter().map(|stop| stop.next).collect();
+        let three = [cells[0], cells[1], cells[2]];
+        cells.sort_unstable();
+        if cells.windows(2).any(|pair| pair[0] == pair[1]) {
+            return None;
+        }
+        let size = triangle.size();
+        let mut x = centre(stops.iter().map(|stop| self.found.nodes[stop.node].at));
+        let mut last = f64::INFINITY;
+        for _ in 0..60 {
+            let [a, b, c] = three.map(|source| self.sites.nearest_of(source, x));
+            let [p, q] = [&b, &c].map(|other| sub(a.direction, other.direction));
+            let values = [a.length - b.length, a.length - c.length];
+            let determinant = cross(p, q);
+            let step = [
+                -(values[0] * q[1] - values[1] * p[1]) / determinant,
+                -(p[0] * values[1] - q[0] * values[0]) / determinant,
+            ];
+            let long = norm(step);
+            // Written so that NaN ends it.
+            if !(long < f64::INFINITY) {
+                return None;
+            }
+            let scale = (size / long).min(1.0);
+            x = [x[0] + scale * step[0], x[1] + scale * step[1]];
+            if long <= 1e-15 * size || long >= last && long <= 1e-7 * size {
+                break;
+            }
+            last = long;
+        }
+        let least = self.sites.distance(x);
+        let slack = self.sites.rounding(least);
+        let all_meet = cells
+            .iter()
+            .all(|&source| self.sites.nearest_of(source, x).length <= least + slack);
+        (all_meet && triangle.contains(x, self.slack(triangle))).then_some(x)
+    }
+
+    fn slack(&self, triangle: &Triangle) -> f64 {
+        BESIDE * triangle.size() + BESIDE_FACE * self.sites.size
+    }
+
+    /// Joins two nodes by a border with these cells on its left and on its right; `None` if the way
+    /// is in doubt, unless it `is_last`. Returns the numbers of its pieces.
+    fn join(
+        &mut self,
+        triangle: &Triangle,
+        [from, to]: [usize; 2],
+        sources: [u32; 2],
+        is_last: bool,
+    ) -> Option<std::ops::Range<usize>> {
+        let start = self.found.pieces.len();
+        let ends = [from, to].map(|node| self.found.nodes[node].at);
+        let mut parts = Vec::new();
+        let is_short = norm(sub(ends[1], ends[0])) <= BESIDE_FACE * self.sites.size;
+        if is_short || is_last {
+            parts.push(Part {
+                to: ends[1],
+                sites: None,
+            });
+        } else {
+            let way = Way {
+                sites: self.sites,
+                triangle,
+                slack: self.slack(triangle),
+                sources,
+            };
+            if way.is_straight(ends) {
+                parts.push(Part {
+                    to: ends[1],
+                    sites: None,
+                });
+            } else {
+                let mut steps = 0;
+                way.trace(ends, &mut steps, &mut parts)?;
+            }
+        }
+        let mut node = from;
+        let count = parts.len();
+        for (i, part) in parts.into_iter().enumerate() {
+            let next = if i + 1 == count {
+                to
+            } else {
+                self.node(part.to, NodeKind::Inside)
+            };
+            let curve = part
+                .sites
+                .map(|pair| Bisector::of(pair.map(|site| &self.sites.sites[site])));
+            self.found.pieces.push(Piece {
+                nodes: [node, next],
+                sources,
+                curve,
+            });
+            node = next;
+        }
+        Some(start..self.found.pieces.len())
+    }
+}
+
+/// A part of a border that is about to become a [`Piece`].
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    to: Point,
+    sites: Option<[usize; 2]>,
+}
+
+/// The border between two cells in a triangle that holds nothing else.
+struct Way<'a> {
+    sites: &'a FaceSites,
+    triangle: &'a Triangle,
+    slack: f64,
+    sources: [u32; 2],
+}
+
+impl Way<'_> {
+    /// The nearest sites of both cells, if `x` is on the border: equally far from both, with nothing
+    /// nearer.
+    fn pair(&self, x: Point) -> Option<[usize; 2]> {
+        let [a, b] = self.sources.map(|source| self.sites.nearest_of(source, x));
+        let least = self.sites.distance(x);
+        let slack = self.sites.rounding(least);
+        let is_border = a.length <= least + slack && b.length <= least + slack;
+        (is_border && self.triangle.contains(x, self.slack)).then_some([a.site, b.site])
+    }
+
+    /// Whether the straight paths of both sites are the shortest of their cells at `x`.
+    fn holds(&self, pair: [usize; 2], x: Point) -> bool {
+        let least = self.sites.distance(x);
+        let slack = self.sites.rounding(least);
+        let lengths = pair.map(|site| self.sites.sites[site].straight(x));
+        lengths.into_iter().all(|d| (d - least).abs() <= slack)
+    }
+
+    /// The border beside the middle between two of its points.
+    fn middle(&self, [from, to]: [Point; 2]) -> Option<Point> {
+        let start = between(from, to, 0.5);
+        newton_across(start, sub(to, from), |x| {
+            let [a, b] = self.sources.map(|source| self.sites.nearest_of(source, x));
+            let value = a.length - b.length;
+            value
+                .is_finite()
+                .then(|| (value, sub(a.direction, b.direction)))
+        })
+    }
+
+    /// Whether the straight line between `ends` is the border, as far as rounding can tell.
+    ///
+    /// Where two images coincide the border is no bisector: it is the line up to which the one sees
+    /// and from which on the other does, since both look past the same vertex.
+    fn is_straight(&self, [from, to]: [Point; 2]) -> bool {
+        [0.5, 0.125, 0.875]
+            .into_iter()
+            .all(|t| self.pair(between(from, to, t)).is_some())
+    }
+
+    /// Appends the parts of the border between `ends`.
+    fn trace(&self, ends: [Point; 2], steps: &mut u32, parts: &mut Vec<Part>) -> Option<()> {
+        let [from, to] = ends;
+        *steps += 1;
+        if *steps > MOST_STEPS {
+            return None;
+        }
+        let middle = self.middle(ends)?;
+        let pair = self.pair(middle)?;
+        let push = |parts: &mut Vec<Part>, sites| match parts.last_mut() {
+            Some(last) if last.sites == sites || last.sites.is_none() => {
+                *last = Part { to, sites };
+            }
+            Some(last) if sites.is_none() => last.to = to,
+            _ => parts.push(Part { to, sites }),
+        };
+        if self.is_whole(pair, ends, middle) {
+            push(parts, Some(pair));
+            return Some(());
+        }
+        let is_short = norm(sub(to, from)) <= BESIDE_FACE * self.sites.size;
+        if is_short {
+            push(parts, None);
+            return Some(());
+        }
+        self.trace([from, middle], steps, parts)?;
+        self.trace([middle, to], steps, parts)
+    }
+
+    /// Whether the bisector of one pair of sites is the border all the way.
+    fn is_whole(&self, pair: [usize; 2], ends: [Point; 2], middle: Point) -> bool {
+        if !(self.holds(pair, ends[0]) && self.holds(pair, ends[1]) && self.holds(pair, middle)) {
+            return false;
+        }
+        // Nowhere does it turn back on itself, so that it can be followed along its chord.
+        let [near, far] = [sub(middle, ends[0]), sub(ends[1], middle)];
+        if dot(near, far) < 0.5 * norm(near) * norm(far) {
+            return false;
+        }
+        let curve = Bisector::of(pair.map(|site| &self.sites.sites[site]));
+        [0.2, 0.8].into_iter().all(|t| {
+            let x = curve.beside(ends[0], ends[1], t);
+            x.is_some_and(|x| self.holds(pair, x))
+        })
+    }
+}
+
+fn centre(points: impl Iterator<Item = Point>) -> Point {
+    let (mut sum, mut count) = ([0.0; 2], 0.0);
+    for p in points {
+        sum = [sum[0] + p[0], sum[1] + p[1]];
+        count += 1.0;
+    }
+    sum.map(|s| s / count)
+}

@@ -1,0 +1,110 @@
+//! The dual of a diagram: a triangle of sources for each Voronoi vertex.
+
+use std::collections::HashMap;
+use std::fmt;
+
+use super::Diagram;
+
+/// The dual of a [`Diagram`]: sources whose cells meet in a Voronoi vertex form a triangle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Dual {
+    /// Triangles of sources, in the orientation of the surface.
+    pub triangles: Vec<[u32; 3]>,
+    /// Voronoi vertices in which more than three cells meet, by their nodes: each became several
+    /// triangles, cut from a polygon at its first corner.
+    pub split: Vec<u32>,
+    /// Why the triangles are not a triangulation; empty if they are.
+    pub obstacles: Vec<Obstacle>,
+}
+
+/// Why the dual of a diagram is not a triangulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Obstacle {
+    /// A cell that is no disc.
+    NoDisc {
+        /// The cell.
+        cell: u32,
+        /// The [Euler characteristic](super::Cell::euler) of its inside.
+        euler: i64,
+    },
+    /// A Voronoi vertex at which one cell comes twice.
+    TwiceAtVertex {
+        /// The node of the vertex.
+        node: u32,
+        /// The cell.
+        cell: u32,
+    },
+    /// Two cells that share several borders.
+    SeveralBorders {
+        /// The cells.
+        cells: [u32; 2],
+    },
+}
+
+impl fmt::Display for Obstacle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoDisc { cell, euler: 0.. } => {
+                write!(
+                    f,
+                    "cell {cell} is no disc: it is not in one piece, or the whole surface"
+                )
+            }
+            Self::NoDisc { cell, .. } => write!(f, "cell {cell} is no disc: it has holes"),
+            Self::TwiceAtVertex { node, cell } => {
+                write!(
+                    f,
+                    "cell {cell} meets itself at the Voronoi vertex of node {node}"
+                )
+            }
+            Self::SeveralBorders { cells: [a, b] } => {
+                write!(f, "cells {a} and {b} share several borders")
+            }
+        }
+    }
+}
+
+impl Diagram {
+    /// The dual triangulation, with all that keeps it from being one.
+    pub fn dual(&self) -> Dual {
+        let mut dual = Dual::default();
+        for (cell, found) in (0..).zip(&self.cells) {
+            if !found.is_disc() {
+                let euler = found.euler;
+                dual.obstacles.push(Obstacle::NoDisc { cell, euler });
+            }
+        }
+        let mut edges: HashMap<[u32; 2], u32> = HashMap::new();
+        for (node, around) in self.vertices() {
+            if around.len() > 3 {
+                dual.split.push(node);
+            }
+            let mut sorted = around.to_vec();
+            sorted.sort_unstable();
+            if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+                let cell = pair[0];
+                dual.obstacles.push(Obstacle::TwiceAtVertex { node, cell });
+                continue;
+            }
+            for i in 1..around.len() - 1 {
+                let [a, b, c] = [around[0], around[i], around[i + 1]];
+                dual.triangles.push([a, b, c]);
+                for edge in [[a, b], [b, c], [c, a]] {
+                    *edges.entry(edge).or_default() += 1;
+                }
+            }
+        }
+        let mut several: Vec<[u32; 2]> = edges
+            .into_iter()
+            .filter(|(_, count)| *count > 1)
+            .map(|([a, b], _)| [a.min(b), a.max(b)])
+            .collect();
+        several.sort_unstable();
+        several.dedup();
+        let several = several.into_iter();
+        let obstacles = several.map(|cells| Obstacle::SeveralBorders { cells });
+        dual.obstacles.extend(obstacles);
+        dual
+    }
+}

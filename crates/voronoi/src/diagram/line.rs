@@ -1,0 +1,149 @@
+//! The cells along a segment.
+
+use geobench_window::Window;
+use geobench_window::trimming::{Division, Owner};
+
+/// The cells along a segment of length 1: the first one, and where they change.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Line {
+    pub(crate) first: u32,
+    /// In ascending order; each names the cell behind it.
+    pub(crate) changes: Vec<Change>,
+}
+
+/// Where one cell ends and another begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Change {
+    /// The place, from 0 to 1.
+    pub(crate) at: f64,
+    /// The cell behind it.
+    pub(crate) next: u32,
+}
+
+/// Width of a cell on a segment, as a fraction of that, below which it is left out: what two others
+/// leave between them by rounding.
+const NARROW: f64 = 1e-12;
+
+impl Line {
+    /// Nothing but cell `first`.
+    pub(crate) const fn of(first: u32) -> Self {
+        Self {
+            first,
+            changes: Vec::new(),
+        }
+    }
+
+    /// The cell at the end.
+    pub(crate) fn last(&self) -> u32 {
+        self.changes.last().map_or(self.first, |change| change.next)
+    }
+
+    /// The cells in order.
+    pub(crate) fn cells(&self) -> impl Iterator<Item = u32> {
+        std::iter::once(self.first).chain(self.changes.iter().map(|change| change.next))
+    }
+
+    /// The cells along a segment of length `l`: those of the windows that are shorter where.
+    /// `first` and `last` are the cells at its ends, which others have decided.
+    pub(crate) fn envelope(
+        windows: impl Iterator<Item = (Window, u32)>,
+        l: f64,
+        [first, last]: [u32; 2],
+    ) -> Self {
+        let mut list: Vec<(Window, u32)> = Vec::new();
+        let mut met = Vec::new();
+        let mut division = Division::default();
+        for (new, source) in windows {
+            let from = list.partition_point(|(w, _)| w.b1 <= new.b0);
+            met.clear();
+            let behind = list[from..].iter().map(|&(w, _)| w);
+            met.extend(behind.take_while(|w| w.b0 < new.b1));
+            division.share_out(&met, &new, l);
+            let parts: Vec<(Window, u32)> = division
+                .segments()
+                .iter()
+                .map(|segment| {
+                    let (w, source) = match segment.owner {
+                        Owner::New => (new, source),
+                        Owner::Old(k) => list[from + k],
+                    };
+                    let (b0, b1) = (segment.start, segment.end);
+                    (Window { b0, b1, ..w }, source)
+                })
+                .collect();
+            list.splice(from..from + met.len(), parts);
+        }
+        let mut runs: Vec<(f64, f64, u32)> = Vec::new();
+        for (w, source) in list {
+            let (start, end) = (w.b0 / l, w.b1 / l);
+            match runs.last_mut() {
+                Some(run) if run.2 == source => run.1 = end,
+                _ => runs.push((start, end, source)),
+            }
+        }
+        runs.retain(|run| run.1 - run.0 > NARROW);
+        let mut line = Self::of(first);
+        let mut end = 0.0;
+        for (start, run_end, source) in runs {
+            if source != line.last() {
+                // What lies between two runs was too narrow to count.
+                let at = if end == 0.0 { 0.0 } else { 0.5 * (start + end) };
+                line.changes.push(Change { at, next: source });
+            }
+            end = run_end;
+        }
+        if line.last() != last {
+            line.changes.push(Change {
+                at: 1.0,
+                next: last,
+            });
+        }
+        line
+    }
+
+    /// The same line from its other end.
+    pub(crate) fn reversed(&self) -> Self {
+        let mut before: Vec<u32> = self.cells().collect();
+        let first = before.pop().unwrap_or(self.first);
+        let places = self.changes.iter().zip(before);
+        let changes = places.map(|(change, next)| Change {
+            at: 1.0 - change.at,
+            next,
+        });
+        let mut changes: Vec<Change> = changes.collect();
+        changes.reverse();
+        Self { first, changes }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn window(px: f64) -> Window {
+        Window {
+            b0: 0.0,
+            b1: 2.0,
+            px,
+            py: -1.0,
+            sigma: 0.0,
+        }
+    }
+
+    #[test]
+    fn cells_change_where_their_windows_tie() {
+        let windows = [(window(2.0), 7), (window(0.0), 3)];
+        let line = Line::envelope(windows.into_iter(), 2.0, [3, 7]);
+        let change = Change { at: 0.5, next: 7 };
+        assert_eq!((line.first, &line.changes[..]), (3, &[change][..]));
+        assert_eq!(line.reversed().first, 7);
+        assert_eq!(line.reversed().reversed(), line);
+    }
+
+    #[test]
+    fn what_was_decided_at_an_end_stays() {
+        let line = Line::envelope([(window(0.0), 3)].into_iter(), 2.0, [1, 2]);
+        assert_eq!(line.cells().collect::<Vec<_>>(), [1, 3, 2]);
+        assert_eq!((line.changes[0].at, line.changes[1].at), (0.0, 1.0));
+    }
+}

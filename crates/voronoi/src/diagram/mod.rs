@@ -1,0 +1,698 @@
+//! The diagram: cells, the arcs between them, the vertices in which arcs meet.
+
+mod arrange;
+mod curve;
+mod dual;
+mod line;
+mod plane;
+pub(crate) mod sites;
+
+use std::collections::BTreeSet;
+
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
+use geobench_window::Window;
+
+use crate::field::{Field, NO_SOURCE};
+use crate::store::edge_of;
+use arrange::{Arrangement, NodeKind, arrange};
+pub use curve::Bisector;
+pub use dual::{Dual, Obstacle};
+use line::Line;
+use plane::{Point, cross, norm, sub};
+use sites::{FaceSites, corners};
+
+/// A geodesic Voronoi diagram.
+///
+/// ```
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_voronoi::{Diagram, WindowVtp};
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let mut solver = WindowVtp::new(&mesh);
+/// // Two opposite corners of a square: each has half of it.
+/// let field = solver.field(&[0, 24].map(VertexId::new))?;
+/// let diagram = Diagram::new(&field, 2);
+/// assert!((diagram.cells()[0].area - 8.0).abs() < 1e-12);
+/// assert_eq!(diagram.cells()[0].neighbours, [1]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Diagram {
+    mesh: Mesh,
+    labels: Vec<u32>,
+    nodes: Vec<Node>,
+    /// The nodes of the Voronoi vertices, with the cells around each.
+    vertex_cells: Vec<(u32, Vec<u32>)>,
+    arcs: Vec<Arc>,
+    cells: Vec<Cell>,
+    faces: Vec<BorderFace>,
+    /// For each face its only cell, [`NO_SOURCE`] where no source reaches it or in border faces.
+    inner: Vec<u32>,
+    border_face: Vec<bool>,
+}
+
+/// A point at which arcs end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    /// One of the faces in which it lies.
+    pub face: FaceId,
+    /// Its place in the plane of that face, in the frame of the first half-edge.
+    pub place: [f64; 2],
+    /// What it is.
+    pub kind: Kind,
+}
+
+/// What a [`Node`] is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Where a border between two cells crosses an edge of the mesh.
+    OnEdge,
+    /// Where a border goes on along another bisector.
+    Breakpoint,
+    /// A Voronoi vertex, in which as many borders meet.
+    Vertex {
+        /// The number of borders.
+        degree: u32,
+    },
+}
+
+/// A piece of the border between two cells, inside one face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arc {
+    /// The face.
+    pub face: FaceId,
+    /// The cells on its left and on its right.
+    pub sources: [u32; 2],
+    /// The nodes at which it begins and ends.
+    pub nodes: [u32; 2],
+    /// Its ends in the plane of the face.
+    pub ends: [[f64; 2]; 2],
+    /// The bisector of which it is a part; `None` if rounding cannot tell it from a straight line.
+    pub bisector: Option<Bisector>,
+}
+
+impl Arc {
+    /// Whether it is straight.
+    pub fn is_line(&self) -> bool {
+        self.bisector.is_none_or(|bisector| bisector.is_line())
+    }
+
+    /// The point beside fraction `t` of its chord, in the plane of the face.
+    pub fn point(&self, t: f64) -> [f64; 2] {
+        let [from, to] = self.ends;
+        let curve = self.bisector.and_then(|b| b.beside(from, to, t));
+        curve.unwrap_or_else(|| plane::between(from, to, t))
+    }
+
+    fn length_and_area(&self) -> (f64, f64) {
+        let [from, to] = self.ends;
+        let length = norm(sub(to, from));
+        match self.bisector {
+            Some(bisector) if length > 0.0 && !bisector.is_line() => {
+                bisector.length_and_area(from, to)
+            }
+            _ => (length, 0.0),
+        }
+    }
+
+    /// Its length.
+    pub fn length(&self) -> f64 {
+        self.length_and_area().0
+    }
+}
+
+/// All points that are nearer to one source than to any other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cell {
+    /// Its area.
+    pub area: f64,
+    /// The length of its border, that of the surface included.
+    pub perimeter: f64,
+    /// The cells with which it shares a border, in ascending order.
+    pub neighbours: Vec<u32>,
+    /// The Euler characteristic of its inside: 1 for a disc, less for one with holes, 0 for none at
+    /// all, as for a source that another one at the same place has replaced.
+    pub euler: i64,
+    /// Whether its inside hangs together.
+    pub is_connected: bool,
+}
+
+impl Cell {
+    /// Whether it is a disc.
+    pub fn is_disc(&self) -> bool {
+        self.euler == 1 && self.is_connected
+    }
+}
+
+/// A part of a cell inside a face.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// The cell.
+    pub source: u32,
+    /// The face.
+    pub face: FaceId,
+    /// Its corners in the plane of the face, counter-clockwise, with points along its arcs between
+    /// them.
+    pub outline: Vec<[f64; 2]>,
+}
+
+/// A face that several cells share.
+#[derive(Clone, Debug)]
+struct BorderFace {
+    face: FaceId,
+    arrangement: Arrangement,
+    first_arc: usize,
+}
+
+impl Diagram {
+    /// The diagram of `field`, which was found from so many sources.
+    pub fn new(field: &Field<'_>, sources: usize) -> Self {
+        let mut builder = Builder::new(field, sources);
+        builder.find_lines();
+        builder.divide_faces();
+        builder.finish()
+    }
+
+    /// The mesh.
+    pub const fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The nearest source of every vertex of the mesh.
+    pub fn labels(&self) -> &[u32] {
+        &self.labels
+    }
+
+    /// The points at which arcs end.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// The Voronoi vertices: the number of the node of each, and the cells around it, in order;
+    /// counter-clockwise as the faces are.
+    pub fn vertices(&self) -> impl Iterator<Item = (u32, &[u32])> {
+        let vertices = self.vertex_cells.iter();
+        vertices.map(|(node, around)| (*node, &around[..]))
+    }
+
+    /// The pieces of the borders between cells.
+    pub fn arcs(&self) -> &[Arc] {
+        &self.arcs
+    }
+
+    /// The cells, in the order of the sources.
+    pub fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// Number of faces that several cells share.
+    pub fn border_faces(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// The only cell of a face; `None` if there are several, or none.
+    pub fn cell_of_face(&self, face: FaceId) -> Option<u32> {
+        let cell = self.inner[face.index()];
+        (cell != NO_SOURCE).then_some(cell)
+    }
+
+    /// Whether several cells share a face.
+    pub fn is_border(&self, face: FaceId) -> bool {
+        self.border_face[face.index()]
+    }
+
+    /// The parts into which cells divide the faces that several of them share. Along each arc there
+    /// are so many points between its ends.
+    pub fn parts(&self, points_per_arc: usize) -> impl Iterator<Item = Part> {
+        self.faces.iter().flat_map(move |border| {
+            border.arrangement.regions.iter().map(move |region| {
+                let mut outline = region.outline.clone();
+                for &(piece, is_forward) in &region.pieces {
+                    let arc = &self.arcs[border.first_arc + piece];
+                    let count = if arc.is_line() { 0 } else { points_per_arc };
+                    for i in 1..=count {
+                        let t = i as f64 / (count + 1) as f64;
+                        outline.push(arc.point(if is_forward { t } else { 1.0 - t }));
+                    }
+                    outline.push(arc.ends[usize::from(is_forward)]);
+                }
+                if !region.pieces.is_empty() {
+                    // It ends where it began.
+                    outline.pop();
+                }
+                outline.dedup();
+                Part {
+                    source: region.source,
+                    face: border.face,
+                    outline,
+                }
+            })
+        })
+    }
+
+    /// The barycentric coordinates of a place in the plane of `face`.
+    pub fn barycentric(&self, face: FaceId, place: [f64; 2]) -> [f64; 3] {
+        let corners = corners(&self.mesh, face);
+        let twice = |a: Point, b: Point, c: Point| cross(sub(b, a), sub(c, a));
+        let [a, b, c] = corners;
+        let whole = twice(a, b, c);
+        let [u, v] = [twice(place, b, c), twice(a, place, c)].map(|part| part / whole);
+        [u, v, 1.0 - u - v]
+    }
+
+    /// A place in the plane of `face` as a point of space; `None` if the mesh has no positions.
+    pub fn position(&self, face: FaceId, place: [f64; 2]) -> Option<[f64; 3]> {
+        let weights = self.barycentric(face, place);
+        let positions = self.mesh.positions();
+        let mut position = [0.0; 3];
+        for (weight, v) in weights.into_iter().zip(self.mesh.face_vertices(face)) {
+            let corner = positions.get(v.index())?;
+            for (sum, x) in position.iter_mut().zip(corner) {
+                *sum += weight * x;
+            }
+        }
+        Some(position)
+    }
+}
+
+/// Parts of cells that hang together.
+#[derive(Clone, Debug, Default)]
+struct Unions {
+    parents: Vec<u32>,
+    /// The cell of each.
+    cells: Vec<u32>,
+}
+
+impl Unions {
+    /// The number of the next one.
+    fn next(&self) -> u32 {
+        self.parents.len() as u32
+    }
+
+    fn add(&mut self, cell: u32) {
+        self.parents.push(self.next());
+        self.cells.push(cell);
+    }
+
+    fn root(&mut self, mut i: u32) -> u32 {
+        while self.parents[i as usize] != i {
+            let above = self.parents[self.parents[i as usize] as usize];
+            self.parents[i as usize] = above;
+            i = above;
+        }
+        i
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parents[a.max(b) as usize] = a.min(b);
+    }
+}
+
+const NO_LINE: u32 = u32::MAX;
+
+/// Makes a [`Diagram`].
+struct Builder<'a> {
+    field: &'a Field<'a>,
+    /// For each half-edge that stands for an edge its line, if cells change along it.
+    line_of: Vec<u32>,
+    lines: Vec<Line>,
+    /// For each line the number of its first node.
+    first_node: Vec<u32>,
+    /// For each line the numbers of its cells among the unions.
+    first_union: Vec<u32>,
+    nodes: Vec<Node>,
+    arcs: Vec<Arc>,
+    cells: Vec<Cell>,
+    neighbours: Vec<BTreeSet<u32>>,
+    faces: Vec<BorderFace>,
+    inner: Vec<u32>,
+    border_face: Vec<bool>,
+    vertex_cells: Vec<(u32, Vec<u32>)>,
+    /// Parts of cells by what lies in them: first the vertices of the mesh, then the runs along
+    /// edges with several cells, then those along cuts inside faces.
+    unions: Unions,
+}
+
+impl<'a> Builder<'a> {
+    fn new(field: &'a Field<'a>, sources: usize) -> Self {
+        Self {
+            field,
+            line_of: vec![NO_LINE; field.mesh.half_edge_count()],
+            lines: Vec::new(),
+            first_node: Vec::new(),
+            first_union: Vec::new(),
+            nodes: Vec::new(),
+            arcs: Vec::new(),
+            cells: vec![Cell::default(); sources],
+            neighbours: vec![BTreeSet::new(); sources],
+            faces: Vec::new(),
+            inner: Vec::new(),
+            border_face: Vec::new(),
+            vertex_cells: Vec::new(),
+            unions: Unions::default(),
+        }
+    }
+
+    /// Where cells change along the edges of the mesh.
+    fn find_lines(&mut self) {
+        let mesh = self.field.mesh;
+        for h in mesh.half_edges() {
+            let twin = mesh.twin(h);
+            if twin.is_some_and(|twin| twin < h) {
+                continue;
+            }
+            let line = match twin {
+                Some(twin) => self.line_inside(h, edge_of(h, twin).0),
+                None => self.line_of_boundary(h),
+            };
+            let Some(line) = line.filter(|line| !line.changes.is_empty()) else {
+                continue;
+            };
+            let [from, to] = side_of(mesh, h);
+            self.line_of[h.index()] = self.lines.len() as u32;
+            self.first_node.push(self.nodes.len() as u32);
+            for change in &line.changes {
+                self.nodes.push(Node {
+                    face: h.face(),
+                    place: plane::between(from, to, change.at),
+                    kind: Kind::OnEdge,
+                });
+            }
+            self.lines.push(line);
+        }
+    }
+
+    /// The distances and cells at both ends of `h`.
+    fn ends(&self, h: HalfEdgeId) -> [(f64, u32); 2] {
+        let mesh = self.field.mesh;
+        [mesh.tail(h), mesh.head(h)].map(|v| {
+            let v = v.index();
+            (self.field.distances[v], self.field.labels[v])
+        })
+    }
+
+    /// The cells along an edge between two faces: those of the windows stored there, of both
+    /// directions, and of its ends. `None` if there is only one.
+    fn line_inside(&self, h: HalfEdgeId, e: usize) -> Option<Line> {
+        let ends = self.ends(h);
+        let list = self.field.store.list(e);
+        let first = ends[0].1;
+        if ends[1].1 == first && list.iter().all(|s| s.source() == first) {
+            return None;
+        }
+        let l = self.field.mesh.length(h);
+        let windows = list.iter().map(|s| (s.window, s.source()));
+        let windows = windows.chain(end_windows(ends, l));
+        Some(Line::envelope(windows, l, [first, ends[1].1]))
+    }
+
+    /// The cells along an edge of the boundary, where no windows are stored: those of the sites of
+    /// its face.
+    fn line_of_boundary(&self, h: HalfEdgeId) -> Option<Line> {
+        let ends = self.ends(h);
+        let sites = FaceSites::new(self.field, h.face());
+        let first = ends[0].1;
+        if sites.sites.iter().all(|site| site.source == first) {
+            return None;
+        }
+        let l = self.field.mesh.length(h);
+        let [from, to] = side_of(self.field.mesh, h);
+        let windows = sites.sites.iter();
+        let windows = windows.filter_map(|s| Some((s.window(from, to, l)?, s.source)));
+        Some(Line::envelope(windows, l, [first, ends[1].1]))
+    }
+
+    /// The number of the line along `h`, and whether it runs the other way; `None` if there is but
+    /// one cell.
+    fn line_along(&self, h: HalfEdgeId) -> Option<(usize, bool)> {
+        let twin = self.field.mesh.twin(h);
+        let (e, is_reversed) = twin.map_or((h.index(), false), |twin| edge_of(h, twin));
+        let line = self.line_of[e];
+        (line != NO_LINE).then_some((line as usize, is_reversed))
+    }
+
+    fn divide_faces(&mut self) {
+        let field = self.field;
+        let mesh = field.mesh;
+        for &label in field.labels {
+            self.unions.add(label);
+        }
+        for line in &self.lines {
+            self.first_union.push(self.unions.next());
+            for source in line.cells() {
+                self.unions.add(source);
+            }
+        }
+        for face in mesh.faces() {
+            let along = [0, 1, 2].map(|k| self.line_along(face.half_edge(k)));
+            if along == [None; 3] {
+                self.add_inner_face(face);
+            } else {
+                self.add_border_face(face, along);
+            }
+        }
+        self.count_edges_and_vertices();
+    }
+
+    /// A face with one cell, or none.
+    fn add_inner_face(&mut self, face: FaceId) {
+        let mesh = self.field.mesh;
+        let source = self.field.labels[mesh.face_vertices(face)[0].index()];
+        self.inner.push(source);
+        self.border_face.push(false);
+        if source == NO_SOURCE {
+            return;
+        }
+        let [first, second, third] = mesh.face_vertices(face).map(VertexId::raw);
+        self.unions.join(first, second);
+        self.unions.join(second, third);
+        let [a, b, c] = corners(mesh, face);
+        let cell = &mut self.cells[source as usize];
+        cell.area += 0.5 * cross(sub(b, a), sub(c, a));
+        cell.euler += 1;
+    }
+
+    /// A face that several cells share.
+    fn add_border_face(&mut self, face: FaceId, along: [Option<(usize, bool)>; 3]) {
+        self.inner.push(NO_SOURCE);
+        self.border_face.push(true);
+        let sites = FaceSites::new(self.field, face);
+        let vertices = self.field.mesh.face_vertices(face);
+        let lines = [0, 1, 2].map(|k| match along[k] {
+            Some((line, false)) => self.lines[line].clone(),
+            Some((line, true)) => self.lines[line].reversed(),
+            None => Line::of(self.field.labels[vertices[k].index()]),
+        });
+        let runs = [0, 1, 2].map(|k| self.runs_along(vertices[k], vertices[(k + 1) % 3], along[k]));
+        let next_run = self.unions.next();
+        let arrangement = arrange(&sites, &lines, runs, next_run);
+        for &source in &arrangement.cuts {
+            self.unions.add(source);
+        }
+        for region in &arrangement.regions {
+            for pair in region.runs.windows(2) {
+                self.unions.join(pair[0], pair[1]);
+            }
+        }
+        let numbers = self.add_nodes(face, &arrangement, along, &lines);
+        for (node, around) in &arrangement.vertices {
+            self.vertex_cells.push((numbers[*node], around.clone()));
+        }
+        let first_arc = self.arcs.len();
+        for piece in &arrangement.pieces {
+            let arc = Arc {
+                face,
+                sources: piece.sources,
+                nodes: piece.nodes.map(|node| numbers[node]),
+                ends: piece.nodes.map(|node| arrangement.nodes[node].at),
+                bisector: piece.curve,
+            };
+            self.add_arc(arc);
+        }
+        for k in 0..3 {
+            let (from, to) = (sites.corners[k], sites.corners[(k + 1) % 3]);
+            let mut at = from;
+            let ends = lines[k]
+                .changes
+                .iter()
+                .map(|c| plane::between(from, to, c.at));
+            for (source, end) in lines[k].cells().zip(ends.chain([to])) {
+                self.cells[source as usize].area += 0.5 * cross(at, end);
+                at = end;
+            }
+        }
+        for region in &arrangement.regions {
+            self.cells[region.source as usize].euler += 1;
+        }
+        for &source in &arrangement.cuts {
+            self.cells[source as usize].euler -= 1;
+        }
+        self.faces.push(BorderFace {
+            face,
+            arrangement,
+            first_arc,
+        });
+    }
+
+    /// The numbers of the runs along an edge. One with a single cell hangs together with its ends.
+    fn runs_along(
+        &mut self,
+        tail: VertexId,
+        head: VertexId,
+        along: Option<(usize, bool)>,
+    ) -> Vec<u32> {
+        let Some((line, is_reversed)) = along else {
+            self.unions.join(tail.raw(), head.raw());
+            return vec![tail.raw()];
+        };
+        let first = self.first_union[line];
+        let count = self.lines[line].changes.len() as u32;
+        let mut runs: Vec<u32> = (first..=first + count).collect();
+        if is_reversed {
+            runs.reverse();
+        }
+        self.unions.join(runs[0], tail.raw());
+        self.unions.join(runs[count as usize], head.raw());
+        runs
+    }
+
+    /// The numbers of the nodes of a face in the whole diagram.
+    fn add_nodes(
+        &mut self,
+        face: FaceId,
+        arrangement: &Arrangement,
+        along: [Option<(usize, bool)>; 3],
+        lines: &[Line; 3],
+    ) -> Vec<u32> {
+        let mut numbers = Vec::new();
+        for node in &arrangement.nodes {
+            let kind = match node.kind {
+                NodeKind::Side { side, change } => {
+                    let side = side as usize;
+                    let (line, is_reversed) = along[side].unwrap_or_default();
+                    let last = lines[side].changes.len() as u32 - 1;
+                    let change = if is_reversed { last - change } else { change };
+                    numbers.push(self.first_node[line] + change);
+                    continue;
+                }
+                NodeKind::Inside => Kind::Breakpoint,
+                NodeKind::Vertex(degree) => Kind::Vertex { degree },
+            };
+            numbers.push(self.nodes.len() as u32);
+            self.nodes.push(Node {
+                face,
+                place: node.at,
+                kind,
+            });
+        }
+        numbers
+    }
+
+    fn add_arc(&mut self, arc: Arc) {
+        let (length, bulge) = arc.length_and_area();
+        let [from, to] = arc.ends;
+        // Counter-clockwise around the cell on its left.
+        let area = 0.5 * cross(from, to) - bulge;
+        let [left, right] = arc.sources;
+        for (source, other, area) in [(left, right, area), (right, left, -area)] {
+            let cell = &mut self.cells[source as usize];
+            cell.area += area;
+            cell.perimeter += length;
+            self.neighbours[source as usize].insert(other);
+        }
+        self.arcs.push(arc);
+    }
+
+    /// What edges and vertices count for the Euler characteristics of the cells, and the boundary
+    /// of the surface for their perimeters.
+    fn count_edges_and_vertices(&mut self) {
+        let mesh = self.field.mesh;
+        for h in mesh.half_edges() {
+            let twin = mesh.twin(h);
+            if twin.is_some_and(|twin| twin < h) {
+                continue;
+            }
+            let constant;
+            let line = match self.line_along(h) {
+                Some((line, _)) => &self.lines[line],
+                None => {
+                    constant = Line::of(self.field.labels[mesh.tail(h).index()]);
+                    &constant
+                }
+            };
+            if line.first == NO_SOURCE {
+                continue;
+            }
+            let l = mesh.length(h);
+            let mut at = 0.0;
+            let ends = line.changes.iter().map(|change| change.at).chain([1.0]);
+            for (source, end) in line.cells().zip(ends) {
+                let cell = &mut self.cells[source as usize];
+                if twin.is_some() {
+                    cell.euler -= 1;
+                } else {
+                    cell.perimeter += l * (end - at);
+                }
+                at = end;
+            }
+        }
+        for v in mesh.vertices() {
+            let source = self.field.labels[v.index()];
+            if source != NO_SOURCE && !mesh.is_boundary(v) && !mesh.outgoing(v).is_empty() {
+                self.cells[source as usize].euler += 1;
+            }
+        }
+    }
+
+    fn finish(mut self) -> Diagram {
+        for (cell, neighbours) in self.cells.iter_mut().zip(self.neighbours) {
+            cell.neighbours = neighbours.into_iter().collect();
+        }
+        let mut pieces = vec![0; self.cells.len()];
+        for i in 0..self.unions.next() {
+            let source = self.unions.cells[i as usize];
+            if source != NO_SOURCE && self.unions.root(i) == i {
+                pieces[source as usize] += 1;
+            }
+        }
+        for (cell, pieces) in self.cells.iter_mut().zip(pieces) {
+            cell.is_connected = pieces == 1;
+        }
+        Diagram {
+            mesh: self.field.mesh.clone(),
+            labels: self.field.labels.to_vec(),
+            vertex_cells: self.vertex_cells,
+            nodes: self.nodes,
+            arcs: self.arcs,
+            cells: self.cells,
+            faces: self.faces,
+            inner: self.inner,
+            border_face: self.border_face,
+        }
+    }
+}
+
+/// The ends of an edge as windows along it.
+fn end_windows(ends: [(f64, u32); 2], l: f64) -> impl Iterator<Item = (Window, u32)> {
+    let places = ends.into_iter().zip([0.0, l]);
+    places
+        .filter(|((_, source), _)| *source != NO_SOURCE)
+        .map(move |((sigma, source), px)| {
+            let window = Window {
+                b0: 0.0,
+                b1: l,
+                px,
+                py: 0.0,
+                sigma,
+            };
+            (window, source)
+        })
+}
+
+/// The ends of `h` in the plane of its face.
+fn side_of(mesh: &Mesh, h: HalfEdgeId) -> [Point; 2] {
+    let corners = corners(mesh, h.face());
+    let k = h.corner() as usize;
+    [corners[k], corners[(k + 1) % 3]]
+}

@@ -1,0 +1,40 @@
+//! Points of the plane into which a face is laid.
+
+/// A point, or a vector.
+pub(crate) type Point = [f64; 2];
+
+#[inline]
+pub(crate) fn sub(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+#[inline]
+pub(crate) fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+#[inline]
+pub(crate) fn cross(a: Point, b: Point) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+#[inline]
+pub(crate) fn norm(a: Point) -> f64 {
+    a[0].hypot(a[1])
+}
+
+/// The point at fraction `t` of the way from `a` to `b`.
+#[inline]
+pub(crate) fn between(a: Point, b: Point, t: f64) -> Point {
+    // Exact at both ends.
+    if t == 1.0 {
+        return b;
+    }
+    [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
+}
+
+/// `a` + `t`·`b`.
+#[inline]
+pub(crate) fn along(a: Point, t: f64, b: Point) -> Point {
+    [a[0] + t * b[0], a[1] + t * b[1]]
+}

@@ -1,0 +1,262 @@
+//! From where the points of a face are reached.
+
+use geobench_mesh::{FaceId, Mesh};
+use geobench_window::Window;
+
+use super::plane::{Point, cross, dot, norm, sub};
+use crate::field::{Field, NO_SOURCE};
+use crate::store::{Stored, edge_of};
+
+/// A (pseudo-)source as the points of a face see it, unfolded into the plane of the face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Site {
+    pub(crate) image: Point,
+    pub(crate) sigma: f64,
+    pub(crate) source: u32,
+    /// The ends of the interval through which its paths come, the left one first as seen from the
+    /// image; none for a vertex of the face.
+    gate: Option<[Point; 2]>,
+}
+
+/// A path from a [`Site`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SitePath {
+    length: f64,
+    /// The direction in which it arrives.
+    direction: Point,
+    /// Whether it turns at an end of the gate.
+    is_bent: bool,
+}
+
+impl Site {
+    /// The length of the straight path to `x`, whether or not it comes through the gate.
+    #[inline]
+    pub(crate) fn straight(&self, x: Point) -> f64 {
+        self.sigma + norm(sub(x, self.image))
+    }
+
+    /// Where the path to `x` last turns: at the image, or at an end of the gate if the straight
+    /// path misses that.
+    #[inline]
+    fn last_turn(&self, x: Point) -> Point {
+        let Some([left, right]) = self.gate else {
+            return self.image;
+        };
+        let way = sub(x, self.image);
+        if cross(sub(left, self.image), way) > 0.0 {
+            left
+        } else if cross(sub(right, self.image), way) < 0.0 {
+            right
+        } else {
+            self.image
+        }
+    }
+
+    /// The shortest path to `x` through the gate. All of them are paths of the surface, and the length changes without a jump.
+    #[inline]
+    pub(crate) fn path(&self, x: Point) -> SitePath {
+        let turn = self.last_turn(x);
+        let way = sub(x, turn);
+        let length = norm(way);
+        let direction = if length > 0.0 {
+            way.map(|c| c / length)
+        } else {
+            [0.0; 2]
+        };
+        let is_bent = turn != self.image;
+        let before = if is_bent {
+            norm(sub(turn, self.image))
+        } else {
+            0.0
+        };
+        SitePath {
+            length: self.sigma + before + length,
+            direction,
+            is_bent,
+        }
+    }
+
+    /// The straight paths to the points of the segment from `from` to `to`, of length `l`, as a
+    /// window in the frame of the segment; `None` if there are none.
+    pub(crate) fn window(&self, from: Point, to: Point, l: f64) -> Option<Window> {
+        let u = sub(to, from).map(|c| c / l);
+        let frame = |p: Point| {
+            let p = sub(p, from);
+            [dot(p, u), cross(u, p)]
+        };
+        let [px, py] = frame(self.image);
+        let mut window = Window {
+            b0: 0.0,
+            b1: l,
+            px,
+            py,
+            sigma: self.sigma,
+        };
+        let Some(gate) = self.gate else {
+            return Some(window);
+        };
+        // Where the segment is seen: on the right of the ray through the left end of the gate, and
+        // on the left of the other. Rounding must not part what two windows see of the segment.
+        let slack = VISIBLE * l;
+        for (end, side) in gate.into_iter().zip([1.0, -1.0]) {
+            let ray = sub(end, self.image);
+            let [out0, out1] = [from, to].map(|x| side * cross(ray, sub(x, self.image)));
+            if out0 <= 0.0 && out1 <= 0.0 {
+                continue;
+            }
+            let place = l * out0 / (out0 - out1);
+            if out0 > 0.0 && out1 > 0.0 {
+                // Perhaps by rounding.
+                if out0.min(out1) > slack * norm(ray) {
+                    return None;
+                }
+            } else if out0 > 0.0 {
+                window.b0 = window.b0.max(place - slack);
+            } else {
+                window.b1 = window.b1.min(place + slack);
+            }
+        }
+        (window.b0 < window.b1).then_some(window)
+    }
+}
+
+/// How far beyond its gate a site sees, as a fraction of the segment looked at.
+const VISIBLE: f64 = 1e-9;
+
+/// A face in the plane, and all sites that reach it.
+#[derive(Clone, Debug)]
+pub(crate) struct FaceSites {
+    pub(crate) corners: [Point; 3],
+    pub(crate) sites: Vec<Site>,
+    /// The longest side.
+    pub(crate) size: f64,
+}
+
+impl FaceSites {
+    pub(crate) fn new(field: &Field<'_>, face: FaceId) -> Self {
+        let mesh = field.mesh;
+        let corners = corners(mesh, face);
+        let mut sites = Vec::new();
+        for k in 0..3 {
+            let h = face.half_edge(k);
+            let Some(twin) = mesh.twin(h) else {
+                continue;
+            };
+            let (e, is_reversed) = edge_of(h, twin);
+            let l = mesh.length(h);
+            let origin = corners[k as usize];
+            let u = sub(corners[(k as usize + 1) % 3], origin).map(|c| c / l);
+            let place = |x: f64, y: f64| {
+                [
+                    origin[0] + x * u[0] - y * u[1],
+                    origin[1] + x * u[1] + y * u[0],
+                ]
+            };
+            let enters = |s: &&Stored| s.is_reversed() == is_reversed;
+            for stored in field.store.list(e).iter().filter(enters) {
+                let w = if is_reversed {
+                    stored.window.reversed(l)
+                } else {
+                    stored.window
+                };
+                sites.push(Site {
+                    image: place(w.px, w.py),
+                    sigma: w.sigma,
+                    source: stored.source(),
+                    gate: Some([place(w.b0, 0.0), place(w.b1, 0.0)]),
+                });
+            }
+        }
+        for (v, image) in mesh.face_vertices(face).into_iter().zip(corners) {
+            let (sigma, source) = (field.distances[v.index()], field.labels[v.index()]);
+            if source != NO_SOURCE {
+                sites.push(Site {
+                    image,
+                    sigma,
+                    source,
+                    gate: None,
+                });
+            }
+        }
+        let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+        Self {
+            corners,
+            sites,
+            size: lengths.into_iter().fold(0.0, f64::max),
+        }
+    }
+
+    /// The site of `source` whose path to `x` is the shortest, the length of that path and its
+    /// direction there; the length is infinite without any.
+    ///
+    /// Of equal ones a straight path through a gate counts more than one from a vertex of the face,
+    /// and that more than a bent one: windows that end in a vertex have bent paths through it, and
+    /// only the vertex has the bisector on which these end.
+    pub(crate) fn nearest_of(&self, source: u32, x: Point) -> Nearest {
+        let mut nearest = Nearest::NONE;
+        let mut least = f64::INFINITY;
+        for (i, site) in self.sites.iter().enumerate() {
+            if site.source == source {
+                let path = site.path(x);
+                let handicap = if path.is_bent {
+                    BENT
+                } else if site.gate.is_none() {
+                    FROM_VERTEX
+                } else {
+                    0.0
+                };
+                let length = path.length * (1.0 + handicap);
+                if length < least {
+                    least = length;
+                    nearest = Nearest {
+                        site: i,
+                        length: path.length,
+                        direction: path.direction,
+                    };
+                }
+            }
+        }
+        nearest
+    }
+
+    /// The length of the shortest path to `x`.
+    pub(crate) fn distance(&self, x: Point) -> f64 {
+        let lengths = self.sites.iter().map(|site| site.path(x).length);
+        lengths.fold(f64::INFINITY, f64::min)
+    }
+
+    /// By how much distances around `d` in this face may differ by rounding.
+    pub(crate) fn rounding(&self, d: f64) -> f64 {
+        ROUNDING * (d + self.size)
+    }
+}
+
+/// By how much a path from a vertex of the face must be shorter than one through a gate to be taken
+/// for it, relative to its length; by how much a bent one.
+const FROM_VERTEX: f64 = 1e-15;
+const BENT: f64 = 1e-13;
+
+/// Relative error of distances at a point of a face.
+const ROUNDING: f64 = 2e-13;
+
+/// See [`FaceSites::nearest_of`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nearest {
+    pub(crate) site: usize,
+    pub(crate) length: f64,
+    pub(crate) direction: Point,
+}
+
+impl Nearest {
+    const NONE: Self = Self {
+        site: usize::MAX,
+        length: f64::INFINITY,
+        direction: [0.0; 2],
+    };
+}
+
+/// The corners of `face` in the frame of its first half-edge.
+pub(crate) fn corners(mesh: &Mesh, face: FaceId) -> [Point; 3] {
+    let h = face.half_edge(0);
+    [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)]
+}

@@ -97,23 +97,18 @@ impl Site {
         };
         // Where the segment is seen: on the right of the ray through the left end of the gate, and
         // on the left of the other. Rounding must not part what two windows see of the segment.
-        let slack = VISIBLE * l;
         for (end, side) in gate.into_iter().zip([1.0, -1.0]) {
             let ray = sub(end, self.image);
-            let [out0, out1] = [from, to].map(|x| side * cross(ray, sub(x, self.image)));
-            if out0 <= 0.0 && out1 <= 0.0 {
-                continue;
+            let slack = VISIBLE * l * norm(ray);
+            let [out0, out1] = [from, to].map(|x| side * cross(ray, sub(x, self.image)) - slack);
+            if out0 > 0.0 && out1 > 0.0 {
+                return None;
             }
             let place = l * out0 / (out0 - out1);
-            if out0 > 0.0 && out1 > 0.0 {
-                // Perhaps by rounding.
-                if out0.min(out1) > slack * norm(ray) {
-                    return None;
-                }
-            } else if out0 > 0.0 {
-                window.b0 = window.b0.max(place - slack);
-            } else {
-                window.b1 = window.b1.min(place + slack);
+            if out0 > 0.0 {
+                window.b0 = window.b0.max(place);
+            } else if out1 > 0.0 {
+                window.b1 = window.b1.min(place);
             }
         }
         (window.b0 < window.b1).then_some(window)

@@ -4,8 +4,7 @@
 //! lines from the sides, so each part of a cell touches a side: the borders inside form a forest
 //! whose leaves are the changes on the sides. Two changes are joined by one border; changes between
 //! cells that are all different meet in one vertex, if there is a point that is equally far from
-//! all. Everything else is cut into four triangles, until each of them is as simple, or too small
-//! to matter. So the outcome is always a division of the face, whatever rounding does.
+//! all. Everything else is cut in two, until each part is as simple, or too small to matter. So the outcome is always a division of the face, whatever rounding does.
 
 use super::curve::{Bisector, newton_across};
 use super::line::{Change, Line};
@@ -67,11 +66,11 @@ pub(crate) struct Arrangement {
     pub(crate) vertices: Vec<(usize, Vec<u32>)>,
 }
 
-/// Cuts into four after which a triangle is too small to matter: it is 1e-11 as long as the face.
-const DEEPEST: u32 = 36;
+/// Size of a triangle that is too small to matter, as a fraction of the face.
+const SMALL: f64 = 1e-11;
 
-/// Triangles of a face that are cut into four; a few dozen lie around each point that is in doubt.
-const MOST_CUTS: u32 = 500;
+/// Triangles of a face that are cut in two; some eighty lie around each point that is in doubt.
+const MOST_CUTS: u32 = 1000;
 
 /// Points of a border that are looked at to find where its bisectors change: some 90 for each.
 const MOST_STEPS: u32 = 600;
@@ -256,14 +255,14 @@ pub(crate) fn arrange(
         }
     });
     let corners = sites.corners;
-    arranger.solve(&Triangle { corners, sides }, 0);
+    arranger.solve(&Triangle { corners, sides });
     arranger.found
 }
 
 struct Arranger<'a> {
     sites: &'a FaceSites,
     next_run: u32,
-    /// Triangles that have been cut into four.
+    /// Triangles that have been cut in two.
     cut: u32,
     found: Arrangement,
 }
@@ -274,7 +273,7 @@ impl Arranger<'_> {
         self.found.nodes.len() - 1
     }
 
-    fn solve(&mut self, triangle: &Triangle, depth: u32) {
+    fn solve(&mut self, triangle: &Triangle) {
         let stops = triangle.stops();
         if stops.is_empty() {
             self.found.regions.push(Region {
@@ -290,7 +289,8 @@ impl Arranger<'_> {
             self.found.pieces.len(),
             self.found.regions.len(),
         );
-        let is_last = depth == DEEPEST || self.cut >= MOST_CUTS;
+        let is_small = triangle.size() <= SMALL * self.sites.size;
+        let is_last = is_small || self.cut >= MOST_CUTS;
         if self.solve_simple(triangle, &stops, is_last).is_some() {
             return;
         }
@@ -298,37 +298,33 @@ impl Arranger<'_> {
         self.found.pieces.truncate(before.1);
         self.found.regions.truncate(before.2);
         self.cut += 1;
-        for part in self.quarters(triangle) {
-            self.solve(&part, depth + 1);
+        for part in self.halves(triangle) {
+            self.solve(&part);
         }
     }
 
-    /// Cuts a triangle into four at the middles of its sides.
-    fn quarters(&mut self, triangle: &Triangle) -> [Triangle; 4] {
-        let corners = triangle.corners;
-        let halves = [0, 1, 2].map(|k| triangle.sides[k].halves());
-        let middles = [0, 1, 2].map(|k| between(corners[k], corners[(k + 1) % 3], 0.5));
-        // From the middle of each side to that of the next.
-        let cuts = [0, 1, 2].map(|k| {
-            let ends = [halves[k][1].first, halves[(k + 1) % 3][1].first];
-            self.cut(middles[k], middles[(k + 1) % 3], ends)
-        });
-        // At corner k + 1, between the second half of side k and the first of the next.
-        let at_corner = |k: usize| Triangle {
-            corners: [middles[k], corners[(k + 1) % 3], middles[(k + 1) % 3]],
-            sides: [
-                halves[k][1].clone(),
-                halves[(k + 1) % 3][0].clone(),
-                cuts[k].reversed(),
-            ],
-        };
+    /// Cuts a triangle in two at the middle of its longest side, so that needles become shorter.
+    fn halves(&mut self, triangle: &Triangle) -> [Triangle; 2] {
+        let Triangle { corners, sides } = triangle;
+        let lengths = [0, 1, 2].map(|k| norm(sub(corners[(k + 1) % 3], corners[k])));
+        let mut k = 0;
+        for other in [1, 2] {
+            if lengths[other] > lengths[k] {
+                k = other;
+            }
+        }
+        let [a, b, c] = [k, (k + 1) % 3, (k + 2) % 3];
+        let [near, far] = sides[a].halves();
+        let middle = between(corners[a], corners[b], 0.5);
+        let cut = self.cut(middle, corners[c], [far.first, sides[c].first]);
         [
-            at_corner(0),
-            at_corner(1),
-            at_corner(2),
             Triangle {
-                corners: middles,
-                sides: cuts.clone(),
+                corners: [corners[a], middle, corners[c]],
+                sides: [near, cut.clone(), sides[c].clone()],
+            },
+            Triangle {
+                corners: [middle, corners[b], corners[c]],
+                sides: [far, sides[b].clone(), cut.reversed()],
             },
         ]
     }

@@ -226,7 +226,12 @@ fn check_all(models: impl Iterator<Item = (Model, Vec<usize>)>) {
         for count in counts {
             let found = check(&model.name, &mesh, &some_vertices(&mesh, count, i + 100));
             if let Some(first) = found.first() {
-                eprintln!("BAD {} {count}: {} {}", model.name, found.len(), &first[..first.len().min(500)]);
+                eprintln!(
+                    "BAD {} {count}: {} {}",
+                    model.name,
+                    found.len(),
+                    &first[..first.len().min(500)]
+                );
             }
             wrong.extend(found);
         }

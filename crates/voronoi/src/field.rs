@@ -1,6 +1,7 @@
 //! What a run leaves: the distance and the source of every vertex, and windows on edges.
 
-use geobench_mesh::Mesh;
+use geobench_mesh::{Mesh, VertexId};
+use geobench_window::SolveError;
 
 use crate::store::EdgeWindows;
 
@@ -38,4 +39,15 @@ impl<'a> Field<'a> {
     pub fn stored_windows(&self) -> usize {
         self.store.stored()
     }
+}
+
+/// An algorithm that keeps the windows from which a diagram is made.
+pub trait FieldSolver: Send {
+    /// Finds the distance and the nearest of `sources` for every vertex, and the windows from which
+    /// the [diagram](crate::Diagram) is made.
+    ///
+    /// # Errors
+    ///
+    /// When `sources` is empty or names a vertex that does not exist.
+    fn field(&mut self, sources: &[VertexId]) -> Result<Field<'_>, SolveError>;
 }

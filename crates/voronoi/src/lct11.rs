@@ -4,7 +4,7 @@ use geobench_mesh::{Mesh, VertexId};
 use geobench_window::queue::{Discipline, Event, EventKind, Priority};
 use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFilter};
 
-use crate::field::Field;
+use crate::field::{Field, FieldSolver};
 use crate::store::edge_of;
 use crate::wave::{COUNTERS, Wave};
 
@@ -33,17 +33,6 @@ impl<Q: Discipline> Lct11<Q> {
             wave: Wave::new(mesh, filter),
             queue,
         }
-    }
-
-    /// As [`WindowVtp::field`](crate::WindowVtp::field).
-    ///
-    /// # Errors
-    ///
-    /// When `sources` is empty or names a vertex that does not exist.
-    pub fn field(&mut self, sources: &[VertexId]) -> Result<Field<'_>, SolveError> {
-        crate::check_sources(self.wave.mesh.vertex_count(), sources)?;
-        self.run(sources, &mut ());
-        Ok(self.wave.field())
     }
 
     fn run<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) {
@@ -104,6 +93,14 @@ impl<Q: Discipline> Lct11<Q> {
             self.queue.push(d, Event::vertex(v), probe);
         }
         self.wave.improved = improved;
+    }
+}
+
+impl<Q: Discipline> FieldSolver for Lct11<Q> {
+    fn field(&mut self, sources: &[VertexId]) -> Result<Field<'_>, SolveError> {
+        crate::check_sources(self.wave.mesh.vertex_count(), sources)?;
+        self.run(sources, &mut ());
+        Ok(self.wave.field())
     }
 }
 

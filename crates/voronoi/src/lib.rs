@@ -13,8 +13,8 @@ mod window_vtp;
 use geobench_mesh::VertexId;
 use geobench_window::SolveError;
 
-pub use diagram::{Arc, Bisector, Cell, Diagram, Dual, Kind, Node, Obstacle, Part};
-pub use field::{Field, NO_SOURCE};
+pub use diagram::{Arc, Bisector, Cell, Diagram, Dual, Kind, Node, Obstacle, Part, Vertex};
+pub use field::{Field, FieldSolver, NO_SOURCE};
 pub use lct11::Lct11;
 pub use removal::Removal;
 pub use window_vtp::{Options, WindowVtp};

@@ -6,7 +6,7 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::queue::MinHeap;
 use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFilter};
 
-use crate::field::Field;
+use crate::field::{Field, FieldSolver};
 use crate::removal::{Removal, Remover};
 use crate::store::{Stored, edge_of};
 use crate::wave::{COUNTERS, Wave};
@@ -48,7 +48,7 @@ enum Turn {
 ///
 /// ```
 /// use geobench_mesh::{Mesh, VertexId};
-/// use geobench_voronoi::WindowVtp;
+/// use geobench_voronoi::{FieldSolver, WindowVtp};
 ///
 /// let mesh = Mesh::generate("grid,n=4")?;
 /// let mut solver = WindowVtp::new(&mesh);
@@ -89,31 +89,6 @@ impl WindowVtp {
             is_ready: vec![false; mesh.half_edge_count()],
             batch: Vec::new(),
         }
-    }
-
-    /// Finds the distance and the nearest of `sources` for every vertex, and the windows from which
-    /// the [diagram](crate::Diagram) is made.
-    ///
-    /// # Errors
-    ///
-    /// When `sources` is empty or names a vertex that does not exist.
-    pub fn field(&mut self, sources: &[VertexId]) -> Result<Field<'_>, SolveError> {
-        self.field_with(sources, &mut ())
-    }
-
-    /// The same, observed by `probe`.
-    ///
-    /// # Errors
-    ///
-    /// As [`field`](Self::field).
-    pub fn field_with<P: Probe>(
-        &mut self,
-        sources: &[VertexId],
-        probe: &mut P,
-    ) -> Result<Field<'_>, SolveError> {
-        crate::check_sources(self.wave.mesh.vertex_count(), sources)?;
-        self.run(sources, probe);
-        Ok(self.wave.field())
     }
 
     fn run<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) {
@@ -234,6 +209,14 @@ impl WindowVtp {
             self.push(d, Turn::Spawn(v), probe);
         }
         self.wave.improved = improved;
+    }
+}
+
+impl FieldSolver for WindowVtp {
+    fn field(&mut self, sources: &[VertexId]) -> Result<Field<'_>, SolveError> {
+        crate::check_sources(self.wave.mesh.vertex_count(), sources)?;
+        self.run(sources, &mut ());
+        Ok(self.wave.field())
     }
 }
 

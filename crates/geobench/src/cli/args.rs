@@ -88,6 +88,8 @@ pub(super) enum Command {
     Distance(DistanceOptions),
     /// Trace shortest paths over the surface
     Path(PathOptions),
+    /// Write the Voronoi diagram of several sources: cells, their borders, the dual triangulation
+    Voronoi(VoronoiOptions),
     /// Write a generated model to a file
     Gen(GenOptions),
     /// Show counts, defects, genus and anisotropy of models
@@ -427,6 +429,43 @@ pub(super) struct DistanceOptions {
     /// File to write, by its ending: .csv, .json, .npy, .ply or .vtk
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
+
+    /// No summary
+    #[arg(long)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(super) struct VoronoiOptions {
+    /// The model
+    #[arg(value_name = "MODEL")]
+    pub(super) model: String,
+
+    /// The sources: a list of vertex numbers or random:N[,seed=S]
+    #[arg(long, value_name = "SRC", allow_negative_numbers = true)]
+    pub(super) source: SourceSpec,
+
+    /// The algorithm: window-vtp, lct11 or xls14
+    #[arg(long, value_name = "A", default_value = "window-vtp", value_parser = registry::select_one)]
+    pub(super) algo: Selection,
+
+    #[command(flatten)]
+    pub(super) reading: ReadingOptions,
+
+    /// File to write, by its ending: .json (cells, vertices, arcs), .obj or .vtk (borders as
+    /// polylines) or .ply (the model coloured by cell, cut along the borders)
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+
+    /// Mesh to write as well, .obj or .ply: the dual triangulation, whose vertices are the sources
+    #[arg(long, value_name = "FILE")]
+    pub(super) dual: Option<PathBuf>,
+
+    /// File to write as well, .csv or .npy: the place of the nearest source of each vertex in the
+    /// list of sources
+    #[arg(long, value_name = "FILE")]
+    pub(super) labels: Option<PathBuf>,
 
     /// No summary
     #[arg(long)]

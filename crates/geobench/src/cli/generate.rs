@@ -22,7 +22,8 @@ pub(super) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
-fn ending(path: &Path) -> anyhow::Result<&'static str> {
+/// The ending of a file for a model, if a model can be written with it.
+pub(super) fn ending(path: &Path) -> anyhow::Result<&'static str> {
     let name = if path == Path::new(STANDARD) {
         format!(".{}", ending_of(path))
     } else {

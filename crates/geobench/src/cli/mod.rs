@@ -18,6 +18,7 @@ mod run;
 mod shell;
 mod terminal;
 mod verify;
+mod voronoi;
 
 use std::ffi::OsStr;
 use std::io;
@@ -90,6 +91,7 @@ fn command() -> ExitCode {
         Command::Claims(options) => claims::claims(&options, terminal),
         Command::Distance(options) => distance::distance(&options),
         Command::Path(options) => path::path(&options),
+        Command::Voronoi(options) => voronoi::voronoi(&options),
         Command::Gen(options) => generate::generate(&options),
         Command::Info(options) => info::info(&options),
         Command::Algos(options) => algos::algos(&options, terminal),

@@ -20,12 +20,14 @@ mod mmp;
 mod parameter;
 mod program;
 mod select;
+mod voronoi;
 mod vtp;
 
 pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, Simd, Value, Values};
 pub(crate) use program::{Call, PLACEHOLDERS};
 pub use program::{ProcessLifetime, Program, Programs};
 pub use select::{Selection, select, select_one};
+pub(crate) use voronoi::field_solver;
 
 /// Every algorithm, in the order in which tables show them.
 pub fn algorithms() -> &'static [Algorithm] {
@@ -35,6 +37,7 @@ pub fn algorithms() -> &'static [Algorithm] {
             ch::FAMILY,
             fwp::FAMILY,
             vtp::FAMILY,
+            voronoi::FAMILY,
             mmp::FAST,
             vtp::FAST,
         ]

@@ -92,6 +92,11 @@ impl Selection {
         &self.algorithm
     }
 
+    /// The values of its parameters.
+    pub(super) const fn values(&self) -> &Values {
+        &self.values
+    }
+
     /// The name under which its results are shown and stored: that of the algorithm, followed by
     /// the parameters that do not have their defaults, as in `fwp-mmp{kmax=5000}`. The same
     /// algorithm with the same values has the same label however it was asked for.

@@ -136,10 +136,13 @@ const NPY_MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
 
 /// A one-dimensional little-endian f64 array.
 fn npy(distances: &[f64]) -> Vec<u8> {
-    let mut header = format!(
-        "{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}",
-        distances.len()
-    );
+    let bytes = distances.iter().flat_map(|d| d.to_le_bytes());
+    npy_of("<f8", distances.len(), bytes)
+}
+
+/// A one-dimensional array of `len` numbers of type `descr`.
+pub(super) fn npy_of(descr: &str, len: usize, numbers: impl Iterator<Item = u8>) -> Vec<u8> {
+    let mut header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({len},), }}");
     // With magic, version, length and the final line break, a multiple of 64.
     let used = NPY_MAGIC.len() + 2 + header.len() + 1;
     header += &" ".repeat(used.next_multiple_of(64) - used);
@@ -148,7 +151,7 @@ fn npy(distances: &[f64]) -> Vec<u8> {
     let mut bytes = NPY_MAGIC.to_vec();
     bytes.extend_from_slice(&(header.len() as u16).to_le_bytes());
     bytes.extend_from_slice(header.as_bytes());
-    append(&mut bytes, distances.iter().copied(), f64::to_le_bytes);
+    bytes.extend(numbers);
     bytes
 }
 

@@ -9,6 +9,7 @@ use crate::schema::{Cell, GroupRecord, ModelRecord, ResultFile};
 mod bars;
 mod comparison;
 pub(crate) mod csv;
+pub mod diagram_formats;
 pub mod distance_formats;
 pub(crate) mod escape;
 mod exports;

@@ -76,11 +76,12 @@ impl Diagram {
             }
         }
         let mut edges: HashMap<[u32; 2], u32> = HashMap::new();
-        for (node, around) in self.vertices() {
+        for vertex in self.vertices() {
+            let (node, around) = (vertex.node, &vertex.cells);
             if around.len() > 3 {
                 dual.split.push(node);
             }
-            let mut sorted = around.to_vec();
+            let mut sorted = around.clone();
             sorted.sort_unstable();
             if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
                 let cell = pair[0];

@@ -25,7 +25,7 @@ use sites::{FaceSites, corners};
 ///
 /// ```
 /// use geobench_mesh::{Mesh, VertexId};
-/// use geobench_voronoi::{Diagram, WindowVtp};
+/// use geobench_voronoi::{Diagram, FieldSolver, WindowVtp};
 ///
 /// let mesh = Mesh::generate("grid,n=4")?;
 /// let mut solver = WindowVtp::new(&mesh);
@@ -41,8 +41,7 @@ pub struct Diagram {
     mesh: Mesh,
     labels: Vec<u32>,
     nodes: Vec<Node>,
-    /// The nodes of the Voronoi vertices, with the cells around each.
-    vertex_cells: Vec<(u32, Vec<u32>)>,
+    vertices: Vec<Vertex>,
     arcs: Vec<Arc>,
     cells: Vec<Cell>,
     faces: Vec<BorderFace>,
@@ -74,6 +73,17 @@ pub enum Kind {
         /// The number of borders.
         degree: u32,
     },
+}
+
+/// A Voronoi vertex: a point at which three cells or more meet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vertex {
+    /// The number of its node.
+    pub node: u32,
+    /// The cells around it, counter-clockwise as the faces are.
+    pub cells: Vec<u32>,
+    /// Its distance from their sources.
+    pub distance: f64,
 }
 
 /// A piece of the border between two cells, inside one face.
@@ -156,6 +166,30 @@ pub struct Part {
     pub outline: Vec<[f64; 2]>,
 }
 
+impl Part {
+    /// Triangles that make it up, by the numbers of the corners of its outline.
+    pub fn triangles(&self) -> Vec<[usize; 3]> {
+        let mut left: Vec<usize> = (0..self.outline.len()).collect();
+        let mut triangles = Vec::new();
+        while left.len() > 2 {
+            let n = left.len();
+            let corner = |i: usize| self.outline[left[i % n]];
+            let is_ear = |&i: &usize| {
+                let [a, b, c] = [corner(i + n - 1), corner(i), corner(i + 1)];
+                let turns = |a, b, p| cross(sub(b, a), sub(p, a));
+                let holds =
+                    |p| turns(a, b, p) > 0.0 && turns(b, c, p) > 0.0 && turns(c, a, p) > 0.0;
+                turns(a, b, c) > 0.0 && !(0..n).map(corner).any(holds)
+            };
+            // Of an outline without area any corner will do.
+            let ear = (0..n).find(is_ear).unwrap_or(0);
+            triangles.push([left[(ear + n - 1) % n], left[ear], left[(ear + 1) % n]]);
+            left.remove(ear);
+        }
+        triangles
+    }
+}
+
 /// A face that several cells share.
 #[derive(Clone, Debug)]
 struct BorderFace {
@@ -188,11 +222,9 @@ impl Diagram {
         &self.nodes
     }
 
-    /// The Voronoi vertices: the number of the node of each, and the cells around it, in order;
-    /// counter-clockwise as the faces are.
-    pub fn vertices(&self) -> impl Iterator<Item = (u32, &[u32])> {
-        let vertices = self.vertex_cells.iter();
-        vertices.map(|(node, around)| (*node, &around[..]))
+    /// The Voronoi vertices.
+    pub fn vertices(&self) -> &[Vertex] {
+        &self.vertices
     }
 
     /// The pieces of the borders between cells.
@@ -328,7 +360,7 @@ struct Builder<'a> {
     faces: Vec<BorderFace>,
     inner: Vec<u32>,
     border_face: Vec<bool>,
-    vertex_cells: Vec<(u32, Vec<u32>)>,
+    vertices: Vec<Vertex>,
     /// Parts of cells by what lies in them: first the vertices of the mesh, then the runs along
     /// edges with several cells, then those along cuts inside faces.
     unions: Unions,
@@ -349,7 +381,7 @@ impl<'a> Builder<'a> {
             faces: Vec::new(),
             inner: Vec::new(),
             border_face: Vec::new(),
-            vertex_cells: Vec::new(),
+            vertices: Vec::new(),
             unions: Unions::default(),
         }
     }
@@ -497,7 +529,11 @@ impl<'a> Builder<'a> {
         }
         let numbers = self.add_nodes(face, &arrangement, along, &lines);
         for (node, around) in &arrangement.vertices {
-            self.vertex_cells.push((numbers[*node], around.clone()));
+            self.vertices.push(Vertex {
+                node: numbers[*node],
+                cells: around.clone(),
+                distance: sites.distance(arrangement.nodes[*node].at),
+            });
         }
         let first_arc = self.arcs.len();
         for piece in &arrangement.pieces {
@@ -662,7 +698,7 @@ impl<'a> Builder<'a> {
         Diagram {
             mesh: self.field.mesh.clone(),
             labels: self.field.labels.to_vec(),
-            vertex_cells: self.vertex_cells,
+            vertices: self.vertices,
             nodes: self.nodes,
             arcs: self.arcs,
             cells: self.cells,

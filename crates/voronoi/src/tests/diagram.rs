@@ -11,7 +11,9 @@ use spade::{DelaunayTriangulation, Point2, Triangulation};
 use super::{mesh_of, some_vertices, try_mesh_of};
 use crate::diagram::sites::FaceSites;
 use crate::removal::Traps;
-use crate::{Arc, Diagram, Kind, Lct11, NO_SOURCE, Obstacle, Options, Removal, WindowVtp};
+use crate::{
+    Arc, Diagram, FieldSolver, Kind, Lct11, NO_SOURCE, Obstacle, Options, Removal, WindowVtp,
+};
 
 /// Largest error of distances at points of arcs, relative to the distance.
 const ON_ARCS: f64 = 1e-9;
@@ -317,10 +319,10 @@ fn in_a_plane_the_diagram_is_that_of_an_independent_program() {
             }
         }
         let mut found = BTreeMap::new();
-        for (node, around) in diagram.vertices() {
-            let mut cells = [around[0], around[1], around[2]];
+        for vertex in diagram.vertices() {
+            let mut cells = [vertex.cells[0], vertex.cells[1], vertex.cells[2]];
             cells.sort_unstable();
-            let node = diagram.nodes()[node as usize];
+            let node = diagram.nodes()[vertex.node as usize];
             found.insert(cells, diagram.position(node.face, node.place).unwrap());
         }
         assert!(found.keys().eq(expected.keys()), "{found:?} {expected:?}");
@@ -361,7 +363,7 @@ fn poles_have_the_equator_between_them() {
         let height: f64 = p.iter().zip(top).map(|(a, b)| a * b).sum();
         assert!(height.abs() < 1e-3, "{arc:?}: {height}");
     }
-    assert_eq!(diagram.vertices().count(), 0);
+    assert_eq!(diagram.vertices(), []);
 }
 
 #[test]
@@ -441,7 +443,7 @@ fn the_order_of_the_sources_changes_nothing() {
         let other: BTreeSet<u32> = other.neighbours.iter().map(|cell| 11 - cell).collect();
         assert!(cell.neighbours.iter().eq(&other));
     }
-    assert_eq!(there.vertices().count(), back.vertices().count());
+    assert_eq!(there.vertices().len(), back.vertices().len());
 }
 
 #[test]

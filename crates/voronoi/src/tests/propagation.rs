@@ -6,7 +6,7 @@ use geobench_oracle::zoo;
 use geobench_window::{Counter, Solver, VertexFilter};
 
 use super::{ROUNDING, mesh_of, one_by_one, some_vertices};
-use crate::{Field, Lct11, NO_SOURCE, Options, Removal, WindowVtp};
+use crate::{Field, FieldSolver, Lct11, NO_SOURCE, Options, Removal, WindowVtp};
 
 /// What is wrong about the vertices of a run, if anything is.
 fn wrong_vertices(field: &Field<'_>, each: &[Vec<f64>]) -> Vec<String> {

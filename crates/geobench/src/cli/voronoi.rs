@@ -1,0 +1,151 @@
+//! `geobench voronoi`.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+use geobench_mesh::io as mesh_io;
+use geobench_mesh::{TriangleSoup, VertexId};
+use geobench_voronoi::{Diagram, Dual};
+
+use super::Verdict;
+use super::args::VoronoiOptions;
+use super::{generate, terminal};
+use crate::exec::model;
+use crate::registry;
+use crate::table::diagram_formats::{DiagramFile, DiagramFormat, LabelFormat};
+use crate::table::output::OutputFile;
+
+/// Obstacles that an error message names.
+const NAMED: usize = 4;
+
+pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
+    let format = DiagramFormat::of_path(&options.output)?;
+    let output = OutputFile::prepare(&options.output)?;
+    let labels = match &options.labels {
+        Some(path) => Some((LabelFormat::of_path(path)?, OutputFile::prepare(path)?)),
+        None => None,
+    };
+    let dual_file = match &options.dual {
+        Some(path) => Some((path, generate::ending(path)?, OutputFile::prepare(path)?)),
+        None => None,
+    };
+    let models = model::collect(std::slice::from_ref(&options.model))?;
+    let [model] = &models[..] else {
+        bail!(
+            "{}: holds {} models; name one of them",
+            options.model,
+            models.len()
+        );
+    };
+    let loaded = model.load_within(options.reading)?;
+    let mesh = &loaded.mesh;
+    let sources = options
+        .source
+        .resolve(mesh.vertex_count())
+        .with_context(|| model.path.clone())?;
+    let Some(mut solver) = registry::field_solver(&options.algo, mesh) else {
+        bail!(
+            "{} keeps no windows from which a diagram could be made; use window-vtp, lct11 or xls14",
+            options.algo.label()
+        );
+    };
+    let start = Instant::now();
+    let field = solver.field(&sources)?;
+    let windows = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let diagram = Diagram::new(&field, sources.len());
+    let extraction = start.elapsed().as_secs_f64();
+    let numbers: Vec<u32> = sources.iter().map(|v| v.raw()).collect();
+    let file = DiagramFile {
+        model: &model.name,
+        algorithm: options.algo.label(),
+        sources: &numbers,
+        distances: field.distances(),
+        diagram: &diagram,
+        stage_seconds: [windows, extraction],
+    };
+    // Everything is made before anything is written.
+    let contents = format.render(&file)?;
+    let labels = labels.map(|(format, output)| (format.render(&file), output));
+    let mut summary = summary(&options.output, &file);
+    let dual = match &dual_file {
+        Some((path, ..)) => {
+            let dual = diagram.dual();
+            let soup = dual_mesh(&dual, &diagram, &sources, path)?;
+            summary += &format!(
+                "{}: {} triangles, {} Voronoi vertices of more than three cells split\n",
+                path.display(),
+                dual.triangles.len(),
+                dual.split.len()
+            );
+            Some(soup)
+        }
+        None => None,
+    };
+    output.write(&contents)?;
+    if let Some((contents, output)) = labels {
+        output.write(&contents)?;
+    }
+    if let (Some(soup), Some((_, ending, output))) = (dual, dual_file) {
+        output.write_with(ending, |path| Ok(mesh_io::write(path, &soup)?))?;
+    }
+    if !options.quiet {
+        terminal::print(&summary)?;
+    }
+    Ok(Verdict::Passed)
+}
+
+/// The dual as a mesh.
+fn dual_mesh(
+    dual: &Dual,
+    diagram: &Diagram,
+    sources: &[VertexId],
+    path: &Path,
+) -> anyhow::Result<TriangleSoup> {
+    let positions = diagram.mesh().positions();
+    if positions.is_empty() {
+        bail!("{}: the mesh has no coordinates to write", path.display());
+    }
+    if !dual.obstacles.is_empty() {
+        let named: Vec<String> = dual
+            .obstacles
+            .iter()
+            .take(NAMED)
+            .map(ToString::to_string)
+            .collect();
+        let more = dual.obstacles.len() - named.len();
+        let more = if more > 0 {
+            format!("; and {more} more")
+        } else {
+            String::new()
+        };
+        bail!(
+            "{}: the dual is no triangulation: {}{more}; add sources there",
+            path.display(),
+            named.join("; ")
+        );
+    }
+    let corners = sources.iter().map(|s| positions[s.index()]).collect();
+    Ok(TriangleSoup::new(corners, dual.triangles.clone()))
+}
+
+fn summary(path: &Path, file: &DiagramFile<'_>) -> String {
+    let diagram = file.diagram;
+    let cells = diagram.cells();
+    let discs = cells.iter().filter(|cell| cell.is_disc()).count();
+    let unreachable = file.distances.iter().filter(|d| d.is_infinite()).count();
+    let [windows, extraction] = file.stage_seconds;
+    let mut text = format!(
+        "{}: {} cells ({discs} discs), {} vertices, {} arcs in {} faces; {windows:.3} s for windows, {extraction:.3} s for the diagram\n",
+        path.display(),
+        cells.len(),
+        diagram.vertices().len(),
+        diagram.arcs().len(),
+        diagram.border_faces()
+    );
+    if unreachable > 0 {
+        text += &format!("{unreachable} vertices are reached from no source\n");
+    }
+    text
+}

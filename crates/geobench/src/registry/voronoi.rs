@@ -1,0 +1,133 @@
+//! Algorithms that keep the windows from which geodesic Voronoi diagrams are made.
+
+use geobench_fwp::{BucketOptions, Buckets};
+use geobench_mesh::Mesh;
+use geobench_voronoi::{FieldSolver, Lct11, Options, Removal, WindowVtp};
+use geobench_window::queue::Priority;
+use geobench_window::{Counter, VertexFilter};
+
+use super::{Algorithm, Parameter, Selection, Values};
+
+const REMOVAL: Parameter = Parameter::word(
+    "rwr",
+    &["on", "off"],
+    "`on` gives up redundant windows, those around which all comes from one source, as soon as the wave has passed; `off` keeps all",
+);
+
+const FILTER: Parameter = Parameter::word(
+    "filter",
+    &["none", "vertices"],
+    "`none` compares all windows with those of their edge, as in the paper; `vertices` first drops those that a path through an end of their edge beats",
+);
+
+const QUEUE: Parameter = Parameter::word(
+    "queue",
+    &["heap", "buckets"],
+    "`heap` takes the nearest window, as in the paper; `buckets` those of a round of fwp-mmp",
+);
+
+const PERIOD: Parameter = Parameter::real(
+    "c",
+    1.0,
+    1e-3..=1e6,
+    "looks for redundant windows after this many propagations for each face of the mesh",
+);
+
+fn filter(values: &Values) -> VertexFilter {
+    match values.word(&FILTER) {
+        Some("vertices") => VertexFilter::On,
+        _ => VertexFilter::Off,
+    }
+}
+
+fn window_vtp(mesh: &Mesh, values: &Values) -> WindowVtp {
+    let removal = match values.word(&REMOVAL) {
+        Some("off") => Removal::Off,
+        _ => Removal::Continuous,
+    };
+    let filter = filter(values);
+    WindowVtp::with_options(mesh, Options { removal, filter })
+}
+
+fn xls14(mesh: &Mesh, values: &Values) -> WindowVtp {
+    let c = values.real(&PERIOD);
+    let removal = Removal::Periodic { c };
+    let filter = filter(values);
+    WindowVtp::with_options(mesh, Options { removal, filter })
+}
+
+fn lct11(mesh: &Mesh, values: &Values) -> Lct11<Priority> {
+    Lct11::in_order(mesh, Priority::new(mesh), filter(values))
+}
+
+fn lct11_in_buckets(mesh: &Mesh, values: &Values) -> Lct11<Buckets> {
+    let buckets = Buckets::new(mesh, BucketOptions::default());
+    Lct11::in_order(mesh, buckets, filter(values))
+}
+
+fn takes_buckets(values: &Values) -> bool {
+    values.word(&QUEUE) == Some("buckets")
+}
+
+/// The algorithm of `selection` as one that makes diagrams; `None` if it is not of this family.
+pub(crate) fn field_solver(selection: &Selection, mesh: &Mesh) -> Option<Box<dyn FieldSolver>> {
+    let values = selection.values();
+    match selection.algorithm().name {
+        "window-vtp" => Some(Box::new(window_vtp(mesh, values))),
+        "xls14" => Some(Box::new(xls14(mesh, values))),
+        "lct11" if takes_buckets(values) => Some(Box::new(lct11_in_buckets(mesh, values))),
+        "lct11" => Some(Box::new(lct11(mesh, values))),
+        _ => None,
+    }
+}
+
+pub(super) const FAMILY: &[Algorithm] = &[
+    Algorithm {
+        name: "window-vtp",
+        family: "voronoi-family",
+        paper: "Qin, Yu, Zhang 2017, sections 3 and 4",
+        summary: "vtp's order, windows stored on edges and trimmed, redundant ones given up",
+        departs: "gives an edge up only if both its faces are beyond the wave, counts their vertices, and closes it: the printed procedure loses windows of cell borders; filters windows beside thin faces",
+        complexity: "time O(n^2 log n), space O(n^2)",
+        keeps: "the windows around the wavefront and at the borders of cells",
+        choose: "for Voronoi diagrams (geobench voronoi)",
+        memory_counter: Counter::PeakWindows,
+        parameters: &[REMOVAL, FILTER],
+        build: |mesh, values| Box::new(window_vtp(mesh, values)),
+        ..Algorithm::EXACT
+    },
+    Algorithm {
+        name: "lct11",
+        family: "voronoi-family",
+        paper: "Liu, Chen, Tang 2011, stage 1",
+        summary: "mmp from several sources, with the source of every window",
+        departs: "trims the windows of both directions of an edge together; filters windows beside thin faces",
+        complexity: "time O(n^2 log n), space O(n^2)",
+        keeps: "every window until the end",
+        choose: "to compare with window-vtp",
+        memory_counter: Counter::StoredWindows,
+        parameters: &[QUEUE, FILTER],
+        build: |mesh, values| {
+            if takes_buckets(values) {
+                Box::new(lct11_in_buckets(mesh, values))
+            } else {
+                Box::new(lct11(mesh, values))
+            }
+        },
+        ..Algorithm::EXACT
+    },
+    Algorithm {
+        name: "xls14",
+        family: "voronoi-family",
+        paper: "Xu et al. 2014, with the propagation of Qin, Yu, Zhang 2017, section 6.2",
+        summary: "window-vtp that looks for redundant windows at times, among all faces",
+        departs: "as window-vtp",
+        complexity: "time O(n^2 log n), space O(n^2)",
+        keeps: "as window-vtp, and what has become redundant since the last look",
+        choose: "to compare with window-vtp",
+        memory_counter: Counter::PeakWindows,
+        parameters: &[PERIOD, FILTER],
+        build: |mesh, values| Box::new(xls14(mesh, values)),
+        ..Algorithm::EXACT
+    },
+];

@@ -1,0 +1,338 @@
+//! A Voronoi diagram, as files for other programs.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use anyhow::Context;
+use geobench_mesh::Mesh;
+use geobench_mesh::io::PlyWriter;
+use geobench_voronoi::{Arc, Diagram, NO_SOURCE};
+use serde::Serialize;
+
+use super::{UnknownEnding, of_ending};
+
+/// A diagram and where it comes from.
+#[derive(Clone, Copy, Debug)]
+pub struct DiagramFile<'a> {
+    /// Name of the model.
+    pub model: &'a str,
+    /// Name of the algorithm.
+    pub algorithm: &'a str,
+    /// The sources.
+    pub sources: &'a [u32],
+    /// Distance of each vertex of the mesh from the nearest one.
+    pub distances: &'a [f64],
+    /// The diagram.
+    pub diagram: &'a Diagram,
+    /// Seconds that the windows and the diagram took.
+    pub stage_seconds: [f64; 2],
+}
+
+/// A form in which a diagram can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DiagramFormat {
+    /// Cells, vertices and arcs.
+    Json,
+    /// The borders between cells as polylines.
+    Obj,
+    /// The mesh coloured by cell, with faces cut along the borders.
+    Ply,
+    /// The borders as polylines (legacy VTK), with the cells on both sides.
+    Vtk,
+}
+
+const ENDINGS: [(&str, DiagramFormat); 4] = [
+    ("json", DiagramFormat::Json),
+    ("obj", DiagramFormat::Obj),
+    ("ply", DiagramFormat::Ply),
+    ("vtk", DiagramFormat::Vtk),
+];
+
+/// Points of a bent arc between its ends, in polylines and outlines.
+const POINTS_PER_ARC: usize = 7;
+
+impl DiagramFormat {
+    /// The form for the ending of `path`, in any letter case.
+    ///
+    /// # Errors
+    ///
+    /// When no form has this ending.
+    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
+        of_ending(path, "Voronoi diagrams", &ENDINGS)
+    }
+
+    /// The contents of a file in this form.
+    ///
+    /// # Errors
+    ///
+    /// When the form needs coordinates and the mesh has none.
+    pub fn render(self, file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
+        Ok(match self {
+            Self::Json => json(file)?,
+            Self::Obj => obj(&polylines(file)?).into_bytes(),
+            Self::Ply => ply(file)?,
+            Self::Vtk => vtk(file, &polylines(file)?).into_bytes(),
+        })
+    }
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: &'static str,
+    model: &'a str,
+    algorithm: &'a str,
+    sources: &'a [u32],
+    cells: Vec<CellRecord<'a>>,
+    vertices: Vec<VertexRecord<'a>>,
+    arcs: Vec<ArcRecord>,
+    stage_seconds: [f64; 2],
+}
+
+#[derive(Serialize)]
+struct CellRecord<'a> {
+    source: u32,
+    area: f64,
+    perimeter: f64,
+    neighbours: &'a [u32],
+    disc: bool,
+    euler: i64,
+}
+
+#[derive(Serialize)]
+struct VertexRecord<'a> {
+    position: Option<[f64; 3]>,
+    face: u32,
+    barycentric: [f64; 3],
+    sources: &'a [u32],
+    distance: f64,
+}
+
+#[derive(Serialize)]
+struct ArcRecord {
+    face: u32,
+    sources: [u32; 2],
+    from: Option<[f64; 3]>,
+    to: Option<[f64; 3]>,
+    kind: &'static str,
+    /// The foci in the plane of the face, and the lengths of the paths up to them.
+    foci: Option<[[f64; 2]; 2]>,
+    offsets: Option<[f64; 2]>,
+    nodes: [u32; 2],
+}
+
+fn json(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
+    let diagram = file.diagram;
+    let cells = (0..).zip(diagram.cells()).map(|(source, cell)| CellRecord {
+        source,
+        area: cell.area,
+        perimeter: cell.perimeter,
+        neighbours: &cell.neighbours,
+        disc: cell.is_disc(),
+        euler: cell.euler,
+    });
+    let vertices = diagram.vertices().iter().map(|vertex| {
+        let node = diagram.nodes()[vertex.node as usize];
+        VertexRecord {
+            position: diagram.position(node.face, node.place),
+            face: node.face.raw(),
+            barycentric: diagram.barycentric(node.face, node.place),
+            sources: &vertex.cells,
+            distance: vertex.distance,
+        }
+    });
+    let arcs = diagram.arcs().iter().map(|arc| ArcRecord {
+        face: arc.face.raw(),
+        sources: arc.sources,
+        from: diagram.position(arc.face, arc.ends[0]),
+        to: diagram.position(arc.face, arc.ends[1]),
+        kind: if arc.is_line() { "line" } else { "hyperbola" },
+        foci: arc.bisector.map(|bisector| bisector.images),
+        offsets: arc.bisector.map(|bisector| bisector.sigmas),
+        nodes: arc.nodes,
+    });
+    let document = Document {
+        schema: "geobench-voronoi/1",
+        model: file.model,
+        algorithm: file.algorithm,
+        sources: file.sources,
+        cells: cells.collect(),
+        vertices: vertices.collect(),
+        arcs: arcs.collect(),
+        stage_seconds: file.stage_seconds,
+    };
+    let mut bytes = serde_json::to_vec(&document)?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
+fn without_coordinates(file: &DiagramFile<'_>) -> String {
+    format!("{}: the mesh has no coordinates to write", file.model)
+}
+
+/// The points of each arc.
+fn polylines(file: &DiagramFile<'_>) -> anyhow::Result<Vec<Vec<[f64; 3]>>> {
+    let points = |arc: &Arc| {
+        let parts = if arc.is_line() { 1 } else { POINTS_PER_ARC + 1 };
+        let places = (0..=parts).map(|i| match i {
+            0 => arc.ends[0],
+            i if i == parts => arc.ends[1],
+            i => arc.point(i as f64 / parts as f64),
+        });
+        places
+            .map(|place| file.diagram.position(arc.face, place))
+            .collect::<Option<Vec<_>>>()
+    };
+    let lines = file.diagram.arcs().iter().map(points);
+    lines
+        .collect::<Option<_>>()
+        .with_context(|| without_coordinates(file))
+}
+
+fn obj(lines: &[Vec<[f64; 3]>]) -> String {
+    // Writing to a string cannot fail.
+    let mut text = String::new();
+    for [x, y, z] in lines.iter().flatten() {
+        let _ = writeln!(text, "v {x} {y} {z}");
+    }
+    let mut next = 1;
+    for line in lines {
+        text.push('l');
+        for number in next..next + line.len() {
+            let _ = write!(text, " {number}");
+        }
+        text.push('\n');
+        next += line.len();
+    }
+    text
+}
+
+fn vtk(file: &DiagramFile<'_>, lines: &[Vec<[f64; 3]>]) -> String {
+    let points: usize = lines.iter().map(Vec::len).sum();
+    // Writing to a string cannot fail.
+    let mut text = format!(
+        "# vtk DataFile Version 3.0\nVoronoi diagram\nASCII\nDATASET POLYDATA\nPOINTS {points} double\n"
+    );
+    for [x, y, z] in lines.iter().flatten() {
+        let _ = writeln!(text, "{x} {y} {z}");
+    }
+    let _ = writeln!(text, "LINES {} {}", lines.len(), points + lines.len());
+    let mut next = 0;
+    for line in lines {
+        let _ = write!(text, "{}", line.len());
+        for number in next..next + line.len() {
+            let _ = write!(text, " {number}");
+        }
+        text.push('\n');
+        next += line.len();
+    }
+    let _ = writeln!(text, "CELL_DATA {}", lines.len());
+    for (name, side) in [("left", 0), ("right", 1)] {
+        let _ = writeln!(text, "SCALARS {name} int 1\nLOOKUP_TABLE default");
+        for arc in file.diagram.arcs() {
+            let _ = writeln!(text, "{}", arc.sources[side]);
+        }
+    }
+    text
+}
+
+/// A colour for a cell; those of successive cells are far apart.
+pub(crate) fn colour(cell: u32) -> [u8; 3] {
+    if cell == NO_SOURCE {
+        return [128; 3];
+    }
+    // The golden ratio spreads hues evenly, however many there are.
+    let hue = 6.0 * (f64::from(cell) * 0.618_033_988_749_895).fract();
+    let light = [0.95, 0.75, 0.85][cell as usize % 3];
+    let channel = |n: f64| {
+        let k = (n + hue) % 6.0;
+        let share = k.min(4.0 - k).clamp(0.0, 1.0);
+        (255.0 * light * (1.0 - 0.55 * share)).round() as u8
+    };
+    [5.0, 3.0, 1.0].map(channel)
+}
+
+fn ply(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
+    let diagram = file.diagram;
+    let mesh: &Mesh = diagram.mesh();
+    if mesh.positions().len() != mesh.vertex_count() {
+        anyhow::bail!(without_coordinates(file));
+    }
+    let mut positions = mesh.positions().to_vec();
+    let mut colours: Vec<[u8; 3]> = diagram.labels().iter().map(|&cell| colour(cell)).collect();
+    let inner = mesh.faces().filter(|&face| !diagram.is_border(face));
+    let mut triangles: Vec<[u32; 3]> = inner
+        .map(|face| mesh.face_vertices(face).map(geobench_mesh::VertexId::raw))
+        .collect();
+    for part in diagram.parts(POINTS_PER_ARC) {
+        let first = positions.len();
+        for &place in &part.outline {
+            let position = diagram.position(part.face, place);
+            positions.push(position.with_context(|| without_coordinates(file))?);
+            colours.push(colour(part.source));
+        }
+        let corners = part.triangles().into_iter();
+        triangles.extend(corners.map(|corners| corners.map(|corner| (first + corner) as u32)));
+    }
+    let comment = format!(
+        "cells of {} sources on {} by {}",
+        file.sources.len(),
+        file.model,
+        file.algorithm
+    );
+    let mut bytes = Vec::new();
+    PlyWriter::new(&positions, &triangles)
+        .comment(&comment)
+        .colors(&colours)
+        .write(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// A form in which the labels of the vertices of a mesh can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LabelFormat {
+    /// `vertex,label,distance`; no label and `inf` where no path leads.
+    Csv,
+    /// A one-dimensional `NumPy` array of i64; -1 where no path leads.
+    Npy,
+}
+
+impl LabelFormat {
+    /// The form for the ending of `path`, in any letter case.
+    ///
+    /// # Errors
+    ///
+    /// When no form has this ending.
+    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
+        of_ending(path, "labels", &[("csv", Self::Csv), ("npy", Self::Npy)])
+    }
+
+    /// The contents of a file in this form.
+    pub fn render(self, file: &DiagramFile<'_>) -> Vec<u8> {
+        let labels = file.diagram.labels();
+        match self {
+            Self::Csv => {
+                let mut text = "vertex,label,distance\n".to_owned();
+                for (vertex, (&label, d)) in labels.iter().zip(file.distances).enumerate() {
+                    // Writing to a string cannot fail.
+                    let _ = if label == NO_SOURCE {
+                        writeln!(text, "{vertex},,{d}")
+                    } else {
+                        writeln!(text, "{vertex},{label},{d}")
+                    };
+                }
+                text.into_bytes()
+            }
+            Self::Npy => {
+                let number = |label| {
+                    if label == NO_SOURCE {
+                        -1
+                    } else {
+                        i64::from(label)
+                    }
+                };
+                let bytes = labels.iter().flat_map(|&label| number(label).to_le_bytes());
+                super::distance_formats::npy_of("<i8", labels.len(), bytes)
+            }
+        }
+    }
+}

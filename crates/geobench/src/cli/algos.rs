@@ -11,7 +11,7 @@ use crate::table::terminal::listing;
 use crate::table::{Column, Entry, Table};
 
 /// The recommended algorithm for each use, as in `docs/algorithms`.
-const ADVICE: [(&str, &str); 5] = [
+const ADVICE: [(&str, &str); 6] = [
     (
         "distances, fast",
         "vtp-fast; on several idle processors pvtp",
@@ -26,6 +26,7 @@ const ADVICE: [(&str, &str); 5] = [
         "what a part of VTP does",
         "vtp-no-rule1, vtp-no-rules23, vtp-mmp, vtp-ch, ftp, opvtp",
     ),
+    ("Voronoi diagrams", "window-vtp, by geobench voronoi"),
 ];
 
 /// Width of the output if it is not a terminal.

@@ -24,3 +24,4 @@ mod simd;
 mod support;
 mod threads;
 mod verify;
+mod voronoi;

@@ -72,7 +72,8 @@ const SMALL: f64 = 1e-11;
 /// Triangles of a face that are cut in two; some eighty lie around each point that is in doubt.
 const MOST_CUTS: u32 = 1000;
 
-/// Points of a border that are looked at to find where its bisectors change: some 90 for each.
+/// Points of a border that are looked at to find where its bisectors change: at most some 90 for
+/// each.
 const MOST_STEPS: u32 = 600;
 
 /// How far beside a triangle a point may come to lie by rounding, as a fraction of its size.
@@ -413,29 +414,13 @@ impl Arranger<'_> {
             return None;
         }
         let size = triangle.size();
-        let mut x = centre(stops.iter().map(|stop| self.found.nodes[stop.node].at));
-        let mut last = f64::INFINITY;
-        for _ in 0..60 {
-            let [a, b, c] = three.map(|source| self.sites.nearest_of(source, x));
-            let [p, q] = [&b, &c].map(|other| sub(a.direction, other.direction));
-            let values = [a.length - b.length, a.length - c.length];
-            let determinant = cross(p, q);
-            let step = [
-                -(values[0] * q[1] - values[1] * p[1]) / determinant,
-                -(p[0] * values[1] - q[0] * values[0]) / determinant,
-            ];
-            let long = norm(step);
-            // Written so that NaN ends it.
-            if !(long < f64::INFINITY) {
-                return None;
-            }
-            let scale = (size / long).min(1.0);
-            x = [x[0] + scale * step[0], x[1] + scale * step[1]];
-            if long <= 1e-15 * size || long >= last && long <= 1e-7 * size {
-                break;
-            }
-            last = long;
-        }
+        let start = centre(stops.iter().map(|stop| self.found.nodes[stop.node].at));
+        let x = meeting_point(start, size, |x| {
+            three.map(|source| {
+                let nearest = self.sites.nearest_of(source, x);
+                (nearest.length, nearest.direction)
+            })
+        })?;
         let least = self.sites.distance(x);
         let slack = self.sites.rounding(least);
         let all_meet = cells
@@ -539,9 +524,9 @@ impl Way<'_> {
         lengths.into_iter().all(|d| (d - least).abs() <= slack)
     }
 
-    /// The border beside the middle between two of its points.
-    fn middle(&self, [from, to]: [Point; 2]) -> Option<Point> {
-        let start = between(from, to, 0.5);
+    /// The border beside fraction `t` of the chord between two of its points.
+    fn beside(&self, [from, to]: [Point; 2], t: f64) -> Option<Point> {
+        let start = between(from, to, t);
         newton_across(start, sub(to, from), |x| {
             let [a, b] = self.sources.map(|source| self.sites.nearest_of(source, x));
             let value = a.length - b.length;
@@ -568,44 +553,108 @@ impl Way<'_> {
         if *steps > MOST_STEPS {
             return None;
         }
-        let middle = self.middle(ends)?;
+        let middle = self.beside(ends, 0.5)?;
         let pair = self.pair(middle)?;
-        let push = |parts: &mut Vec<Part>, sites| match parts.last_mut() {
-            Some(last) if last.sites == sites || last.sites.is_none() => {
-                *last = Part { to, sites };
-            }
-            Some(last) if sites.is_none() => last.to = to,
-            _ => parts.push(Part { to, sites }),
-        };
-        if self.is_whole(pair, ends, middle) {
-            push(parts, Some(pair));
+        if self.is_whole(pair, ends) {
+            append(parts, to, Some(pair));
             return Some(());
         }
-        let is_short = norm(sub(to, from)) <= BESIDE_FACE * self.sites.size;
-        if is_short {
-            push(parts, None);
+        if norm(sub(to, from)) <= BESIDE_FACE * self.sites.size {
+            append(parts, to, None);
+            return Some(());
+        }
+        if let Some((at, [first, second])) = self.breakpoint(ends, middle) {
+            append(parts, at, Some(first));
+            append(parts, to, Some(second));
             return Some(());
         }
         self.trace([from, middle], steps, parts)?;
         self.trace([middle, to], steps, parts)
     }
 
+    /// The point between `ends` at which the border changes from one bisector to another, and the
+    /// pairs of sites before and behind it, if there is but one such point and it is easy to find.
+    fn breakpoint(&self, ends: [Point; 2], middle: Point) -> Option<(Point, [[usize; 2]; 2])> {
+        let near_first = self.beside(ends, NEAR_END)?;
+        let near_last = self.beside(ends, 1.0 - NEAR_END)?;
+        let (first, last) = (self.pair(near_first)?, self.pair(near_last)?);
+        let three = match (first[0] == last[0], first[1] == last[1]) {
+            (false, true) => [first[1], first[0], last[0]],
+            (true, false) => [first[0], first[1], last[1]],
+            _ => return None,
+        };
+        let x = meeting_point(middle, self.triangle.size(), |x| {
+            three.map(|site| self.sites.sites[site].straight_path(x))
+        })?;
+        let is_between = self.is_whole(first, [ends[0], x]) && self.is_whole(last, [x, ends[1]]);
+        (is_between && self.triangle.contains(x, self.slack)).then_some((x, [first, last]))
+    }
+
     /// Whether the bisector of one pair of sites is the border all the way.
-    fn is_whole(&self, pair: [usize; 2], ends: [Point; 2], middle: Point) -> bool {
-        if !(self.holds(pair, ends[0]) && self.holds(pair, ends[1]) && self.holds(pair, middle)) {
+    fn is_whole(&self, pair: [usize; 2], ends: [Point; 2]) -> bool {
+        if !(self.holds(pair, ends[0]) && self.holds(pair, ends[1])) {
             return false;
         }
+        let curve = Bisector::of(pair.map(|site| &self.sites.sites[site]));
+        let Some(middle) = curve.beside(ends[0], ends[1], 0.5) else {
+            return false;
+        };
         // Nowhere does it turn back on itself, so that it can be followed along its chord.
         let [near, far] = [sub(middle, ends[0]), sub(ends[1], middle)];
         if dot(near, far) < 0.5 * norm(near) * norm(far) {
             return false;
         }
-        let curve = Bisector::of(pair.map(|site| &self.sites.sites[site]));
-        [0.2, 0.8].into_iter().all(|t| {
-            let x = curve.beside(ends[0], ends[1], t);
-            x.is_some_and(|x| self.holds(pair, x))
-        })
+        self.holds(pair, middle)
+            && [0.2, 0.8].into_iter().all(|t| {
+                let x = curve.beside(ends[0], ends[1], t);
+                x.is_some_and(|x| self.holds(pair, x))
+            })
     }
+}
+
+/// How far from its ends a border is looked at for the sites there, as a share of its chord.
+const NEAR_END: f64 = 0.01;
+
+/// Appends a part that ends at `to`. Parts of the same bisector become one; what is too short to
+/// have one becomes part of its neighbour.
+fn append(parts: &mut Vec<Part>, to: Point, sites: Option<[usize; 2]>) {
+    match parts.last_mut() {
+        Some(last) if last.sites == sites || last.sites.is_none() => *last = Part { to, sites },
+        Some(last) if sites.is_none() => last.to = to,
+        _ => parts.push(Part { to, sites }),
+    }
+}
+
+/// A point at which three paths are equally long, by Newton's method from `x` on in steps of at
+/// most `size`; `paths` gives their lengths and directions.
+fn meeting_point(
+    mut x: Point,
+    size: f64,
+    paths: impl Fn(Point) -> [(f64, Point); 3],
+) -> Option<Point> {
+    let mut last = f64::INFINITY;
+    for _ in 0..60 {
+        let [a, b, c] = paths(x);
+        let [p, q] = [b, c].map(|other| sub(a.1, other.1));
+        let values = [a.0 - b.0, a.0 - c.0];
+        let determinant = cross(p, q);
+        let step = [
+            -(values[0] * q[1] - values[1] * p[1]) / determinant,
+            -(p[0] * values[1] - q[0] * values[0]) / determinant,
+        ];
+        let long = norm(step);
+        // Written so that NaN ends it.
+        if !(long < f64::INFINITY) {
+            return None;
+        }
+        let scale = (size / long).min(1.0);
+        x = [x[0] + scale * step[0], x[1] + scale * step[1]];
+        if long <= 1e-15 * size || long >= last && long <= 1e-7 * size {
+            return Some(x);
+        }
+        last = long;
+    }
+    Some(x)
 }
 
 fn centre(points: impl Iterator<Item = Point>) -> Point {

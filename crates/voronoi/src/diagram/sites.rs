@@ -35,6 +35,18 @@ impl Site {
         self.sigma + norm(sub(x, self.image))
     }
 
+    /// The same with the direction in which the path arrives.
+    pub(crate) fn straight_path(&self, x: Point) -> (f64, Point) {
+        let way = sub(x, self.image);
+        let length = norm(way);
+        let direction = if length > 0.0 {
+            way.map(|c| c / length)
+        } else {
+            [0.0; 2]
+        };
+        (self.sigma + length, direction)
+    }
+
     /// Where the path to `x` last turns: at the image, or at an end of the gate if the straight
     /// path misses that.
     #[inline]

@@ -516,12 +516,15 @@ impl Way<'_> {
         (is_border && self.triangle.contains(x, self.slack)).then_some([a.site, b.site])
     }
 
-    /// Whether the straight paths of both sites are the shortest of their cells at `x`.
+    /// Whether the straight paths of both sites are the shortest of all to `x`. They have to come
+    /// through the gates of their sites: where they do not, the path that does is longer.
     fn holds(&self, pair: [usize; 2], x: Point) -> bool {
         let least = self.sites.distance(x);
         let slack = self.sites.rounding(least);
-        let lengths = pair.map(|site| self.sites.sites[site].straight(x));
-        lengths.into_iter().all(|d| (d - least).abs() <= slack)
+        pair.into_iter().all(|site| {
+            let site = &self.sites.sites[site];
+            (site.straight(x) - least).abs() <= slack && site.path(x).length <= least + slack
+        })
     }
 
     /// The border beside fraction `t` of the chord between two of its points.

@@ -21,7 +21,7 @@ pub(crate) struct Site {
 /// A path from a [`Site`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SitePath {
-    length: f64,
+    pub(crate) length: f64,
     /// The direction in which it arrives.
     direction: Point,
     /// Whether it turns at an end of the gate.

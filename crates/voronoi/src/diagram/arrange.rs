@@ -646,8 +646,7 @@ fn meeting_point(
             -(p[0] * values[1] - q[0] * values[0]) / determinant,
         ];
         let long = norm(step);
-        // Written so that NaN ends it.
-        if !(long < f64::INFINITY) {
+        if !long.is_finite() {
             return None;
         }
         let scale = (size / long).min(1.0);

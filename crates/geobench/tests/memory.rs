@@ -30,7 +30,7 @@ fn runs(mut place: Isolated, model: &str, list: &[(&str, Pass)]) -> Vec<Peaks> {
         let step = Step {
             model: &model.name,
             algorithm: &registry::select_one(algorithm).unwrap(),
-            source: VertexId::new(0),
+            source: &VertexId::new(0).into(),
             pass,
             solves: 1,
         };
@@ -125,7 +125,7 @@ fn where_all_hold_too_much_a_child_ends_after_its_run_and_comes_back_warm() {
             let step = Step {
                 model: &model.name,
                 algorithm: &registry::select_one(algorithm).unwrap(),
-                source: VertexId::new(0),
+                source: &VertexId::new(0).into(),
                 pass,
                 solves: 1,
             };

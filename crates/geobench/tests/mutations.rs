@@ -102,7 +102,7 @@ fn suites(cases: u32) {
         {
             for mut plan in done.plans {
                 let _ = plan.find_programs(&suite.programs);
-                let _ = plan.sources.resolve(100);
+                let _ = plan.units_in(100);
                 let _ = (plan.runs(), plan.check_reference());
             }
         }
@@ -214,7 +214,7 @@ fn distances(cases: u32) {
     let text = "vertex,distance\n0,0\n1,1.5\r\n\n2, 1e-3\n3,inf\n".to_owned();
     all_end(cases, &[text], |_, bytes| {
         fs::write(&path, bytes).unwrap();
-        let _ = Expected::File(path.clone()).find(Path::new("m.obj"), 0, 4);
+        let _ = Expected::File(path.clone()).find(Path::new("m.obj"), &0.into(), 4);
     });
 }
 

@@ -41,6 +41,26 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! Sources need not be vertices. A [`SurfacePoint`] lies on an edge, in a face, or next to a
+//! position in space:
+//!
+//! ```
+//! use geodesic::{Distances, Mesh, SurfacePoint};
+//!
+//! let mesh = Mesh::generate("sphere,subdiv=2")?;
+//! let inside = mesh.point_in_face(7.into(), [0.2, 0.3, 0.5])?;
+//! let (pole, off) = mesh.nearest_point([0.0, 0.0, 2.0])?;
+//! assert!(off >= 1.0);
+//! let distances = mesh.distances_from([inside, pole])?; // From the nearer one.
+//! assert_eq!(distances.len(), mesh.vertex_count());
+//!
+//! // A refined mesh has a vertex at each point, so that any solver can start or end there.
+//! let refined = mesh.with_points(&[inside, pole])?;
+//! let from_inside = refined.mesh.distances_from(refined.vertices[0])?;
+//! assert!(from_inside[refined.vertices[1].index()] > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # What is where
 //!
 //! * [`Mesh`]: reading, building, asking. [`io`] reads and writes files, [`generate`] makes models,
@@ -60,7 +80,8 @@
 //! * Boundaries, several components, isolated and pinched vertices are handled. An edge with more
 //!   than two faces, or a surface that cannot be oriented, is a [`MeshError`] that names its
 //!   elements.
-//! * A source that is not a vertex, or no source at all, is a [`SolveError`].
+//! * A source that is not on the mesh, or no source at all, is a [`SolveError`]; a point that does
+//!   not exist is a [`PointError`].
 //! * The time of a solve grows with the windows, up to the power 1.5 of the faces: some 20 ms for
 //!   20,000 faces, a second or several for a million.
 
@@ -72,7 +93,10 @@ pub use geobench_paths as paths;
 pub use geobench_vtp as vtp;
 pub use geobench_window as window;
 
-pub use geobench_mesh::{InvalidMesh, Mesh, MeshError, TriangleSoup, VertexId, generate, io};
+pub use geobench_mesh::{
+    InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,
+    TriangleSoup, VertexId, generate, io,
+};
 pub use geobench_paths::{Path, PathError, Paths};
 pub use geobench_vtp::{Pvtp, VtpFast};
 pub use geobench_window::{Goal, Solution, SolveError, Solver, Sources};
@@ -113,17 +137,49 @@ pub mod solvers {
     pub use geobench_window::simd::Instructions;
 }
 
+/// One point of a surface or several: a vertex number, a [`VertexId`], a [`SurfacePoint`], or a
+/// list of any of these.
+pub trait Points {
+    /// The points.
+    fn into_points(self) -> Vec<SurfacePoint>;
+}
+
+macro_rules! points {
+    ($point:ty) => {
+        impl Points for $point {
+            fn into_points(self) -> Vec<SurfacePoint> {
+                vec![self.into()]
+            }
+        }
+    };
+    ($list:ty, $($generics:tt)*) => {
+        impl<$($generics)*> Points for $list {
+            fn into_points(self) -> Vec<SurfacePoint> {
+                self.iter().map(|&v| v.into()).collect()
+            }
+        }
+    };
+}
+
+points!(u32);
+points!(VertexId);
+points!(SurfacePoint);
+points!([P; N], P: Copy + Into<SurfacePoint>, const N: usize);
+points!(&[P; N], P: Copy + Into<SurfacePoint>, const N: usize);
+points!(&[P], P: Copy + Into<SurfacePoint>);
+points!(&Vec<P>, P: Copy + Into<SurfacePoint>);
+
 /// Distances and paths on a mesh without a solver to keep.
 pub trait Distances {
-    /// Length of the shortest path over the surface from the nearest of `sources`, a vertex or
-    /// several, to every vertex; infinite where no path leads.
+    /// Length of the shortest path over the surface from the nearest of `sources`, a vertex,
+    /// another point or several, to every vertex; infinite where no path leads.
     ///
     /// It sets [`VtpFast`] up for this one question, which adds about a third to the time.
     ///
     /// # Errors
     ///
-    /// When there is no source, or one that is not a vertex of the mesh.
-    fn distances_from(&self, sources: impl Sources) -> Result<Vec<f64>, SolveError>;
+    /// When there is no source, or one that is not on the mesh.
+    fn distances_from(&self, sources: impl Points) -> Result<Vec<f64>, SolveError>;
 
     /// The shortest path over the surface from the nearest of `sources` to vertex `target`; `None`
     /// if none leads there. The search ends when the target is reached.
@@ -139,8 +195,18 @@ pub trait Distances {
 }
 
 impl Distances for Mesh {
-    fn distances_from(&self, sources: impl Sources) -> Result<Vec<f64>, SolveError> {
-        VtpFast::new(self).distances_from(sources)
+    fn distances_from(&self, sources: impl Points) -> Result<Vec<f64>, SolveError> {
+        let refined = self.with_points(&sources.into_points());
+        let refined = refined.map_err(|error| match error {
+            PointError::NoSuchVertex { vertex, vertices } => {
+                SolveError::NoSuchVertex { vertex, vertices }
+            }
+            _ => SolveError::NoSuchPoint,
+        })?;
+        let mut solver = VtpFast::new(&refined.mesh);
+        let mut distances = solver.solve(&refined.vertices)?.distances;
+        distances.truncate(self.vertex_count());
+        Ok(distances)
     }
 
     fn path(

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs, io, thread};
 
 use geodesic::solvers::*;
-use geodesic::{Distances, Mesh, MeshError, SolveError, Solver, VertexId, VtpFast};
+use geodesic::{Distances, Mesh, MeshError, SolveError, Solver, SurfacePoint, VertexId, VtpFast};
 
 /// A unit square of two triangles, and a vertex that belongs to neither.
 fn square() -> Mesh {
@@ -104,6 +104,27 @@ fn sources_are_a_number_an_id_or_several() {
     assert_eq!(mesh.distances_from(&ends[..]), Ok(two.clone()));
     assert_eq!(mesh.distances_from(&vec![2, 0]), Ok(two.clone()));
     assert_eq!(mesh.distances_from([0, 2].map(VertexId::new)), Ok(two));
+}
+
+#[test]
+fn points_on_edges_and_in_faces_are_sources() {
+    let mesh = square();
+    let centre = mesh.point_on_edge([0, 2].map(VertexId::new), 0.5).unwrap();
+    let half = 0.5_f64.sqrt();
+    for found in [
+        mesh.distances_from(centre),
+        mesh.distances_from([centre, centre]),
+    ] {
+        let found = found.unwrap();
+        assert_eq!(found.len(), 5);
+        assert!(found[..4].iter().all(|d| (d - half).abs() < 1e-15));
+        assert_eq!(found[4], f64::INFINITY);
+    }
+    let mixed: [SurfacePoint; 2] = [centre, 1.into()];
+    assert_eq!(mesh.distances_from(mixed).unwrap()[1], 0.0);
+    let sphere = Mesh::generate("sphere,subdiv=2").unwrap();
+    let far = sphere.point_in_face(99.into(), [0.2, 0.3, 0.5]).unwrap();
+    assert_eq!(mesh.distances_from(far), Err(SolveError::NoSuchPoint));
 }
 
 #[test]

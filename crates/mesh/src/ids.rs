@@ -65,6 +65,12 @@ impl From<u32> for VertexId {
     }
 }
 
+impl From<u32> for FaceId {
+    fn from(index: u32) -> Self {
+        Self(index)
+    }
+}
+
 impl FaceId {
     /// The half-edge that leaves corner `corner` (0, 1 or 2) of this face.
     #[inline]

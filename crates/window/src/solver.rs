@@ -54,6 +54,9 @@ pub enum SolveError {
     /// The algorithm does not remember where paths come from.
     #[error("this algorithm traces no paths; choose another one")]
     NoPaths,
+    /// A source is a point of another mesh.
+    #[error("a source is no point of this mesh; ask this mesh for its points")]
+    NoSuchPoint,
     /// The system did not start the threads of a parallel algorithm.
     #[error("the system does not start {threads} threads; ask for fewer, or raise its limits")]
     NoThreads {

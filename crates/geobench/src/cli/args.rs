@@ -7,10 +7,10 @@ use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
 use super::isolation::{DecompressionOptions, IsolationOptions, ReadingOptions};
 use crate::UsageError;
+use crate::exec::source::{SourceSpec, TargetSpec};
 use crate::history::compare::Rules;
 use crate::measure::instructions;
 use crate::plan::sampling::{Seconds, Share};
-use crate::plan::source::SourceSpec;
 use crate::plan::suite::{self, MOST_RUNS};
 use crate::registry::{self, MOST_THREADS, Selection, Simd};
 use crate::report::claims::ClaimsFormat;
@@ -85,7 +85,7 @@ pub(super) enum Command {
     /// Compute what results say of the papers' claims: confirmed, partly, not, or cannot be judged
     Claims(ClaimsOptions),
     /// Write the distances of all vertices from one or several sources
-    Distance(DistanceOptions),
+    Distance(Box<DistanceOptions>),
     /// Trace shortest paths over the surface
     Path(PathOptions),
     /// Write the Voronoi diagram of several sources: cells, their borders, the dual triangulation
@@ -136,9 +136,8 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "LIST", value_parser = algorithms)]
     pub(super) algo: Option<Algorithms>,
 
-    /// Sources: first, a vertex number, a list of numbers, or random:N[,seed=S] [default: first]
-    #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
-    pub(super) source: Option<SourceSpec>,
+    #[command(flatten)]
+    pub(super) source: SourceOptions,
 
     /// Timed runs of each cell [default: 5 to 100, as many as --precision needs]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_RUNS)))]
@@ -237,6 +236,30 @@ pub(super) struct RunOptions {
     pub(super) no_progress: bool,
 }
 
+/// Where runs start.
+#[derive(Args, Debug)]
+pub(super) struct SourceOptions {
+    /// Sources: first, a vertex number, random:N[,seed=S], all, edge:A-B,T (from vertex A the
+    /// fraction T of the way to B), face:F,U,V,W (barycentric coordinates), at:X,Y,Z (the nearest
+    /// point), or a list of these; may be repeated [default: first]
+    #[arg(long, value_name = "SRC", allow_negative_numbers = true)]
+    pub(super) source: Vec<SourceSpec>,
+
+    /// One run from all sources together, not one for each: distances are those from the nearest
+    #[arg(long)]
+    pub(super) sources_together: bool,
+}
+
+impl SourceOptions {
+    /// All sources, if any are named.
+    pub(super) fn sources(&self) -> Result<Option<SourceSpec>, UsageError> {
+        if self.source.is_empty() {
+            return Ok(None);
+        }
+        SourceSpec::of_all(self.source.iter().cloned()).map(Some)
+    }
+}
+
 /// Which models of a suite.
 #[derive(Args, Debug)]
 pub(super) struct ScaleOptions {
@@ -314,15 +337,16 @@ pub(super) struct VerifyOptions {
     #[arg(long, value_name = "LIST", value_parser = algorithms)]
     pub(super) algo: Option<Algorithms>,
 
-    /// Sources: first, a vertex number, a list of numbers, or random:N[,seed=S]; those for which
-    /// distances are stored (MODEL.sSOURCE.csv) are added
+    /// Sources: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z
+    /// or a list of these; may be repeated. Vertices for which distances are stored
+    /// (MODEL.sSOURCE.csv) are added
     #[arg(
         long,
-        value_name = "SPEC",
+        value_name = "SRC",
         default_value = "first",
         allow_negative_numbers = true
     )]
-    pub(super) source: SourceSpec,
+    pub(super) source: Vec<SourceSpec>,
 
     /// Largest relative difference that passes
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
@@ -399,10 +423,29 @@ pub(super) struct DistanceOptions {
     #[arg(value_name = "MODEL")]
     pub(super) model: String,
 
-    /// The source: a vertex number, first, a list of numbers or random:N[,seed=S]; from several
-    /// sources the distance is that from the nearest, but see --each
-    #[arg(long, value_name = "SRC", allow_negative_numbers = true)]
-    pub(super) source: SourceSpec,
+    /// The source: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
+    /// at:X,Y,Z or a list of these; may be repeated. From several sources the distance is that from
+    /// the nearest, but see --each
+    #[arg(
+        long,
+        value_name = "SRC",
+        required = true,
+        allow_negative_numbers = true
+    )]
+    pub(super) source: Vec<SourceSpec>,
+
+    /// Only the distances of these points, in the forms of --source; may be repeated. The run ends
+    /// as soon as they are final [default: all vertices]
+    #[arg(long, value_name = "DST", allow_negative_numbers = true)]
+    pub(super) target: Vec<TargetSpec>,
+
+    /// The same from a file with one DST in a line
+    #[arg(long, value_name = "FILE")]
+    pub(super) targets: Option<PathBuf>,
+
+    /// Only distances up to R, in the units of the model; others are infinite. The run ends there
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = radius)]
+    pub(super) radius: Option<f64>,
 
     /// The algorithm
     #[arg(long, value_name = "A", default_value = "vtp-fast", value_parser = registry::select_one)]
@@ -412,6 +455,11 @@ pub(super) struct DistanceOptions {
     /// the ending, as in d.s17.csv
     #[arg(long)]
     pub(super) each: bool,
+
+    /// One matrix of all distances in FILE (.npy or .csv): a row for each source, a column for each
+    /// vertex or target
+    #[arg(long, requires = "each")]
+    pub(super) matrix: bool,
 
     /// Threads, if the algorithm is a parallel one (pvtp) or with --each: then so many sources at a
     /// time
@@ -704,7 +752,7 @@ pub(super) struct ManOptions {
 pub(super) struct CountOneSolveOptions {
     pub(super) model: String,
     pub(super) algorithm: String,
-    pub(super) source: u32,
+    pub(super) source: SourceSpec,
     /// The widest instructions to use
     #[arg(long)]
     pub(super) simd: Option<String>,
@@ -746,6 +794,14 @@ fn rules(text: &str) -> Result<Rules, UsageError> {
         Ok(Rules::default())
     } else {
         text.parse()
+    }
+}
+
+/// A distance that is not negative.
+fn radius(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(radius) if radius >= 0.0 && radius.is_finite() => Ok(radius),
+        _ => Err("give a distance of 0 or more".to_owned()),
     }
 }
 

@@ -1,20 +1,25 @@
 //! `geobench distance`.
 
 use std::ffi::OsString;
+use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
-use geobench_mesh::{Mesh, VertexId};
-use geobench_window::{Solver, precision};
+use anyhow::{Context, anyhow, bail};
+use geobench_mesh::{Mesh, Refined, SurfacePoint, VertexId};
+use geobench_window::{Goal, Solver, precision};
 use rayon::ThreadPoolBuilder;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::Verdict;
 use super::args::DistanceOptions;
 use super::terminal;
+use crate::exec::expected::file_word;
 use crate::exec::model;
+use crate::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
 use crate::registry::Selection;
-use crate::table::distance_formats::{DistanceField, FieldFormat};
+use crate::schema::SourceLabel;
+use crate::table::distance_formats::{DistanceField, DistanceMatrix, FieldFormat, MatrixFormat};
 use crate::table::output::OutputFile;
 
 pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
@@ -24,7 +29,11 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
             options.algo.label()
         );
     }
-    let format = FieldFormat::of_path(&options.output)?;
+    let form = if options.matrix {
+        Form::Matrix(MatrixFormat::of_path(&options.output)?)
+    } else {
+        Form::Field(FieldFormat::of_path(&options.output)?)
+    };
     let output = OutputFile::prepare(&options.output)?;
     let models = model::collect(std::slice::from_ref(&options.model))?;
     let [model] = &models[..] else {
@@ -34,27 +43,33 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
             models.len()
         );
     };
+    let wanted = wanted_targets(options)?;
+    if let (Form::Field(format), Some(_)) = (&form, &wanted)
+        && format.is_mesh()
+    {
+        bail!(
+            "{}: a mesh has distances of all vertices; for those of targets use .csv, .json or .npy",
+            options.output.display()
+        );
+    }
     let loaded = model.load_within(options.reading)?;
-    let sources = options
-        .source
-        .resolve(loaded.mesh.vertex_count())
-        .with_context(|| model.path.clone())?;
-    let tasks = if options.each {
-        one_by_one(sources, &options.output)?
-    } else {
-        vec![Task {
-            sources,
-            path: options.output.clone(),
-            output,
-        }]
-    };
+    let points = Points::new(&loaded.mesh, options, wanted.as_deref(), &model.path)?;
+    if !options.quiet {
+        for note in &points.notes {
+            terminal::print(&format!("{note}\n"))?;
+        }
+    }
     let request = Request {
         options,
         model: &model.name,
         mesh: &loaded.mesh,
-        format,
+        points: &points,
     };
-    for summary in request.carry_out(&tasks)? {
+    let summaries = match form {
+        Form::Matrix(format) => vec![request.matrix(format, &output)?],
+        Form::Field(format) => request.fields(format, output)?,
+    };
+    for summary in summaries {
         if !options.quiet && options.output != Path::new("-") {
             terminal::print(&summary)?;
         }
@@ -62,30 +77,126 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
+/// What is written.
+enum Form {
+    Field(FieldFormat),
+    Matrix(MatrixFormat),
+}
+
+/// A target, and its line if it is from a file.
+type WantedTarget = (TargetSpec, Option<String>);
+
+/// The targets of the options and of the file; `None` for all vertices.
+fn wanted_targets(options: &DistanceOptions) -> anyhow::Result<Option<Vec<WantedTarget>>> {
+    let mut all: Vec<_> = options.target.iter().map(|t| (t.clone(), None)).collect();
+    if let Some(path) = &options.targets {
+        let shown = path.display();
+        let mut text = String::new();
+        if path == Path::new("-") {
+            std::io::stdin()
+                .read_to_string(&mut text)
+                .context("the targets cannot be read from standard input")?;
+        } else {
+            text = fs::read_to_string(path).map_err(|error| anyhow!("{shown}: {error}"))?;
+        }
+        let before = all.len();
+        for (number, line) in (1..).zip(text.lines()) {
+            let line = line.trim();
+            if line.is_empty() || line.starts_with('#') {
+                continue;
+            }
+            let place = format!("{shown}, line {number}");
+            let target = line.parse().map_err(|error| anyhow!("{place}: {error}"))?;
+            all.push((target, Some(place)));
+        }
+        if all.len() == before {
+            bail!("{shown}: there is no target in it; write one in each line");
+        }
+    } else if all.is_empty() {
+        return Ok(None);
+    }
+    Ok(Some(all))
+}
+
+/// Sources and targets as vertices of a refined mesh.
+struct Points {
+    refined: Refined,
+    sources: Vec<(SourceLabel, VertexId)>,
+    /// `None` for all vertices of the model.
+    targets: Option<(Vec<SourceLabel>, Vec<VertexId>)>,
+    /// What the user should know about their places.
+    notes: Vec<String>,
+}
+
+impl Points {
+    fn new(
+        mesh: &Mesh,
+        options: &DistanceOptions,
+        wanted: Option<&[WantedTarget]>,
+        model: &str,
+    ) -> anyhow::Result<Self> {
+        let vertices = mesh.vertex_count();
+        let mut locator = Locator::new(mesh);
+        let mut notes = Vec::new();
+        let mut places: Vec<SurfacePoint> = Vec::new();
+        let mut locate = |points: Vec<PointSpec>| -> anyhow::Result<Vec<SourceLabel>> {
+            for &point in &points {
+                let found = locator.locate(point)?;
+                notes.extend(found.note());
+                places.push(found.point);
+            }
+            Ok(points.iter().map(PointSpec::label).collect())
+        };
+        let sources = SourceSpec::of_all(options.source.iter().cloned())?;
+        let sources = sources.points(vertices).map_err(anyhow::Error::new);
+        let sources = sources.and_then(&mut locate);
+        let sources = sources.with_context(|| model.to_owned())?;
+        let mut labels = Vec::new();
+        for (target, place) in wanted.into_iter().flatten() {
+            let found = target.points(vertices).map_err(anyhow::Error::new);
+            let found = found.and_then(&mut locate);
+            let place = || place.clone().unwrap_or_else(|| model.to_owned());
+            labels.extend(found.with_context(place)?);
+        }
+        let refined = mesh.with_points(&places)?;
+        let (from, to) = refined.vertices.split_at(sources.len());
+        Ok(Self {
+            sources: sources.into_iter().zip(from.iter().copied()).collect(),
+            targets: wanted.is_some().then(|| (labels, to.to_vec())),
+            notes,
+            refined,
+        })
+    }
+
+    fn labels(&self) -> Option<&[SourceLabel]> {
+        self.targets.as_ref().map(|(labels, _)| &labels[..])
+    }
+}
+
 /// One distance field and its file.
 struct Task {
-    sources: Vec<VertexId>,
+    sources: Vec<(SourceLabel, VertexId)>,
     path: PathBuf,
     output: OutputFile,
 }
 
 /// A task for each of the different `sources`, with files named after `path`.
-fn one_by_one(sources: Vec<VertexId>, path: &Path) -> anyhow::Result<Vec<Task>> {
-    let task = |source: VertexId| {
-        let path = path_of_source(path, source);
+fn one_by_one(sources: &[(SourceLabel, VertexId)], path: &Path) -> anyhow::Result<Vec<Task>> {
+    let task = |source: &(SourceLabel, VertexId)| {
+        let path = path_of_source(path, &source.0);
         Ok(Task {
             output: OutputFile::prepare(&path)?,
             path,
-            sources: vec![source],
+            sources: vec![source.clone()],
         })
     };
-    sources.into_iter().map(task).collect()
+    sources.iter().map(task).collect()
 }
 
 /// `path` with the source before its ending: the name by which `verify` looks for stored distances.
-fn path_of_source(path: &Path, source: VertexId) -> PathBuf {
+fn path_of_source(path: &Path, source: &SourceLabel) -> PathBuf {
     let mut name = path.file_stem().map_or_else(OsString::new, Into::into);
-    name.push(format!(".s{}", source.raw()));
+    name.push(format!(".s{}", file_word(source)));
     if let Some(ending) = path.extension() {
         name.push(".");
         name.push(ending);
@@ -97,25 +208,96 @@ fn path_of_source(path: &Path, source: VertexId) -> PathBuf {
 struct Request<'a> {
     options: &'a DistanceOptions,
     model: &'a str,
+    /// The mesh of the model.
     mesh: &'a Mesh,
-    format: FieldFormat,
+    points: &'a Points,
 }
 
 impl Request<'_> {
+    /// Writes a field of distances from all sources, or one from each.
+    fn fields(&self, format: FieldFormat, output: OutputFile) -> anyhow::Result<Vec<String>> {
+        let tasks = if self.options.each {
+            one_by_one(&self.points.sources, &self.options.output)?
+        } else {
+            vec![Task {
+                sources: self.points.sources.clone(),
+                path: self.options.output.clone(),
+                output,
+            }]
+        };
+        self.carry_out(&tasks, |algorithm, solver, task| {
+            let sources: Vec<VertexId> = task.sources.iter().map(|(_, vertex)| *vertex).collect();
+            let distances = self.solve(solver, &sources)?;
+            let labels: Vec<SourceLabel> = task.sources.iter().map(|(l, _)| l.clone()).collect();
+            let field = DistanceField {
+                model: self.model,
+                algorithm: algorithm.label(),
+                sources: &labels,
+                targets: self.points.labels(),
+                radius: self.options.radius,
+                mesh: self.mesh,
+                distances: &distances,
+            };
+            task.output.write(&format.render(&field)?)?;
+            Ok(summary(&distances, self.points.labels(), &task.path))
+        })
+    }
+
+    /// Writes one matrix with a row for each source.
+    fn matrix(&self, format: MatrixFormat, output: &OutputFile) -> anyhow::Result<String> {
+        let sources = &self.points.sources;
+        let columns = match &self.points.targets {
+            Some((labels, _)) => labels.clone(),
+            None => (0..self.mesh.vertex_count() as u32)
+                .map(SourceLabel::Vertex)
+                .collect(),
+        };
+        let mut distances = Vec::new();
+        let size = sources.len().saturating_mul(columns.len());
+        if distances.try_reserve_exact(size).is_err() {
+            bail!(
+                "a matrix of {} sources and {} columns does not fit into memory; ask for fewer",
+                sources.len(),
+                columns.len()
+            );
+        }
+        let rows = self.carry_out(sources, |_, solver, source| self.solve(solver, &[source.1]))?;
+        for row in rows {
+            distances.extend(row);
+        }
+        let sources: Vec<SourceLabel> = sources.iter().map(|(label, _)| label.clone()).collect();
+        output.write(&format.render(&DistanceMatrix {
+            sources: &sources,
+            columns: &columns,
+            distances: &distances,
+        }))?;
+        let unreachable = distances.iter().filter(|d| !d.is_finite()).count();
+        Ok(format!(
+            "{}: {} x {} distances, {unreachable} unreachable\n",
+            self.options.output.display(),
+            sources.len(),
+            columns.len()
+        ))
+    }
+
     /// Carries out all `tasks`, as many at a time as there are threads, and returns a result for
     /// each.
     ///
     /// Each thread has a solver of its own, which is faster than several threads for one source. A
     /// parallel algorithm gets the remaining threads.
-    fn carry_out(&self, tasks: &[Task]) -> anyhow::Result<Vec<String>> {
+    fn carry_out<T: Sync, R: Send>(
+        &self,
+        tasks: &[T],
+        work: impl Fn(&Selection, &mut dyn Solver, &T) -> anyhow::Result<R> + Sync,
+    ) -> anyhow::Result<Vec<R>> {
         let threads = self.options.threads as usize;
         let workers = threads.min(tasks.len()).max(1);
         let algorithm = self.options.algo.clone().with_threads(threads / workers);
         let algorithm = algorithm.with_simd(self.options.simd);
-        let build = || algorithm.build(self.mesh);
+        let build = || algorithm.build(&self.points.refined.mesh);
         if workers == 1 {
             let mut solver = build();
-            let solve = |task| self.solve(&algorithm, &mut *solver, task);
+            let solve = |task| work(&algorithm, &mut *solver, task);
             return tasks.iter().map(solve).collect();
         }
         let pool = ThreadPoolBuilder::new().num_threads(workers).build()?;
@@ -124,47 +306,56 @@ impl Request<'_> {
                 .par_iter()
                 // A solver is set up for each piece, not for each source.
                 .with_min_len(tasks.len() / (4 * workers))
-                .map_init(build, |solver, task| {
-                    self.solve(&algorithm, &mut **solver, task)
-                })
+                .map_init(build, |solver, task| work(&algorithm, &mut **solver, task))
                 .collect()
         })
     }
 
-    fn solve(
-        &self,
-        algorithm: &Selection,
-        solver: &mut dyn Solver,
-        task: &Task,
-    ) -> anyhow::Result<String> {
-        let distances = solver.solve(&task.sources)?.distances;
-        if let Some(doubt) = precision::doubt(self.mesh, &distances) {
+    /// The distances of the targets, or of the vertices of the model.
+    fn solve(&self, solver: &mut dyn Solver, sources: &[VertexId]) -> anyhow::Result<Vec<f64>> {
+        let mut goal = match &self.points.targets {
+            Some((_, targets)) => Goal::targets(targets.iter().copied()),
+            None => Goal::everything(),
+        };
+        if let Some(radius) = self.options.radius {
+            goal = goal.within(radius);
+        }
+        let mut distances = solver.solve_until(sources, &goal)?.distances;
+        if let Some(doubt) = precision::doubt(&self.points.refined.mesh, &distances) {
             // Printed even with `--quiet`: distances that may be wrong always come with a warning.
             terminal::warning(&format!("{}: {doubt}", self.model));
         }
-        let field = DistanceField {
-            model: self.model,
-            algorithm: algorithm.label(),
-            sources: &task.sources.iter().map(|v| v.raw()).collect::<Vec<_>>(),
-            mesh: self.mesh,
-            distances: &distances,
-        };
-        task.output.write(&self.format.render(&field)?)?;
-        Ok(summary(&distances, &task.path))
+        if let Some((_, targets)) = &self.points.targets {
+            return Ok(targets.iter().map(|v| distances[v.index()]).collect());
+        }
+        distances.truncate(self.mesh.vertex_count());
+        Ok(distances)
     }
 }
 
-fn summary(distances: &[f64], path: &Path) -> String {
+fn summary(distances: &[f64], targets: Option<&[SourceLabel]>, path: &Path) -> String {
     let reached = || distances.iter().enumerate().filter(|(_, d)| d.is_finite());
+    let name = |place: usize| match targets {
+        Some(labels) => match &labels[place] {
+            SourceLabel::Vertex(vertex) => format!("vertex {vertex}"),
+            SourceLabel::Other(text) => text.clone(),
+        },
+        None => format!("vertex {place}"),
+    };
     let farthest = reached()
         .max_by(|(_, a), (_, b)| a.total_cmp(b))
-        .map_or_else(String::new, |(vertex, d)| {
-            format!(", the farthest is vertex {vertex} at {d}")
+        .map_or_else(String::new, |(place, d)| {
+            format!(", the farthest is {} at {d}", name(place))
         });
     format!(
-        "{}: {} vertices, {} unreachable{farthest}\n",
+        "{}: {} {}, {} unreachable{farthest}\n",
         path.display(),
         distances.len(),
+        if targets.is_some() {
+            "targets"
+        } else {
+            "vertices"
+        },
         distances.len() - reached().count()
     )
 }

@@ -32,6 +32,7 @@ use args::{Arguments, Command};
 use terminal::Terminal;
 
 use crate::exec::model::standard_input;
+use crate::exec::source::{Locator, SourceSpec};
 use crate::exec::{interrupt, isolate, model};
 use crate::measure::instructions;
 use crate::table;
@@ -102,7 +103,7 @@ fn command() -> ExitCode {
         Command::Completions(options) => shell::completions(&options),
         Command::Man(options) => shell::man(&options),
         Command::CountOneSolve(o) => {
-            count_one_solve(&o.model, &o.algorithm, o.source, o.simd.as_deref())
+            count_one_solve(&o.model, &o.algorithm, &o.source, o.simd.as_deref())
                 .map(|()| Verdict::Passed)
         }
     };
@@ -125,7 +126,7 @@ fn command() -> ExitCode {
 fn count_one_solve(
     model: &str,
     algorithm: &str,
-    source: u32,
+    source: &SourceSpec,
     widest: Option<&str>,
 ) -> anyhow::Result<()> {
     let selection = instructions::announce(algorithm, widest)?;
@@ -134,7 +135,13 @@ fn count_one_solve(
         bail!("{model}: {} models instead of one", models.len());
     };
     let loaded = model.load()?;
-    instructions::solve_once(&selection, &loaded.mesh, source)
+    let points = source.points(loaded.mesh.vertex_count())?.into_iter();
+    let mut locator = Locator::new(&loaded.mesh);
+    let points = points.map(|point| locator.locate(point).map(|found| found.point));
+    let refined = loaded
+        .mesh
+        .with_points(&points.collect::<Result<Vec<_>, _>>()?)?;
+    instructions::solve_once(&selection, &refined.mesh, &refined.vertices)
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
@@ -187,11 +194,12 @@ mod tests {
 
     #[test]
     fn one_solve_needs_all_three() {
-        assert!(count_one_solve("gen:cube,n=1", "vtp", 0, None).is_ok());
-        assert!(count_one_solve("gen:cube,n=1", "vtp", 999, None).is_err());
-        assert!(count_one_solve("gen:cube,n=1", "vtq", 0, None).is_err());
-        assert!(count_one_solve("gen:cube,n=1", "vtp", 0, Some("scalar")).is_ok());
-        assert!(count_one_solve("gen:cube,n=1", "vtp", 0, Some("wide")).is_err());
-        assert!(count_one_solve("no.obj", "vtp", 0, None).is_err());
+        let source = |v| SourceSpec::from(geobench_mesh::VertexId::new(v));
+        assert!(count_one_solve("gen:cube,n=1", "vtp", &source(0), None).is_ok());
+        assert!(count_one_solve("gen:cube,n=1", "vtp", &source(999), None).is_err());
+        assert!(count_one_solve("gen:cube,n=1", "vtq", &source(0), None).is_err());
+        assert!(count_one_solve("gen:cube,n=1", "vtp", &source(0), Some("scalar")).is_ok());
+        assert!(count_one_solve("gen:cube,n=1", "vtp", &source(0), Some("wide")).is_err());
+        assert!(count_one_solve("no.obj", "vtp", &source(0), None).is_err());
     }
 }

@@ -11,7 +11,7 @@ use super::Verdict;
 use super::args::PathOptions;
 use super::terminal;
 use crate::exec::model;
-use crate::plan::source::SourceSpec;
+use crate::exec::source::SourceSpec;
 use crate::table::output::OutputFile;
 use crate::table::path_formats::{PathFormat, PathSet, source_of};
 
@@ -42,7 +42,7 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     let vertices = |specs: &[SourceSpec], what: &str| -> anyhow::Result<Vec<VertexId>> {
         let mut all = Vec::new();
         for spec in specs {
-            let found = spec.resolve(mesh.vertex_count());
+            let found = spec.vertices(mesh.vertex_count());
             all.extend(found.with_context(|| format!("{}: --{what}", model.path))?);
         }
         Ok(all)

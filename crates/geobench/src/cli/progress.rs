@@ -116,6 +116,11 @@ impl Progress {
         self.bar.inc_length(1);
     }
 
+    /// Adds runs that were not planned.
+    pub(super) fn more(&mut self, runs: usize) {
+        self.bar.inc_length(runs as u64);
+    }
+
     /// Clears the display while `work` writes to the terminal.
     pub(super) fn suspend<T>(&mut self, work: impl FnOnce() -> T) -> T {
         self.bar.suspend(work)
@@ -123,7 +128,7 @@ impl Progress {
 
     /// Starts the row of another model or source.
     fn turn_to(&mut self, step: &Step<'_>) {
-        let place = format!("{}, source {}", step.model, step.source);
+        let place = format!("{}, source {}", step.model, step.source.label());
         if self.place != place {
             self.place = place;
             self.results.clear();
@@ -149,6 +154,7 @@ mod tests {
     use indicatif::{InMemoryTerm, TermLike};
 
     use super::*;
+    use crate::exec::source::SourceSpec;
     use crate::plan::Plan;
     use crate::run::mock::plan;
 
@@ -171,11 +177,15 @@ mod tests {
         lines.collect::<Vec<_>>().join("\n")
     }
 
-    fn step(plan: &Plan, place: usize, source: u32, pass: Pass) -> Step<'_> {
+    fn source(vertex: u32) -> SourceSpec {
+        VertexId::new(vertex).into()
+    }
+
+    fn step<'a>(plan: &'a Plan, place: usize, source: &'a SourceSpec, pass: Pass) -> Step<'a> {
         Step {
             model: "horse",
             algorithm: &plan.algorithms[place],
-            source: VertexId::new(source),
+            source,
             pass,
             solves: 1,
         }
@@ -186,15 +196,18 @@ mod tests {
         let plan = plan(&["horse"], "mmp,ich,vtp", "0,1");
         let (terminal, mut progress) = progress(72);
         progress.skip(12);
-        progress.ran(&step(&plan, 0, 0, Pass::Warmup), Ok(Some(9.0)));
-        progress.ran(&step(&plan, 0, 0, Pass::Time), Ok(Some(3.0)));
-        progress.ran(&step(&plan, 1, 0, Pass::Time), Err(Status::OutOfMemory));
-        progress.step(&step(&plan, 2, 0, Pass::Time));
+        progress.ran(&step(&plan, 0, &source(0), Pass::Warmup), Ok(Some(9.0)));
+        progress.ran(&step(&plan, 0, &source(0), Pass::Time), Ok(Some(3.0)));
+        progress.ran(
+            &step(&plan, 1, &source(0), Pass::Time),
+            Err(Status::OutOfMemory),
+        );
+        progress.step(&step(&plan, 2, &source(0), Pass::Time));
         insta::assert_snapshot!(shown(&terminal), @r"
         horse, source 0: timing vtp  mmp 3.00s  ich out of memory
         00:00:00 [================>                                      ] 12/40
         ");
-        progress.step(&step(&plan, 0, 1, Pass::Warmup));
+        progress.step(&step(&plan, 0, &source(1), Pass::Warmup));
         let shown = shown(&terminal);
         assert!(
             shown.starts_with("horse, source 1: warming up mmp\n"),
@@ -206,8 +219,8 @@ mod tests {
     fn a_narrow_terminal_has_two_lines_too() {
         let plan = plan(&["horse"], "mmp", "0");
         let (terminal, mut progress) = progress(50);
-        progress.ran(&step(&plan, 0, 0, Pass::Time), Ok(Some(3.0)));
-        progress.step(&step(&plan, 0, 0, Pass::Profile));
+        progress.ran(&step(&plan, 0, &source(0), Pass::Time), Ok(Some(3.0)));
+        progress.step(&step(&plan, 0, &source(0), Pass::Profile));
         insta::assert_snapshot!(shown(&terminal), @r"
         horse, source 0: profiling mmp  mmp 3.00s
         00:00:00 [                                  ] 0/40

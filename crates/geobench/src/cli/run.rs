@@ -22,7 +22,7 @@ use crate::run::journal::{Journal, JournalHeader};
 use crate::run::{self, Earlier, agreement};
 use crate::schema::{
     Cell, GroupRecord, InstructionCount, ModelRecord, PlanRecord, ResultFile, SCHEMA,
-    SessionRecord, Status, result_file,
+    SessionRecord, SourceLabel, Status, result_file,
 };
 use crate::table::output::{self, OutputFile};
 use crate::table::{self, Format};
@@ -202,7 +202,8 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let asked = Settings {
         models: (!options.models.is_empty()).then(|| models.collect()),
         algorithms: options.algo.clone().map(|algorithms| algorithms.0),
-        sources: options.source.clone(),
+        sources: options.source.sources()?,
+        sources_together: options.source.sources_together.then_some(true),
         repeat: options.repeat,
         precision: options.precision,
         min_time: options.min_time,
@@ -521,9 +522,9 @@ impl Listener for Reporter {
         }
         self.progress
             .counting_instructions(&model.name, &cell.algorithm);
-        let source = cell.source?;
+        let source = cell.source.as_ref()?.to_string();
         let simd = cell.simd.as_ref().and_then(|simd| simd.parse().ok());
-        match instructions::count(&model.path, &cell.algorithm, source, simd) {
+        match instructions::count(&model.path, &cell.algorithm, &source, simd) {
             Ok(count) => Some(count),
             Err(error) => {
                 let text = format!(
@@ -538,6 +539,10 @@ impl Listener for Reporter {
 
     fn extended(&mut self) {
         self.progress.extend();
+    }
+
+    fn more(&mut self, runs: usize) {
+        self.progress.more(runs);
     }
 
     fn skipped(&mut self, runs: usize) {
@@ -591,7 +596,7 @@ fn remark(cells: &[Cell], format: Format, quiet: bool) {
             // Tables show it in their notes.
             _ if format == Format::Table => {}
             status => {
-                let source = cell.source.unwrap_or(0);
+                let source = cell.source.clone().unwrap_or(SourceLabel::Vertex(0));
                 let place = format!("{}: {}, source {source}", cell.model, cell.algorithm);
                 match status {
                     Status::Ok if quiet => {}

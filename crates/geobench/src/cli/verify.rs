@@ -1,7 +1,6 @@
 //! `geobench verify`.
 
 use anyhow::Context;
-use geobench_mesh::VertexId;
 
 use super::Verdict;
 use super::args::VerifyOptions;
@@ -9,6 +8,7 @@ use super::terminal;
 use crate::exec::expected::{Expected, Field, stored_sources};
 use crate::exec::interrupt;
 use crate::exec::model::{self, ModelRef};
+use crate::exec::source::{PointSpec, SourceSpec};
 use crate::exec::{Backend, Pass, Session, Step};
 use crate::measure::number::scientific;
 use crate::plan::suite;
@@ -109,7 +109,8 @@ struct LoadedModelCheck<'a> {
 impl LoadedModelCheck<'_> {
     fn verify(&self, session: &mut dyn Session, tally: &mut Tally) -> anyhow::Result<()> {
         let vertices = self.record.vertices.unwrap_or(0) as usize;
-        let mut sources = match self.options.source.resolve(vertices) {
+        let sources = SourceSpec::of_all(self.options.source.iter().cloned());
+        let mut sources = match sources.and_then(|sources| sources.points(vertices)) {
             Ok(sources) => sources,
             Err(error) => {
                 terminal::error(&format!("{}: {error}", self.model.path));
@@ -118,7 +119,7 @@ impl LoadedModelCheck<'_> {
             }
         };
         let stored = self.model.file_path().map_or_else(Vec::new, stored_sources);
-        for source in stored.into_iter().map(VertexId::new) {
+        for source in stored.into_iter().map(PointSpec::Vertex) {
             if !sources.contains(&source) {
                 sources.push(source);
             }
@@ -137,10 +138,13 @@ impl LoadedModelCheck<'_> {
     }
 
     /// The distances from `source` that are stored beside the model.
-    fn stored(&self, source: VertexId, vertices: usize, tally: &mut Tally) -> Option<Field> {
+    fn stored(&self, source: PointSpec, vertices: usize, tally: &mut Tally) -> Option<Field> {
+        let PointSpec::Vertex(vertex) = source else {
+            return None;
+        };
         match self.model.file_path() {
-            Some(path) if stored_sources(path).contains(&source.raw()) => {
-                match Expected::BesideModels.find(path, source.raw(), vertices) {
+            Some(path) if stored_sources(path).contains(&vertex) => {
+                match Expected::BesideModels.find(path, &vertex.into(), vertices) {
                     Ok(field) => Some(field),
                     Err(error) => {
                         terminal::error(&error.to_string());
@@ -155,12 +159,13 @@ impl LoadedModelCheck<'_> {
 
     fn verify_source(
         &self,
-        source: VertexId,
+        source: PointSpec,
         session: &mut dyn Session,
         tally: &mut Tally,
     ) -> anyhow::Result<()> {
         let vertices = self.record.vertices.unwrap_or(0) as usize;
         let stored = self.stored(source, vertices, tally);
+        let spec = SourceSpec::from(source);
         let mut reference: Option<Vec<f64>> = None;
         let mut clusters = Clusters::default();
         let mut votes = Vec::new();
@@ -182,7 +187,7 @@ impl LoadedModelCheck<'_> {
             let step = Step {
                 model: &self.record.name,
                 algorithm,
-                source,
+                source: &spec,
                 pass: Pass::Warmup,
                 solves: 1,
             };
@@ -194,6 +199,9 @@ impl LoadedModelCheck<'_> {
                 Err(failure) => verdict.wrong(&failure.message),
                 Ok(observation) => {
                     let found = observation.distances;
+                    verdict
+                        .remarks
+                        .extend(observation.note.filter(|_| reference.is_none()));
                     let tolerance = self.options.tolerance;
                     let mut vote = Vote::of_reference(algorithm.label(), false);
                     let mut agrees = algorithm.label() == REFERENCE;

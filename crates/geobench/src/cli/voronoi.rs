@@ -42,7 +42,7 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let mesh = &loaded.mesh;
     let sources = options
         .source
-        .resolve(mesh.vertex_count())
+        .vertices(mesh.vertex_count())
         .with_context(|| model.path.clone())?;
     let Some(mut solver) = registry::field_solver(&options.algo, mesh) else {
         bail!(

@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::{fmt, fs};
 
+use crate::schema::SourceLabel;
+
 /// Where stored distances are looked for.
 ///
 /// A file `MODEL.sSOURCE.csv`, with MODEL the model's file name without its endings and SOURCE
@@ -71,11 +73,16 @@ impl Expected {
     /// # Errors
     ///
     /// When there is no such file or it cannot be used.
-    pub fn find(&self, model: &Path, source: u32, vertices: usize) -> Result<Field, ExpectedError> {
+    pub fn find(
+        &self,
+        model: &Path,
+        source: &SourceLabel,
+        vertices: usize,
+    ) -> Result<Field, ExpectedError> {
         let path = match self {
             Self::File(path) => path.clone(),
             Self::BesideModels => {
-                let name = format!("{}.s{source}.csv", stem(model));
+                let name = format!("{}.s{}.csv", stem(model), file_word(source));
                 folders(model)
                     .into_iter()
                     .map(|folder| folder.join(&name))
@@ -87,7 +94,17 @@ impl Expected {
     }
 }
 
-/// The sources for which distances are stored for `model`, in order.
+/// The source in the name of a file: `17`, `face-12_0.2_0.3_0.5`.
+pub(crate) fn file_word(source: &SourceLabel) -> String {
+    let word = |c: char| match c {
+        ':' | '-' => '-',
+        ',' => '_',
+        c => c,
+    };
+    source.to_string().chars().map(word).collect()
+}
+
+/// The vertices for which distances are stored for `model`, in order.
 pub fn stored_sources(model: &Path) -> Vec<u32> {
     let prefix = format!("{}.s", stem(model));
     let mut sources: Vec<u32> = folders(model)
@@ -231,12 +248,12 @@ mod tests {
         fs::write(root.path().join("models/cow.sx.csv"), "").unwrap();
 
         assert_eq!(stored_sources(&model), [0, 3]);
-        let field = Expected::BesideModels.find(&model, 3, 4).unwrap();
+        let field = Expected::BesideModels.find(&model, &3.into(), 4).unwrap();
         assert_eq!(field.distances, [(3, 0.0), (1, f64::INFINITY)]);
-        assert!(Expected::BesideModels.find(&model, 0, 4).is_ok());
+        assert!(Expected::BesideModels.find(&model, &0.into(), 4).is_ok());
         assert_eq!(
             Expected::BesideModels
-                .find(&model, 1, 4)
+                .find(&model, &1.into(), 4)
                 .unwrap_err()
                 .to_string(),
             "there is no cow.s1.csv beside the model, in its folder `expected` or in `../expected`"
@@ -263,13 +280,13 @@ mod tests {
         ] {
             fs::write(&path, text).unwrap();
             let error = Expected::File(path.clone())
-                .find(Path::new("x.obj"), 0, 4)
+                .find(Path::new("x.obj"), &0.into(), 4)
                 .unwrap_err();
             assert!(error.to_string().ends_with(problem), "{error}");
         }
         assert!(
             Expected::File("/no/such.csv".into())
-                .find(Path::new("x"), 0, 4)
+                .find(Path::new("x"), &0.into(), 4)
                 .is_err()
         );
     }

@@ -5,14 +5,15 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use geobench_mesh::Mesh;
+use geobench_mesh::{Mesh, VertexId};
 use geobench_window::{PhaseSampler, Solver};
 
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
+use crate::exec::source::{LocatedPoint, Locator, SourceSpec};
 use crate::exec::{Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::PeakMemory;
-use crate::schema::{ModelRecord, Phases, Status};
+use crate::schema::{ModelRecord, Phases, SourceLabel, Status};
 
 /// Samples of phases after which a profiled run is not repeated: a share is then within 0.02 of
 /// the true one in 95 % of all cases.
@@ -27,6 +28,8 @@ const LONGEST_PROFILE: Duration = Duration::from_secs(1);
 pub(crate) struct InProcess {
     mesh: Mesh,
     record: ModelRecord,
+    /// The source of the last run.
+    source: Option<PreparedSource>,
     solvers: Vec<ReadySolver>,
 }
 
@@ -36,6 +39,46 @@ struct ReadySolver {
     solver: Box<dyn Solver>,
     /// Its last answer.
     answer: Vec<f64>,
+}
+
+/// A source as vertices of a mesh.
+#[derive(Clone)]
+struct PreparedSource {
+    label: SourceLabel,
+    /// The mesh, refined where sources are no vertices.
+    mesh: Mesh,
+    is_refined: bool,
+    vertices: Vec<VertexId>,
+    note: Option<String>,
+}
+
+impl PreparedSource {
+    fn new(mesh: &Mesh, source: &SourceSpec) -> anyhow::Result<Self> {
+        let mut locator = Locator::new(mesh);
+        let points = source.points(mesh.vertex_count())?.into_iter();
+        let found = points.map(|point| locator.locate(point));
+        let found = found.collect::<Result<Vec<_>, _>>()?;
+        let points: Vec<_> = found.iter().map(|found| found.point).collect();
+        let notes: Vec<String> = found.iter().filter_map(LocatedPoint::note).collect();
+        let refined = mesh.with_points(&points)?;
+        Ok(Self {
+            label: source.label(),
+            is_refined: refined.mesh.vertex_count() > mesh.vertex_count(),
+            mesh: refined.mesh,
+            vertices: refined.vertices,
+            note: (!notes.is_empty()).then(|| notes.join("; ")),
+        })
+    }
+
+    /// An answer for the vertices of the model alone.
+    fn observation(&self, mut distances: Vec<f64>, model: &Mesh) -> Observation {
+        distances.truncate(model.vertex_count());
+        Observation {
+            distances,
+            note: self.note.clone(),
+            ..Observation::default()
+        }
+    }
 }
 
 impl InProcess {
@@ -51,6 +94,7 @@ impl InProcess {
         Ok(Self {
             mesh: loaded.mesh,
             record: loaded.record,
+            source: None,
             solvers: Vec::new(),
         })
     }
@@ -81,17 +125,32 @@ impl Session for InProcess {
 }
 
 impl InProcess {
+    /// The source of a run. Solvers are dropped where the mesh is another one for it.
+    fn source(&mut self, step: &Step<'_>) -> anyhow::Result<PreparedSource> {
+        let label = step.source.label();
+        if let Some(known) = self.source.as_ref().filter(|known| known.label == label) {
+            return Ok(known.clone());
+        }
+        let was_refined = self.source.take().is_some_and(|known| known.is_refined);
+        let found = PreparedSource::new(&self.mesh, step.source)?;
+        if was_refined || found.is_refined {
+            self.solvers.clear();
+        }
+        Ok(self.source.insert(found).clone())
+    }
+
     /// A run with the solver of the algorithm, set up on first use. Each solve of a batch is clocked
     /// alone. The batch ends at an answer that differs from the last one, so that every answer
     /// reaches the check.
     fn solve(&mut self, step: &Step<'_>) -> anyhow::Result<Observation> {
+        let source = self.source(step)?;
         let label = step.algorithm.label();
         let mut setup = None;
         let known = self.solvers.iter().position(|known| known.label == label);
         let place = known.unwrap_or(self.solvers.len());
         if place == self.solvers.len() {
             let start = Instant::now();
-            let solver = step.algorithm.build(&self.mesh);
+            let solver = step.algorithm.build(&source.mesh);
             setup = Some(start.elapsed());
             self.solvers.push(ReadySolver {
                 label: label.to_owned(),
@@ -103,7 +162,7 @@ impl InProcess {
         let (mut elapsed, mut solves) = (Duration::ZERO, 0);
         loop {
             let start = Instant::now();
-            let solution = ready.solver.solve(&[step.source]);
+            let solution = ready.solver.solve(&source.vertices);
             elapsed += start.elapsed();
             solves += 1;
             let answer = solution?.distances;
@@ -114,11 +173,10 @@ impl InProcess {
             }
         }
         Ok(Observation {
-            distances: ready.answer.clone(),
             seconds: Some(elapsed.as_secs_f64() / solves as f64),
             solves: (solves > 1).then_some(solves),
             setup_seconds: setup.as_ref().map(Duration::as_secs_f64),
-            ..Observation::default()
+            ..source.observation(ready.answer.clone(), &self.mesh)
         })
     }
 
@@ -131,21 +189,21 @@ impl InProcess {
     /// the counted run, which would include the storage of the counters. Short runs are repeated
     /// until there are enough samples of their phases.
     fn profile(&mut self, step: &Step<'_>) -> anyhow::Result<Observation> {
+        let source = self.source(step)?;
         // Memory of the solver of the timed runs does not count, nor does that of the sampler.
         self.dismiss(step.algorithm.label());
         let mut sampler = PhaseSampler::start().context("no thread for sampling phases")?;
         let start = Instant::now();
         let measure = PeakMemory::start();
-        let mut solver = step.algorithm.build(&self.mesh);
-        let result = solver.profile(&[step.source], &mut sampler);
+        let mut solver = step.algorithm.build(&source.mesh);
+        let result = solver.profile(&source.vertices, &mut sampler);
         let peaks = measure.stop();
         let solution = result?;
         while sampler.samples() < ENOUGH_SAMPLES && start.elapsed() < LONGEST_PROFILE {
-            solver.profile(&[step.source], &mut sampler)?;
+            solver.profile(&source.vertices, &mut sampler)?;
         }
         let phases = sampler.phases();
         Ok(Observation {
-            distances: solution.distances,
             phases: Some(Phases {
                 propagation: Some(phases.propagation.as_secs_f64()),
                 pruning: Some(phases.pruning.as_secs_f64()),
@@ -153,20 +211,21 @@ impl InProcess {
                 samples: Some(phases.samples),
             }),
             peaks,
-            ..Observation::default()
+            ..source.observation(solution.distances, &self.mesh)
         })
     }
 
     /// A run with a new solver, which is dropped.
     fn count(&mut self, step: &Step<'_>) -> anyhow::Result<Observation> {
+        let source = self.source(step)?;
         self.dismiss(step.algorithm.label());
-        let (solution, mut counters) = step.algorithm.build(&self.mesh).count(&[step.source])?;
+        let (solution, mut counters) =
+            step.algorithm.build(&source.mesh).count(&source.vertices)?;
         let wavefront = std::mem::take(&mut counters.wavefront);
         Ok(Observation {
-            distances: solution.distances,
             counters: Some(counters),
             wavefront: wavefront.into_iter().map(Into::into).collect(),
-            ..Observation::default()
+            ..source.observation(solution.distances, &self.mesh)
         })
     }
 }
@@ -181,7 +240,7 @@ fn panic_message(panic: &(dyn Any + Send)) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use geobench_mesh::{TriangleSoup, VertexId};
+    use geobench_mesh::TriangleSoup;
     use geobench_window::Counter;
 
     use super::*;
@@ -210,25 +269,62 @@ mod tests {
         test(&mut InProcess {
             mesh,
             record: ModelRecord::default(),
+            source: None,
             solvers: Vec::new(),
         })
     }
 
-    fn step(algorithm: &Selection, source: u32, pass: Pass) -> Step<'_> {
+    fn source(text: &str) -> SourceSpec {
+        text.parse().unwrap()
+    }
+
+    fn step<'a>(algorithm: &'a Selection, source: &'a SourceSpec, pass: Pass) -> Step<'a> {
         Step {
             model: "triangle",
             algorithm,
-            source: VertexId::new(source),
+            source,
             pass,
             solves: 1,
         }
     }
 
     #[test]
+    fn points_are_sources_and_answers_are_those_of_the_vertices() {
+        let mmp = registry::select_one("mmp").unwrap();
+        on_a_triangle(|session| {
+            let mut run = |text: &str, pass| {
+                let found = session.execute(&step(&mmp, &source(text), pass));
+                found.map(|found| (found.distances, found.note))
+            };
+            for pass in [Pass::Time, Pass::Profile, Pass::Count] {
+                let (distances, note) = run("edge:1-2,0.5", pass).unwrap();
+                assert_eq!((distances, note), (vec![2.5; 3], None));
+                let (distances, note) = run("at:3,0,7", pass).unwrap();
+                assert_eq!(distances, [3.0, 0.0, 5.0]);
+                let expected = "at:3,0,7 is 7 from the surface; its nearest point is vertex 1";
+                assert_eq!(note.as_deref(), Some(expected));
+                let together = run("1,edge:0-2,0.5", pass).unwrap();
+                assert_eq!(together, (vec![2.0, 0.0, 2.0], None));
+                assert_eq!(run("1", pass).unwrap().0, [3.0, 0.0, 5.0]);
+                let refused = run("edge:0-9,0.5", pass).unwrap_err();
+                assert_eq!(refused.status, Status::Refused);
+                assert_eq!(
+                    refused.message,
+                    "edge:0-9,0.5: vertex 9 does not exist: the mesh has 3 vertices, numbered from 0"
+                );
+            }
+        });
+    }
+
+    #[test]
     fn each_pass_delivers_its_figures_and_the_same_answer() {
         let algorithm = registry::select_one("mmp").unwrap();
         on_a_triangle(|session| {
-            let mut run = |pass| session.execute(&step(&algorithm, 1, pass)).unwrap();
+            let mut run = |pass| {
+                session
+                    .execute(&step(&algorithm, &source("1"), pass))
+                    .unwrap()
+            };
             let warm = run(Pass::Warmup);
             let timed = run(Pass::Time);
             let counted = run(Pass::Count);
@@ -252,11 +348,17 @@ mod tests {
         let mmp = registry::select_one("mmp").unwrap();
         on_a_triangle(|session| {
             for pass in [Pass::Time, Pass::Count] {
-                let failure = session.execute(&step(&panics, 0, pass)).unwrap_err();
+                let failure = session
+                    .execute(&step(&panics, &source("0"), pass))
+                    .unwrap_err();
                 assert_eq!(failure.status, Status::Crashed);
                 assert_eq!(failure.message, "the algorithm panicked: no such luck");
             }
-            assert!(session.execute(&step(&mmp, 0, Pass::Time)).is_ok());
+            assert!(
+                session
+                    .execute(&step(&mmp, &source("0"), Pass::Time))
+                    .is_ok()
+            );
         });
     }
 
@@ -264,7 +366,9 @@ mod tests {
     fn a_source_that_does_not_exist_is_refused() {
         let mmp = registry::select_one("mmp").unwrap();
         on_a_triangle(|session| {
-            let failure = session.execute(&step(&mmp, 3, Pass::Time)).unwrap_err();
+            let failure = session
+                .execute(&step(&mmp, &source("3"), Pass::Time))
+                .unwrap_err();
             assert_eq!(failure.status, Status::Refused);
         });
     }

@@ -75,7 +75,7 @@ impl Session for MockSession<'_> {
         };
         self.backend
             .log
-            .push(format!("{pass} {name} {}", step.source));
+            .push(format!("{pass} {name} {}", step.source.label()));
         let size = name.len() as u64 + u64::from(name == "mmp") * 1_000_000;
         let mut observation = Observation {
             distances: vec![0.0, 1.0, 1.5, f64::INFINITY],

@@ -14,12 +14,13 @@ pub mod limits;
 pub(crate) mod mock;
 pub mod model;
 mod protocol;
+pub mod source;
 
-use geobench_mesh::VertexId;
 use geobench_window::Counters;
 use serde::{Deserialize, Serialize};
 
 use crate::exec::model::ModelRef;
+use crate::exec::source::SourceSpec;
 use crate::measure::memory::Peaks;
 use crate::registry::Selection;
 use crate::schema::{Cell, InstructionCount, ModelRecord, Phases, Status, WavefrontRecord};
@@ -47,8 +48,8 @@ pub struct Step<'a> {
     pub model: &'a str,
     /// The algorithm.
     pub algorithm: &'a Selection,
-    /// The source.
-    pub source: VertexId,
+    /// The source, or several together.
+    pub source: &'a SourceSpec,
     /// Its purpose.
     pub pass: Pass,
     /// Solves of a timed run, whose mean is its time; 1 in other runs. Outside programs solve once.
@@ -81,6 +82,9 @@ pub struct Observation {
     pub peaks: Peaks,
     /// Seconds in each phase.
     pub phases: Option<Phases>,
+    /// Where the source is, if that is not as it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
 }
 
 /// Why a run has no result.
@@ -163,6 +167,10 @@ pub trait Listener {
 
     /// A timed run beyond the fewest of a cell is about to be made.
     fn extended(&mut self) {}
+    /// Runs that were not planned, of the vertices of a model that has become known.
+    fn more(&mut self, runs: usize) {
+        let _ = runs;
+    }
 
     /// Planned runs that will not happen.
     fn skipped(&mut self, runs: usize) {

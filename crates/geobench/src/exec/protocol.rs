@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::exec::{Observation, Pass};
 use crate::measure::memory::Peaks;
-use crate::schema::{ModelRecord, Phases, WavefrontRecord};
+use crate::schema::{ModelRecord, Phases, SourceLabel, WavefrontRecord};
 
 /// Request to an outside program. Its command names the model and the source.
 pub(crate) const SOLVE: &str = "solve";
@@ -20,8 +20,8 @@ pub(crate) struct Request {
     pub(crate) algorithm: String,
     /// The widest instructions that it may use.
     pub(crate) simd: String,
-    /// Number of the source vertex.
-    pub(crate) source: u32,
+    /// The source, or several together.
+    pub(crate) source: SourceLabel,
     /// The purpose of the run.
     pub(crate) pass: Pass,
     /// Solves of a timed run.
@@ -71,6 +71,8 @@ pub(crate) struct Reply {
     pub(crate) phases: Option<Phases>,
     /// The wavefront at even intervals of the run.
     pub(crate) wavefront: Vec<WavefrontRecord>,
+    /// Where the source is, if that is not as it was asked for; from this program only.
+    pub(crate) note: Option<String>,
     /// The answer of a child of this program, unless it equals the last one sent.
     #[serde(with = "distances")]
     pub(crate) distances: Option<Vec<f64>>,
@@ -99,6 +101,7 @@ impl Reply {
                 rss: self.rss_peak_bytes,
             },
             phases: self.phases,
+            note: self.note,
         }
     }
 }
@@ -114,6 +117,7 @@ impl From<Observation> for Reply {
             heap_peak_bytes: observation.peaks.heap,
             phases: observation.phases,
             wavefront: observation.wavefront,
+            note: observation.note,
             distances: Some(observation.distances),
             ..Self::default()
         }
@@ -219,6 +223,7 @@ mod tests {
                     propagation: Some(0.1),
                     ..Phases::default()
                 }),
+                note: Some("at:1,2,3 is 1 from the surface".to_owned()),
             };
             let text = serde_json::to_vec(&Reply::from(observation.clone())).unwrap();
             let mut reply = Reply::parse(&text).unwrap();

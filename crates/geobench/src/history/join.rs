@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::measure::conditions;
 use crate::plan::difference::first_difference;
-use crate::schema::{Cell, GroupRecord, ResultFile};
+use crate::schema::{Cell, GroupRecord, ResultFile, SourceLabel};
 
 /// A joined file.
 #[derive(Clone, Debug)]
@@ -69,7 +69,7 @@ pub fn extend(
 ///
 /// When files have different models of one name.
 pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
-    type Identity = (Option<String>, String, Option<u32>, String, usize);
+    type Identity = (Option<String>, String, Option<SourceLabel>, String, usize);
 
     let mut names = Vec::new();
     for place in 1..files.len() {
@@ -84,7 +84,7 @@ pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
         (
             group,
             model,
-            cell.source,
+            cell.source.clone(),
             cell.algorithm.clone(),
             cell.threads,
         )
@@ -233,7 +233,7 @@ fn add(
 
 /// Whether two cells are of the same group, model and source.
 fn is_beside(a: &Cell, b: &Cell) -> bool {
-    (&a.group, &a.model, a.source) == (&b.group, &b.model, b.source)
+    (&a.group, &a.model, &a.source) == (&b.group, &b.model, &b.source)
 }
 
 /// Gives the models of `file` the names that models with their hashes have in `whole`.

@@ -68,7 +68,8 @@ fn difference(joined: &ResultFile, cells: &[Vec<Cell>], round: &ResultFile) -> O
     let key = |c: &Cell| {
         let source = c
             .source
-            .map_or_else(|| "unknown".to_owned(), |s| s.to_string());
+            .as_ref()
+            .map_or_else(|| "unknown".to_owned(), ToString::to_string);
         format!("{}, {}, source {source}", c.model, c.algorithm)
     };
     cells.iter().zip(&round.cells).find_map(|(all, cell)| {
@@ -197,7 +198,7 @@ mod tests {
             format!("{start}model horse is not horse, or has changed")
         );
         assert_eq!(
-            refused(|r| r.cells[1].source = Some(9)),
+            refused(|r| r.cells[1].source = Some(9.into())),
             format!("{start}it has the cell horse, ich, source 9 instead of horse, ich, source 0")
         );
         assert_eq!(

@@ -58,7 +58,7 @@ pub fn check_valgrind() -> anyhow::Result<()> {
 pub fn count(
     model: &str,
     algorithm: &str,
-    source: u32,
+    source: &str,
     simd: Option<Instructions>,
 ) -> anyhow::Result<InstructionCount> {
     let mut widest = simd;
@@ -89,7 +89,7 @@ enum Attempt {
 fn count_with(
     model: &str,
     algorithm: &str,
-    source: u32,
+    source: &str,
     widest: Option<Instructions>,
 ) -> anyhow::Result<Attempt> {
     let program = std::env::current_exe().context(FAILED)?;
@@ -101,7 +101,7 @@ fn count_with(
         .arg(format!("--toggle-collect={COUNTED}"))
         .arg(out_file)
         .arg(program)
-        .args([COMMAND, model, algorithm, &source.to_string()])
+        .args([COMMAND, model, algorithm, source])
         .args(widest.map(|widest| format!("--simd={widest}")))
         .stdin(Stdio::null())
         .output()
@@ -171,9 +171,9 @@ pub fn announce(algorithm: &str, widest: Option<&str>) -> anyhow::Result<Selecti
 /// # Errors
 ///
 /// When the source does not exist.
-pub fn solve_once(selection: &Selection, mesh: &Mesh, source: u32) -> anyhow::Result<()> {
+pub fn solve_once(selection: &Selection, mesh: &Mesh, sources: &[VertexId]) -> anyhow::Result<()> {
     let mut solver = selection.build(mesh);
-    let solution = counted_solve(&mut *solver, VertexId::new(source))?;
+    let solution = counted_solve(&mut *solver, sources)?;
     std::hint::black_box(solution);
     Ok(())
 }
@@ -181,8 +181,8 @@ pub fn solve_once(selection: &Selection, mesh: &Mesh, source: u32) -> anyhow::Re
 /// The solve that callgrind counts, found by the name of this function: it must not be inlined or
 /// recursive.
 #[inline(never)]
-fn counted_solve(solver: &mut dyn Solver, source: VertexId) -> Result<Solution, SolveError> {
-    std::hint::black_box(solver).solve(&[source])
+fn counted_solve(solver: &mut dyn Solver, sources: &[VertexId]) -> Result<Solution, SolveError> {
+    std::hint::black_box(solver).solve(sources)
 }
 
 #[cfg(test)]

@@ -11,8 +11,8 @@ use crate::UsageError;
 use crate::exec::expected::Expected;
 use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
+use crate::exec::source::SourceSpec;
 use crate::plan::sampling::Sampling;
-use crate::plan::source::SourceSpec;
 use crate::registry::{self, Programs, Selection, Simd, Value};
 use crate::schema::{
     GroupRecord, IsolationRecord, PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel, Shard,
@@ -20,7 +20,6 @@ use crate::schema::{
 
 pub(crate) mod difference;
 pub mod sampling;
-pub mod source;
 pub mod suite;
 
 /// A benchmark: one cell for each combination of model, algorithm and source.
@@ -34,6 +33,8 @@ pub struct Plan {
     pub algorithms: Vec<Selection>,
     /// The sources in each model.
     pub sources: SourceSpec,
+    /// Whether each run starts from all sources together.
+    pub sources_together: bool,
     /// The timed runs of each cell.
     pub sampling: Sampling,
     /// Untimed runs of each cell before those.
@@ -129,7 +130,9 @@ impl Plan {
     pub fn check_reference(&self) -> Result<(), UsageError> {
         match &self.reference {
             Reference::Files(Expected::File(path))
-                if self.models.len() > 1 || self.sources.count() > 1 =>
+                if self.models.len() > 1
+                    || self.sources_of_model() > 1
+                    || self.sources.has_all() =>
             {
                 Err(UsageError(format!(
                     "{}: one file holds the distances from one source in one model, but more are \
@@ -160,15 +163,45 @@ impl Plan {
         Ok(())
     }
 
+    /// Number of sources or sets of sources in each model. All vertices count as one source until
+    /// the model is known: units of different models then share numbers, but each still belongs to
+    /// one shard.
+    fn sources_of_model(&self) -> usize {
+        if self.sources_together {
+            1
+        } else {
+            self.sources.count()
+        }
+    }
+
+    /// Whether the number of units is known only with the models.
+    fn is_open(&self) -> bool {
+        self.sources.has_all() && !self.sources_together
+    }
+
+    /// The sources of each unit in a model of `vertices` vertices, in order.
+    ///
+    /// # Errors
+    ///
+    /// When the model lacks one of the vertices, or has fewer than `random:N`.
+    pub fn units_in(&self, vertices: usize) -> Result<Vec<SourceSpec>, UsageError> {
+        let points = self.sources.points(vertices)?;
+        Ok(if self.sources_together {
+            vec![self.sources.clone()]
+        } else {
+            points.into_iter().map(Into::into).collect()
+        })
+    }
+
     /// Number of units, model x source, of the whole plan.
     pub fn units(&self) -> u128 {
-        self.models.len() as u128 * self.sources.count() as u128
+        self.models.len() as u128 * self.sources_of_model() as u128
     }
 
     /// Whether this process runs a unit, given by the indices of its model and source in the plan.
     pub fn has_unit(&self, model: usize, source: usize) -> bool {
         self.shard_range.is_none_or(|shard_range| {
-            let before = model as u128 * self.sources.count() as u128;
+            let before = model as u128 * self.sources_of_model() as u128;
             shard_range
                 .shard
                 .holds(shard_range.first_unit + before + source as u128)
@@ -177,11 +210,13 @@ impl Plan {
 
     /// Number of units of a model that this process runs.
     pub fn units_of_model(&self, model: usize) -> u128 {
-        let sources = self.sources.count() as u128;
-        self.shard_range.map_or(sources, |shard_range| {
+        let sources = self.sources_of_model() as u128;
+        let held = self.shard_range.map_or(sources, |shard_range| {
             let first = shard_range.first_unit + model as u128 * sources;
             shard_range.shard.held(first..first + sources)
-        })
+        });
+        // Every part may hold some of all vertices.
+        held.max(u128::from(self.is_open()))
     }
 
     /// Number of runs of all cells, saturating.
@@ -194,9 +229,12 @@ impl Plan {
     /// Number of runs of all cells of one model, saturating.
     pub fn runs_of_model(&self, model: usize) -> usize {
         let units = usize::try_from(self.units_of_model(model)).unwrap_or(usize::MAX);
-        units
-            .saturating_mul(self.algorithms.len())
-            .saturating_mul(self.runs_per_cell())
+        units.saturating_mul(self.runs_of_unit())
+    }
+
+    /// Number of runs of the cells of one unit.
+    pub const fn runs_of_unit(&self) -> usize {
+        self.algorithms.len().saturating_mul(self.runs_per_cell())
     }
 
     /// Fewest runs of a cell that ends well: warm-ups, timed runs, one counted and one profiled run.
@@ -220,6 +258,7 @@ fn group(plan: &Plan) -> PlannedGroup {
         models: plan.models.iter().map(model).collect(),
         algorithms: plan.algorithms.iter().map(algorithm).collect(),
         sources: plan.sources.to_string(),
+        sources_together: plan.sources_together,
         repeat: plan.sampling.most(),
         precision: plan.sampling.precision(),
         warmup: plan.warmup,
@@ -324,6 +363,7 @@ mod tests {
     use super::*;
     use crate::exec::mock::MockBackend;
     use crate::run::mock::{plan, run_mock};
+    use crate::schema::SourceLabel;
 
     #[test]
     fn parts_are_read() {
@@ -352,7 +392,7 @@ mod tests {
         #[test]
         fn parts_are_disjoint_and_complete(
             models in 1_usize..5,
-            sources in prop::sample::select(vec!["0", "3,1", "random:3", "2,0,1,3", "random:9", "1,7"]),
+            sources in prop::sample::select(vec!["0", "3,1", "random:3", "all", "2,0,1,3", "random:9", "1,7"]),
             count in 1_u32..9,
             groups in 1_usize..3,
         ) {
@@ -365,7 +405,7 @@ mod tests {
                     plan
                 })
                 .collect();
-            let keys = |plans: &[Plan]| -> Vec<(String, String, Option<u32>, String)> {
+            let keys = |plans: &[Plan]| -> Vec<(String, String, Option<SourceLabel>, String)> {
                 let mut backend = MockBackend { refuse: vec!["b"], ..MockBackend::default() };
                 plans
                     .iter()
@@ -379,7 +419,7 @@ mod tests {
                 restrict(&mut plans, Shard { index, count });
                 let part = keys(&plans);
                 for pair in part.chunks(2) {
-                    prop_assert_eq!((&pair[0].1, pair[0].2), (&pair[1].1, pair[1].2));
+                    prop_assert_eq!((&pair[0].1, &pair[0].2), (&pair[1].1, &pair[1].2));
                 }
                 parts.extend(part);
             }

@@ -311,11 +311,12 @@ pub(crate) fn explain(cells: &mut [Cell]) {
 
 /// Which answers agree, for each model and source of `cells` with disagreement.
 pub(crate) fn summaries(cells: &[Cell]) -> Vec<String> {
-    let same = |a: &Cell, b: &Cell| (&a.model, a.source) == (&b.model, b.source);
+    let same = |a: &Cell, b: &Cell| (&a.model, &a.source) == (&b.model, &b.source);
     let summary = |cells: &[Cell]| {
         let (first, text) = (cells.first()?, summary(&votes(cells))?);
         let source = first
             .source
+            .as_ref()
             .map_or_else(String::new, |s| format!(", source {s}"));
         Some(format!("{}{source}: {text}", first.model))
     };

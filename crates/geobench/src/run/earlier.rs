@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use crate::exec::{Failure, Observation, Pass};
 use crate::measure::memory::Peaks;
 use crate::run::journal::{RunId, RunOutcome};
-use crate::schema::{Cell, ModelRecord, ResultFile, Status};
+use crate::schema::{Cell, ModelRecord, ResultFile, SourceLabel, Status};
 
 /// A cell within a file.
-type Key = (Option<String>, String, Option<u32>, String, usize);
+type Key = (Option<String>, String, Option<SourceLabel>, String, usize);
 
 /// The start of the message of a cell that could not be checked.
 pub(super) const NOT_CHECKED: &str = "not checked: ";
@@ -40,7 +40,7 @@ impl Earlier {
         self.cells.get(&(
             run.group.clone(),
             run.model.clone(),
-            Some(run.source),
+            Some(run.source.clone()),
             run.algorithm.clone(),
             threads,
         ))
@@ -51,7 +51,7 @@ fn key(cell: &Cell) -> Key {
     (
         cell.group.clone(),
         cell.model.clone(),
-        cell.source,
+        cell.source.clone(),
         cell.algorithm.clone(),
         cell.threads,
     )

@@ -24,7 +24,8 @@ use serde::{Deserialize, Serialize};
 use crate::exec::{Failure, Observation, Pass};
 use crate::plan::difference::first_difference;
 use crate::schema::{
-    Check, InstructionCount, ModelRecord, PlanRecord, PlannedGroup, SCHEMA, SessionRecord, Tool,
+    Check, InstructionCount, ModelRecord, PlanRecord, PlannedGroup, SCHEMA, SessionRecord,
+    SourceLabel, Tool,
 };
 
 #[cfg(test)]
@@ -37,8 +38,8 @@ pub struct RunId {
     pub group: Option<String>,
     /// Name of the model.
     pub model: String,
-    /// The source vertex.
-    pub source: u32,
+    /// The source, or several together.
+    pub source: SourceLabel,
     /// Label of the algorithm.
     pub algorithm: String,
     /// Its purpose.

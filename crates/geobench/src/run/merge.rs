@@ -7,9 +7,9 @@
 use anyhow::{anyhow, bail};
 use serde_json::json;
 
+use crate::exec::source::SourceSpec;
 use crate::measure::conditions;
 use crate::plan::difference::first_difference;
-use crate::plan::source::SourceSpec;
 use crate::schema::{Cell, ModelRecord, PlanRecord, PlannedGroup, ResultFile, Shard};
 
 /// Greatest number of missing parts that are named.
@@ -156,11 +156,14 @@ fn cells(plan: &PlanRecord, parts: &mut [ShardFile]) -> anyhow::Result<Vec<Cell>
     let mut all = Vec::new();
     let mut first_unit = 0_u128;
     for group in &plan.groups {
-        let sources = group
-            .sources
-            .parse()
-            .map_or(1, |s: SourceSpec| s.count() as u128);
+        let spec = group.sources.parse::<SourceSpec>().ok();
+        let spec = spec.filter(|_| !group.sources_together);
+        let planned = spec.as_ref().map_or(1, |spec| spec.count() as u128);
         for model in &group.models {
+            let sources = match &spec {
+                Some(spec) if spec.has_all() => units_of_all(spec, &model.name, parts),
+                _ => planned,
+            };
             for source in 0..sources {
                 let unit = first_unit + source;
                 let holder = parts.iter_mut().find(|part| part.shard.holds(unit));
@@ -179,10 +182,19 @@ fn cells(plan: &PlanRecord, parts: &mut [ShardFile]) -> anyhow::Result<Vec<Cell>
                     );
                 }
             }
-            first_unit += sources;
+            first_unit += planned;
         }
     }
     Ok(all)
+}
+
+/// Number of sources in a model if all vertices are among them, from the record of the model.
+fn units_of_all(spec: &SourceSpec, model: &str, parts: &[ShardFile]) -> u128 {
+    let models = parts.iter().flat_map(|part| &part.file.models);
+    let mut known = models.filter(|record| record.name == model);
+    let vertices = known.find_map(|record| record.vertices);
+    let points = vertices.and_then(|vertices| spec.points(vertices as usize).ok());
+    points.map_or(1, |points| points.len() as u128)
 }
 
 /// The sources of the next cells of a part.
@@ -199,7 +211,7 @@ fn take_unit(
     part: &mut ShardFile,
     all: &mut Vec<Cell>,
 ) -> Option<Taken> {
-    let source = part.cells.last()?.source;
+    let source = part.cells.last()?.source.clone();
     let start = part.cells.len().checked_sub(group.algorithms.len())?;
     let next = part.cells[start..].iter().rev();
     let fits = next.zip(&group.algorithms).all(|(cell, algorithm)| {

@@ -30,6 +30,7 @@ pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
         ),
         algorithms,
         sources: sources.parse().unwrap(),
+        sources_together: false,
         sampling: Sampling::Fixed(5),
         warmup: 1,
         tolerance: 1e-9,

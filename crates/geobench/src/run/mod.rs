@@ -13,12 +13,11 @@ mod tests;
 mod unit;
 
 use anyhow::bail;
-use geobench_mesh::VertexId;
 
 use crate::UsageError;
+use crate::exec::source::SourceSpec;
 use crate::exec::{Backend, Listener, Pass, Session};
 use crate::plan::Plan;
-use crate::plan::source::SourceSpec;
 use crate::run::journal::{Journal, JournalLine, RunId};
 use crate::run::unit::{Past, Unit};
 use crate::schema::{Cell, ModelRecord, Status};
@@ -116,7 +115,9 @@ impl Benchmark<'_> {
 
     /// Adds the instructions of a cell, from the journal or counted now.
     fn count_instructions(&mut self, model: &ModelRecord, cell: &mut Cell) -> anyhow::Result<()> {
-        let (Status::Ok, Some(source), None) = (cell.status, cell.source, cell.instructions) else {
+        let (Status::Ok, Some(source), None) =
+            (cell.status, cell.source.clone(), cell.instructions)
+        else {
             return Ok(());
         };
         let run = RunId {
@@ -211,6 +212,11 @@ impl Benchmark<'_> {
         let mut cells = Vec::new();
         match self.sources(&model) {
             Ok(sources) => {
+                let units = sources.len() as u128;
+                let more = units.saturating_sub(self.plan.units_of_model(self.place));
+                let more = usize::try_from(more).unwrap_or(usize::MAX);
+                self.listener
+                    .more(more.saturating_mul(self.plan.runs_of_unit()));
                 for source in sources {
                     let mut unit = Unit::new(self.plan, &model, source, self.past());
                     unit.run(session, self.journal.as_deref_mut(), self.listener)?;
@@ -223,10 +229,10 @@ impl Benchmark<'_> {
     }
 
     /// The sources of this shard.
-    fn sources(&self, model: &ModelRecord) -> Result<Vec<VertexId>, UsageError> {
+    fn sources(&self, model: &ModelRecord) -> Result<Vec<SourceSpec>, UsageError> {
         let vertices = model.vertices.unwrap_or(0) as usize;
-        let all = self.plan.sources.resolve(vertices)?.into_iter().enumerate();
-        let mine = |&(number, _): &(usize, VertexId)| self.plan.has_unit(self.place, number);
+        let all = self.plan.units_in(vertices)?.into_iter().enumerate();
+        let mine = |&(number, _): &(usize, SourceSpec)| self.plan.has_unit(self.place, number);
         Ok(all.filter(mine).map(|(_, source)| source).collect())
     }
 
@@ -235,16 +241,16 @@ impl Benchmark<'_> {
     fn refused(&mut self, message: &str) -> Vec<Cell> {
         let plan = self.plan;
         self.listener.skipped(plan.runs_of_model(self.place));
-        let sources: Vec<Option<u32>> = match &plan.sources {
-            SourceSpec::First => vec![Some(0)],
-            SourceSpec::List(list) => list.iter().copied().map(Some).collect(),
-            SourceSpec::Random { .. } => vec![None],
+        let sources = if plan.sources_together {
+            vec![Some(plan.sources.label())]
+        } else {
+            plan.sources.labels()
         };
         sources
             .iter()
             .enumerate()
             .filter(|&(number, _)| plan.has_unit(self.place, number))
-            .flat_map(|(_, &source)| plan.algorithms.iter().map(move |a| (source, a)))
+            .flat_map(|(_, source)| plan.algorithms.iter().map(move |a| (source.clone(), a)))
             .map(|(source, algorithm)| Cell {
                 group: plan.group.name.clone(),
                 source,

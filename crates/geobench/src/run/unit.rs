@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use geobench_mesh::{SplitMix64, VertexId};
+use geobench_mesh::SplitMix64;
 use geobench_window::{Counter, precision};
 
+use crate::exec::source::SourceSpec;
 use crate::exec::{Failure, Listener, Observation, Pass, Session, Step};
 use crate::measure::memory::Peaks;
 use crate::plan::sampling::Sampling;
@@ -16,14 +17,15 @@ use crate::run::agreement;
 use crate::run::earlier::{self, Earlier, NOT_CHECKED};
 use crate::run::journal::{Journal, JournalLine, RunId, RunOutcome};
 use crate::run::reference_check::{Answer, ReferenceCheck};
-use crate::schema::{Cell, Check, Memory, ModelRecord, Status, Time};
+use crate::schema::{Cell, Check, Memory, ModelRecord, SourceLabel, Status, Time};
 
 /// The cells of one model and source. Their runs are interleaved, so that drift of the machine
 /// affects all algorithms alike.
 pub(crate) struct Unit<'p> {
     plan: &'p Plan,
     model: &'p ModelRecord,
-    source: VertexId,
+    /// The source, or several together.
+    source: SourceSpec,
     order: RunOrder,
     /// One for each algorithm.
     cells: Vec<CellRuns<'p>>,
@@ -52,15 +54,15 @@ impl<'p> Unit<'p> {
     pub(crate) fn new(
         plan: &'p Plan,
         model: &'p ModelRecord,
-        source: VertexId,
+        source: SourceSpec,
         past: Past<'_>,
     ) -> Self {
         let algorithms = &plan.algorithms;
         let mut unit = Self {
             plan,
             model,
+            order: RunOrder::new(plan.seed, &model.name, &source.label(), algorithms.len()),
             source,
-            order: RunOrder::new(plan.seed, &model.name, source.raw(), algorithms.len()),
             cells: algorithms
                 .iter()
                 .map(|algorithm| CellRuns::new(algorithm, plan.sampling))
@@ -203,7 +205,7 @@ impl<'p> Unit<'p> {
             Reference::None => return Ok(None),
             Reference::Files(files) => {
                 let vertices = self.model.vertices.unwrap_or(0) as usize;
-                match files.find(Path::new(&self.model.path), self.source.raw(), vertices) {
+                match files.find(Path::new(&self.model.path), &self.source.label(), vertices) {
                     Ok(field) => {
                         context.reference_check.answer = Some(Answer {
                             name: field.path.display().to_string(),
@@ -358,7 +360,7 @@ impl<'p> Unit<'p> {
         Step {
             model: &self.model.name,
             algorithm,
-            source: self.source,
+            source: &self.source,
             pass,
             solves,
         }
@@ -368,7 +370,7 @@ impl<'p> Unit<'p> {
         RunId {
             group: self.plan.group.name.clone(),
             model: self.model.name.clone(),
-            source: self.source.raw(),
+            source: self.source.label(),
             algorithm: algorithm.label().to_owned(),
             pass,
             round,
@@ -560,6 +562,7 @@ impl<'p> CellRuns<'p> {
         let (mut outside, mut claimed, mut doubted) = (Vec::new(), Vec::new(), false);
         for ((pass, _), outcome) in self.outcomes {
             let observation = outcome.observation;
+            cell.message = cell.message.or(observation.note);
             if let Some(why) = outcome.unchecked {
                 cell.message = Some(format!("{NOT_CHECKED}{why}"));
             }
@@ -693,8 +696,12 @@ pub(crate) struct RunOrder {
 
 impl RunOrder {
     /// The order of `algorithms` algorithms in a model from a source.
-    pub(crate) fn new(seed: u64, model: &str, source: u32, algorithms: usize) -> Self {
-        let bytes = model.bytes().chain(source.to_le_bytes());
+    pub(crate) fn new(seed: u64, model: &str, source: &SourceLabel, algorithms: usize) -> Self {
+        let source = match source {
+            SourceLabel::Vertex(vertex) => vertex.to_le_bytes().to_vec(),
+            SourceLabel::Other(text) => text.clone().into_bytes(),
+        };
+        let bytes = model.bytes().chain(source);
         let seed = bytes.fold(seed, |seed, byte| {
             SplitMix64::new(seed ^ u64::from(byte)).next()
         });
@@ -748,7 +755,7 @@ mod tests {
     #[test]
     fn every_place_and_every_neighbour_is_had_equally_often() {
         for n in 1..=9 {
-            let order = RunOrder::new(7, "horse", 3, n);
+            let order = RunOrder::new(7, "horse", &3.into(), n);
             let (rounds, each) = (n * (1 + n % 2), 1 + n % 2);
             let mut places = vec![vec![0; n]; n];
             let mut follows = vec![vec![0; n]; n];
@@ -772,7 +779,7 @@ mod tests {
 
     #[test]
     fn two_algorithms_alternate_in_going_first() {
-        let order = RunOrder::new(1, "cow", 0, 2);
+        let order = RunOrder::new(1, "cow", &0.into(), 2);
         let first: Vec<usize> = (0..6).map(|round| order.round(round)[0]).collect();
         assert_ne!(first[0], first[1]);
         assert_eq!(first[..2], first[2..4]);
@@ -782,11 +789,11 @@ mod tests {
     #[test]
     fn the_order_follows_from_seed_model_and_source_alone() {
         let all = |order: &RunOrder| (0..12).map(|r| order.round(r)).collect::<Vec<_>>();
-        let order = all(&RunOrder::new(1, "cow", 0, 5));
-        assert_eq!(order, all(&RunOrder::new(1, "cow", 0, 5)));
-        assert_ne!(order, all(&RunOrder::new(2, "cow", 0, 5)));
-        assert_ne!(order, all(&RunOrder::new(1, "horse", 0, 5)));
-        assert_ne!(order, all(&RunOrder::new(1, "cow", 1, 5)));
-        assert!(RunOrder::new(1, "cow", 0, 0).round(3).is_empty());
+        let order = all(&RunOrder::new(1, "cow", &0.into(), 5));
+        assert_eq!(order, all(&RunOrder::new(1, "cow", &0.into(), 5)));
+        assert_ne!(order, all(&RunOrder::new(2, "cow", &0.into(), 5)));
+        assert_ne!(order, all(&RunOrder::new(1, "horse", &0.into(), 5)));
+        assert_ne!(order, all(&RunOrder::new(1, "cow", &1.into(), 5)));
+        assert!(RunOrder::new(1, "cow", &0.into(), 0).round(3).is_empty());
     }
 }

@@ -6,6 +6,7 @@ mod plan_record;
 pub mod result_file;
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use geobench_window::{Counter, Counters};
 use serde::ser::SerializeMap;
@@ -229,6 +230,42 @@ pub struct ModelRecord {
     pub build_seconds: Option<f64>,
 }
 
+/// The name of a source, or of several that a run has together. It is a number in files if it is
+/// one vertex, else a text.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum SourceLabel {
+    /// A vertex, counted from 0 in the file's order.
+    Vertex(u32),
+    /// Another point or several sources, as on the command line.
+    Other(String),
+}
+
+impl SourceLabel {
+    /// The vertex, if it is one.
+    pub const fn vertex(&self) -> Option<u32> {
+        match self {
+            Self::Vertex(vertex) => Some(*vertex),
+            Self::Other(_) => None,
+        }
+    }
+}
+
+impl From<u32> for SourceLabel {
+    fn from(vertex: u32) -> Self {
+        Self::Vertex(vertex)
+    }
+}
+
+impl fmt::Display for SourceLabel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Vertex(vertex) => write!(f, "{vertex}"),
+            Self::Other(text) => f.write_str(text),
+        }
+    }
+}
+
 /// One algorithm on one model from one source.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
@@ -236,9 +273,10 @@ pub struct Cell {
     pub model: String,
     /// Name of the algorithm.
     pub algorithm: String,
-    /// Source vertex, counted from 0 in the file's order; null where the model was refused
-    /// before its vertices were known.
-    pub source: Option<u32>,
+    /// Source vertex, counted from 0 in the file's order, or a text for another point of the
+    /// surface and for several sources together; null where the model was refused before its
+    /// vertices were known.
+    pub source: Option<SourceLabel>,
     /// Threads that the algorithm used.
     pub threads: usize,
     /// The widest vector instructions that its timed runs could use, `avx512`, `avx2` or `scalar`;

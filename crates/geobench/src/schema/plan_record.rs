@@ -31,6 +31,9 @@ pub struct PlannedGroup {
     pub algorithms: Vec<PlannedAlgorithm>,
     /// The sources, as on the command line.
     pub sources: String,
+    /// Whether each run starts from all sources together.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub sources_together: bool,
     /// Timed runs of each cell; with a precision the most.
     pub repeat: usize,
     /// When a cell has enough timed runs; null if their number is fixed, and in files of older

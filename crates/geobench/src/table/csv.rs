@@ -75,7 +75,7 @@ pub(super) fn samples(result: &ResultFile) -> Table {
                 let own = [
                     cell.model.clone(),
                     cell.algorithm.clone(),
-                    text(cell.source),
+                    text(cell.source.as_ref()),
                     cell.threads.to_string(),
                     text(cell.group.as_ref()),
                     i.to_string(),
@@ -119,7 +119,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
     let mut columns: Vec<(String, String)> = [
         ("model", cell.model.clone()),
         ("algorithm", cell.algorithm.clone()),
-        ("source", text(cell.source)),
+        ("source", text(cell.source.as_ref())),
         ("threads", cell.threads.to_string()),
         ("status", cell.status.name().to_owned()),
         ("message", text(cell.message.as_ref())),

@@ -331,7 +331,7 @@ impl LabelFormat {
                     }
                 };
                 let bytes = labels.iter().flat_map(|&label| number(label).to_le_bytes());
-                super::distance_formats::npy_of("<i8", labels.len(), bytes)
+                super::distance_formats::npy_of("<i8", &format!("({},)", labels.len()), bytes)
             }
         }
     }

@@ -7,6 +7,7 @@ use geobench_mesh::{Mesh, VertexId};
 use serde::Serialize;
 
 use super::{UnknownEnding, of_ending};
+use crate::schema::SourceLabel;
 
 /// Distances and where they come from.
 #[derive(Clone, Copy, Debug)]
@@ -16,17 +17,88 @@ pub struct DistanceField<'a> {
     /// Name of the algorithm.
     pub algorithm: &'a str,
     /// The sources. Distances are measured from the nearest one.
-    pub sources: &'a [u32],
+    pub sources: &'a [SourceLabel],
+    /// The targets; `None` for all vertices.
+    pub targets: Option<&'a [SourceLabel]>,
+    /// Longer distances are infinite.
+    pub radius: Option<f64>,
     /// The mesh.
     pub mesh: &'a Mesh,
-    /// Distance of each vertex in the file's order; infinite where no path leads.
+    /// Distance of each vertex in the file's order, or of each target; infinite where no path leads,
+    /// or none within the radius.
     pub distances: &'a [f64],
+}
+
+/// Distances from each of several sources.
+#[derive(Clone, Copy, Debug)]
+pub struct DistanceMatrix<'a> {
+    /// The sources, one for each row.
+    pub sources: &'a [SourceLabel],
+    /// The vertices or targets, one for each column.
+    pub columns: &'a [SourceLabel],
+    /// The rows one after the other.
+    pub distances: &'a [f64],
+}
+
+/// A form in which a matrix of distances can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MatrixFormat {
+    /// A line of the columns and one for each source, which comes first in it.
+    Csv,
+    /// A two-dimensional `NumPy` array of f64.
+    Npy,
+}
+
+const MATRIX_ENDINGS: [(&str, MatrixFormat); 2] =
+    [("csv", MatrixFormat::Csv), ("npy", MatrixFormat::Npy)];
+
+impl MatrixFormat {
+    /// The form for the ending of `path`, in any letter case.
+    ///
+    /// # Errors
+    ///
+    /// When no form has this ending.
+    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
+        of_ending(path, "a matrix of distances", &MATRIX_ENDINGS)
+    }
+
+    /// The contents of a file in this form.
+    pub fn render(self, matrix: &DistanceMatrix<'_>) -> Vec<u8> {
+        let columns = matrix.columns.len();
+        if self == Self::Npy {
+            let shape = format!("({}, {columns})", matrix.sources.len());
+            return npy(&shape, matrix.distances);
+        }
+        let mut text = "source".to_owned();
+        for column in matrix.columns {
+            text.push(',');
+            text += &csv_word(column);
+        }
+        text.push('\n');
+        for (row, source) in matrix.sources.iter().enumerate() {
+            text += &csv_word(source);
+            for distance in &matrix.distances[row * columns..(row + 1) * columns] {
+                text.push(',');
+                text += &distance.to_string();
+            }
+            text.push('\n');
+        }
+        text.into_bytes()
+    }
+}
+
+/// A source or target in a CSV file: in quotes if it has commas.
+fn csv_word(label: &SourceLabel) -> String {
+    match label {
+        SourceLabel::Vertex(vertex) => vertex.to_string(),
+        SourceLabel::Other(text) => format!("\"{text}\""),
+    }
 }
 
 /// A form in which a distance field can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldFormat {
-    /// `vertex,distance`, one line for each vertex; `inf` where no path leads.
+    /// `vertex,distance`, one line for each vertex, or `target,distance`; `inf` where no path leads.
     Csv,
     /// The distances with their sources and the number of unreachable vertices, which are `null`.
     Json,
@@ -58,20 +130,24 @@ impl FieldFormat {
         of_ending(path, "distances", &ENDINGS)
     }
 
+    /// Whether it holds the mesh, so that it needs the distances of all vertices.
+    pub const fn is_mesh(self) -> bool {
+        matches!(self, Self::Ply | Self::Vtk)
+    }
+
     /// The contents of a file in this form.
     ///
     /// # Errors
     ///
     /// When the form needs coordinates and the mesh has none.
     pub fn render(self, field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
-        let needs_positions = matches!(self, Self::Ply | Self::Vtk);
-        if needs_positions && field.mesh.positions().len() != field.distances.len() {
+        if self.is_mesh() && field.mesh.positions().len() != field.distances.len() {
             anyhow::bail!("{}: the mesh has no coordinates to write", field.model);
         }
         Ok(match self {
-            Self::Csv => csv(field.distances),
+            Self::Csv => csv(field),
             Self::Json => json(field)?,
-            Self::Npy => npy(field.distances),
+            Self::Npy => npy(&format!("({},)", field.distances.len()), field.distances),
             Self::Ply => ply(field)?,
             Self::Vtk => vtk(field),
         })
@@ -79,11 +155,18 @@ impl FieldFormat {
 }
 
 /// Numbers with as many digits as reading them back exactly takes.
-fn csv(distances: &[f64]) -> Vec<u8> {
+fn csv(field: &DistanceField<'_>) -> Vec<u8> {
     use std::fmt::Write;
-    let mut text = "vertex,distance\n".to_owned();
-    for (vertex, distance) in distances.iter().enumerate() {
-        let _ = writeln!(text, "{vertex},{distance}"); // Writing to a string cannot fail.
+    let Some(targets) = field.targets else {
+        let mut text = "vertex,distance\n".to_owned();
+        for (vertex, distance) in field.distances.iter().enumerate() {
+            let _ = writeln!(text, "{vertex},{distance}"); // Writing to a string cannot fail.
+        }
+        return text.into_bytes();
+    };
+    let mut text = "target,distance\n".to_owned();
+    for (target, distance) in targets.iter().zip(field.distances) {
+        let _ = writeln!(text, "{},{distance}", csv_word(target));
     }
     text.into_bytes()
 }
@@ -103,8 +186,14 @@ fn append<T, const N: usize>(
 struct Document<'a> {
     model: &'a str,
     algorithm: &'a str,
-    sources: &'a [u32],
+    sources: &'a [SourceLabel],
+    /// Null for no limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    radius: Option<f64>,
     vertices: usize,
+    /// The targets, in the order of the distances; absent if these are of all vertices.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    targets: Option<&'a [SourceLabel]>,
     /// How many of the distances are null because no path leads there.
     unreachable: usize,
     distances: Vec<Option<f64>>,
@@ -121,7 +210,9 @@ fn json(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
         model: field.model,
         algorithm: field.algorithm,
         sources: field.sources,
-        vertices: distances.len(),
+        radius: field.radius,
+        vertices: field.mesh.vertex_count(),
+        targets: field.targets,
         unreachable: distances.iter().filter(|d| d.is_none()).count(),
         distances,
     };
@@ -134,15 +225,15 @@ fn json(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
 /// header, the header padded to 64 bytes and the numbers follow.
 const NPY_MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
 
-/// A one-dimensional little-endian f64 array.
-fn npy(distances: &[f64]) -> Vec<u8> {
+/// A little-endian f64 array of this shape, row after row.
+fn npy(shape: &str, distances: &[f64]) -> Vec<u8> {
     let bytes = distances.iter().flat_map(|d| d.to_le_bytes());
-    npy_of("<f8", distances.len(), bytes)
+    npy_of("<f8", shape, bytes)
 }
 
-/// A one-dimensional array of `len` numbers of type `descr`.
-pub(super) fn npy_of(descr: &str, len: usize, numbers: impl Iterator<Item = u8>) -> Vec<u8> {
-    let mut header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({len},), }}");
+/// An array of this shape of numbers of type `descr`.
+pub(super) fn npy_of(descr: &str, shape: &str, numbers: impl Iterator<Item = u8>) -> Vec<u8> {
+    let mut header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}");
     // With magic, version, length and the final line break, a multiple of 64.
     let used = NPY_MAGIC.len() + 2 + header.len() + 1;
     header += &" ".repeat(used.next_multiple_of(64) - used);
@@ -275,7 +366,9 @@ mod tests {
         test(&DistanceField {
             model: "t",
             algorithm: "mmp",
-            sources: &[0],
+            sources: &[SourceLabel::Vertex(0)],
+            targets: None,
+            radius: None,
             mesh: &mesh,
             distances: &[0.0, 3.0, 4.0, f64::INFINITY],
         })
@@ -299,6 +392,53 @@ mod tests {
             String::from_utf8(render(FieldFormat::Csv)).unwrap(),
             "vertex,distance\n0,0\n1,3\n2,4\n3,inf\n"
         );
+    }
+
+    #[test]
+    fn targets_are_rows_of_their_own() {
+        let targets = ["face:0,0.5,0.25,0.25", "1"].map(|text| match text {
+            "1" => SourceLabel::Vertex(1),
+            text => SourceLabel::Other(text.to_owned()),
+        });
+        with_field(|field| {
+            let field = DistanceField {
+                targets: Some(&targets),
+                radius: Some(3.5),
+                distances: &[2.5, f64::INFINITY],
+                ..*field
+            };
+            let csv = String::from_utf8(FieldFormat::Csv.render(&field).unwrap()).unwrap();
+            assert_eq!(
+                csv,
+                "target,distance\n\"face:0,0.5,0.25,0.25\",2.5\n1,inf\n"
+            );
+            let json = FieldFormat::Json.render(&field).unwrap();
+            let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
+            assert_eq!(
+                json["targets"],
+                serde_json::json!(["face:0,0.5,0.25,0.25", 1])
+            );
+            assert_eq!(json["distances"], serde_json::json!([2.5, null]));
+            assert_eq!(
+                (&json["vertices"], &json["radius"]),
+                (&4.into(), &3.5.into())
+            );
+        });
+    }
+
+    #[test]
+    fn a_matrix_has_a_row_for_each_source() {
+        let labels = [0, 7].map(SourceLabel::Vertex);
+        let matrix = DistanceMatrix {
+            sources: &[SourceLabel::Other("at:1,2,3".to_owned())],
+            columns: &labels,
+            distances: &[1.5, f64::INFINITY],
+        };
+        let csv = String::from_utf8(MatrixFormat::Csv.render(&matrix)).unwrap();
+        assert_eq!(csv, "source,0,7\n\"at:1,2,3\",1.5,inf\n");
+        let npy = MatrixFormat::Npy.render(&matrix);
+        let header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (1, 2), }";
+        assert!(npy[10..].starts_with(header) && npy.ends_with(&f64::INFINITY.to_le_bytes()));
     }
 
     #[test]

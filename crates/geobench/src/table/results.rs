@@ -138,7 +138,7 @@ fn absent(cells: &[&Cell]) -> Entry {
 /// The sources of an algorithm's cells, in words.
 fn sources(cells: Option<&Vec<&Cell>>) -> String {
     match cells.map_or(&[][..], Vec::as_slice) {
-        [cell] => match cell.source {
+        [cell] => match &cell.source {
             Some(source) => format!("source {source}"),
             None => "one source".to_owned(),
         },
@@ -263,6 +263,7 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
         };
         let source = cell
             .source
+            .as_ref()
             .map_or_else(String::new, |s| format!(", source {s}"));
         let text = match cell.status {
             Status::Ok => format!("{}{source}: {message}", cell.algorithm),

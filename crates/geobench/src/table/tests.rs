@@ -397,7 +397,7 @@ fn ratios_of_times_are_those_of_pairs() {
                 "vtp" => 1.0,
                 _ => continue,
             };
-            if cell.model == "horse" && cell.source == Some(source) {
+            if cell.model == "horse" && cell.source == Some(source.into()) {
                 cell.time = crate::measure::statistics::time(
                     slower.iter().map(|t| factor * t).collect(),
                     None,

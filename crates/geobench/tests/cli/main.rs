@@ -14,6 +14,7 @@ mod isolation;
 mod merge;
 mod outside;
 mod path;
+mod points;
 mod pool;
 mod report;
 mod reproduce;

@@ -62,10 +62,7 @@ fn the_dual_is_a_mesh_of_the_sources() {
     let sandbox = Sandbox::new();
     let run = "voronoi gen:sphere,subdiv=3 --source random:40 -o v.json --dual d.obj";
     let said = sandbox.succeed(run);
-    assert!(
-        said.contains("d.obj: 76 triangles, "),
-        "{said}"
-    );
+    assert!(said.contains("d.obj: 76 triangles, "), "{said}");
     assert_eq!(
         sandbox
             .read("d.obj")

@@ -10,6 +10,7 @@ mod formulas;
 mod goals;
 mod invariants;
 mod models;
+mod points;
 mod support;
 mod surfaces;
 mod zoo;

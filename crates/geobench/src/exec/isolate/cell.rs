@@ -4,7 +4,6 @@ use std::ffi::OsStr;
 use std::io::{self, BufRead, Write};
 use std::sync::{Mutex, PoisonError};
 
-use geobench_mesh::VertexId;
 use sha2::{Digest, Sha256};
 
 use super::system;
@@ -12,6 +11,7 @@ use crate::exec::in_process::InProcess;
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
 use crate::exec::protocol::{ChildSettings, Reply, Request};
+use crate::exec::source::SourceSpec;
 use crate::exec::{Failure, Pass, Session, Step};
 use crate::measure::memory;
 use crate::registry;
@@ -77,7 +77,7 @@ fn serve(model: &str, mut session: InProcess) -> io::Result<()> {
         let step = Step {
             model,
             algorithm: &algorithm,
-            source: VertexId::new(request.source),
+            source: &SourceSpec::from(&request.source),
             pass: request.pass,
             solves: request.solves,
         };

@@ -36,7 +36,7 @@ use std::process::Command;
 use std::sync::Arc;
 use std::time::Instant;
 
-use geobench_mesh::{VertexId, io as mesh_io};
+use geobench_mesh::{Mesh, TriangleSoup, VertexId, io as mesh_io};
 use tempfile::TempDir;
 
 use crate::exec::affinity::CpuList;
@@ -44,11 +44,12 @@ use crate::exec::in_process::InProcess;
 use crate::exec::limits::{DecompressionLimit, Limits, Timeout};
 use crate::exec::model::ModelRef;
 use crate::exec::protocol::{ChildSettings, Reply, Request, SOLVE};
+use crate::exec::source::{Locator, PointSpec, SourceSpec};
 use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::host::kibibytes;
 use crate::measure::memory::Peaks;
 use crate::registry::{Call, ProcessLifetime, Program};
-use crate::schema::{ModelRecord, Status};
+use crate::schema::{ModelRecord, SourceLabel, Status};
 
 mod answer;
 mod cell;
@@ -145,7 +146,7 @@ struct ChildPool<'b> {
     /// Runs the algorithms of the suite if [`Isolated::here`].
     here: Option<InProcess>,
     /// The source under way.
-    source: Option<VertexId>,
+    source: Option<SourceLabel>,
     children: Vec<Child>,
     /// The first child, before it belongs to a cell.
     spare: Option<Child>,
@@ -174,29 +175,76 @@ struct Outside {
     program: Arc<Program>,
     /// The file for its distances.
     output: PathBuf,
+    /// Vertices of the model that it reads: those of the mesh refined at the source.
+    vertices: usize,
+    /// Where the source is, if that is not as it was asked for.
+    note: Option<String>,
 }
 
 /// Temporary folder for the model and the distances.
 struct Handover {
     folder: TempDir,
-    /// The model as an OBJ file, with unchanged vertex numbers.
+    /// The model as an OBJ file, with unchanged vertex numbers; with a vertex more if the source is
+    /// none.
     model: PathBuf,
+    vertices: usize,
+    source: VertexId,
+    /// Where the source is, if that is not as it was asked for.
+    note: Option<String>,
 }
 
 impl Handover {
-    fn new(model: &ModelRef, limit: DecompressionLimit) -> Result<Self, Failure> {
-        let make = || -> anyhow::Result<Self> {
-            let folder = tempfile::Builder::new().prefix("geobench-").tempdir()?;
-            let path = folder.path().join("model.obj");
-            mesh_io::write(&path, &model.read(limit)?)?;
-            Ok(Self {
-                folder,
-                model: path,
-            })
+    /// Writes `model` for a run from `source`.
+    fn new(
+        model: &ModelRef,
+        vertices: usize,
+        limit: DecompressionLimit,
+        source: &SourceSpec,
+    ) -> Result<Self, Failure> {
+        let refused = |message: String| Failure::new(Status::Refused, message);
+        let points = source
+            .points(vertices)
+            .map_err(|e| refused(e.to_string()))?;
+        let [point] = points[..] else {
+            let message = "outside programs take one source at a time; leave out \
+                --sources-together, or the program";
+            return Err(refused(message.to_owned()));
         };
-        make().map_err(|error| {
+        let crashed = |error: anyhow::Error| {
             let message = format!("the model cannot be handed over: {error}");
             Failure::new(Status::Crashed, message)
+        };
+        let read = || -> anyhow::Result<(TempDir, TriangleSoup)> {
+            let folder = tempfile::Builder::new().prefix("geobench-").tempdir()?;
+            Ok((folder, model.read(limit)?))
+        };
+        let (folder, mut soup) = read().map_err(crashed)?;
+        let vertex;
+        let mut note = None;
+        if let PointSpec::Vertex(v) = point {
+            vertex = VertexId::new(v);
+        } else {
+            let (mesh, _) = Mesh::from_soup(soup.clone()).map_err(|e| refused(e.to_string()))?;
+            let found = Locator::new(&mesh).locate(point);
+            let found = found.map_err(|error| refused(error.to_string()))?;
+            let refined = mesh.with_points(&[found.point]);
+            let refined = refined.map_err(|error| refused(error.to_string()))?;
+            let fine = &refined.mesh;
+            let triangles = fine
+                .faces()
+                .map(|f| fine.face_vertices(f).map(VertexId::raw));
+            soup = TriangleSoup::new(fine.positions().to_vec(), triangles.collect());
+            vertex = refined.vertices[0];
+            note = found.note();
+        }
+        let path = folder.path().join("model.obj");
+        mesh_io::write(&path, &soup).map_err(|error| crashed(error.into()))?;
+        Ok(Self {
+            folder,
+            model: path,
+            vertices: soup.positions.len(),
+            source: vertex,
+            note,
         })
     }
 }
@@ -209,7 +257,7 @@ impl Handover {
         let name: String = program.name.chars().map(plain).collect();
         Call {
             model: &self.model,
-            source: step.source.raw(),
+            source: self.source.raw(),
             threads: step.algorithm.threads(),
             output: self.folder.path().join(format!("{name}.csv")),
         }
@@ -287,13 +335,19 @@ impl ChildPool<'_> {
     fn outside_child(&mut self, program: &Arc<Program>, step: &Step<'_>) -> Result<Child, Failure> {
         let handover = match &mut self.handover {
             Some(handover) => handover,
-            none => none.insert(Handover::new(self.model, self.options.limits.decompressed)?),
+            none => {
+                let vertices = self.record.vertices.unwrap_or(0) as usize;
+                let limit = self.options.limits.decompressed;
+                none.insert(Handover::new(self.model, vertices, limit, step.source)?)
+            }
         };
         let call = handover.call(program, step);
         let command = program.command(&program.command, &call);
         let outside = Outside {
             program: program.clone(),
             output: call.output,
+            vertices: handover.vertices,
+            note: handover.note.clone(),
         };
         outside.forget();
         Ok(self.start(command, Some(outside))?.0)
@@ -313,7 +367,11 @@ impl ChildPool<'_> {
         }
         let handover = match &mut self.handover {
             Some(handover) => handover,
-            none => none.insert(Handover::new(self.model, self.options.limits.decompressed)?),
+            none => {
+                let vertices = self.record.vertices.unwrap_or(0) as usize;
+                let limit = self.options.limits.decompressed;
+                none.insert(Handover::new(self.model, vertices, limit, step.source)?)
+            }
         };
         let command = program.command(words, &handover.call(program, step));
         let cpus = self.options.cpus.as_ref();
@@ -387,12 +445,26 @@ impl Session for ChildPool<'_> {
     }
 
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
-        if self.source != Some(step.source) {
+        let source = Some(step.source.label());
+        if self.source != source {
+            // The file of a vertex serves all vertices.
+            let is_vertex = |label: &Option<SourceLabel>| {
+                label.as_ref().is_some_and(|label| label.vertex().is_some())
+            };
+            if !is_vertex(&source) || !is_vertex(&self.source) {
+                self.handover = None;
+            }
+            if let (Some(handover), Some(vertex)) = (
+                &mut self.handover,
+                source.as_ref().and_then(SourceLabel::vertex),
+            ) {
+                handover.source = VertexId::new(vertex);
+            }
             self.children.retain(|child| child.cell.is_empty());
             self.evicted.clear();
             self.solved.clear();
         }
-        self.source = Some(step.source);
+        self.source = source;
         let label = step.algorithm.label();
         let Some(program) = step.algorithm.program() else {
             return match &mut self.here {
@@ -461,11 +533,13 @@ impl Child {
         vertices: usize,
         step: &Step<'_>,
     ) -> Result<Observation, Failure> {
-        if let Some(Outside { program, output }) = &self.outside
-            && program.lifetime == ProcessLifetime::Command
+        if let Some(outside) = &self.outside
+            && outside.program.lifetime == ProcessLifetime::Command
         {
-            let output = output.clone();
-            return self.finish(timeout, vertices, &output);
+            let (output, refined) = (outside.output.clone(), outside.vertices);
+            let mut observation = self.finish(timeout, refined, &output)?;
+            observation.distances.truncate(vertices);
+            return Ok(observation);
         }
         let mut start = Instant::now();
         if self.outside.is_some() {
@@ -503,7 +577,10 @@ impl Child {
         // The program's own figure stands where the system tells none.
         let measured = self.process.peak();
         reply.rss_peak_bytes = measured.or(reply.rss_peak_bytes);
-        let distances = answer::read_distances(&outside.output, vertices, timeout, start)?;
+        reply.note.clone_from(&outside.note);
+        let mut distances =
+            answer::read_distances(&outside.output, outside.vertices, timeout, start)?;
+        distances.truncate(vertices);
         Ok(Observation {
             outside_seconds: Some(outside_seconds),
             ..reply.observation(distances)
@@ -516,7 +593,7 @@ impl Child {
             None => serde_json::json!(Request {
                 algorithm: step.algorithm.spelled(),
                 simd: step.algorithm.instructions().to_string(),
-                source: step.source.raw(),
+                source: step.source.label(),
                 pass: step.pass,
                 solves: step.solves,
             })

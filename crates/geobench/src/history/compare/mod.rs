@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use crate::measure::number::group;
 use crate::measure::statistics::{mann_whitney, paired_ratio, unpaired_ratio};
-use crate::schema::{Cell, ResultFile, Status, Time};
+use crate::schema::{Cell, ResultFile, SourceLabel, Status, Time};
 
 mod rules;
 #[cfg(test)]
@@ -624,8 +624,8 @@ pub struct Key {
     pub sha256: Option<String>,
     /// Algorithm with its parameters.
     pub algorithm: String,
-    /// Source vertex.
-    pub source: Option<u32>,
+    /// The source.
+    pub source: Option<SourceLabel>,
     /// Threads.
     pub threads: usize,
     /// Name of the group.
@@ -637,7 +637,7 @@ pub struct Key {
 struct Identity {
     model: Result<String, String>,
     algorithm: String,
-    source: Option<u32>,
+    source: Option<SourceLabel>,
     threads: usize,
     group: Option<String>,
 }
@@ -713,7 +713,7 @@ impl Key {
             model: cell.model.clone(),
             sha256: model.and_then(|m| m.sha256.clone()),
             algorithm: cell.algorithm.clone(),
-            source: cell.source,
+            source: cell.source.clone(),
             threads: cell.threads,
             group: cell.group.clone(),
         }
@@ -728,7 +728,7 @@ impl Key {
         Identity {
             model: self.sha256.clone().ok_or_else(|| self.model.clone()),
             algorithm: self.algorithm.clone(),
-            source: self.source,
+            source: self.source.clone(),
             threads: self.threads,
             group: self.group.clone(),
         }
@@ -742,7 +742,7 @@ impl Key {
             Some(group) if with_group => format!("{group}: "),
             _ => String::new(),
         };
-        let source = match self.source {
+        let source = match &self.source {
             Some(source) if with_source => format!(", source {source}"),
             _ => String::new(),
         };

@@ -372,7 +372,7 @@ fn cells_are_matched_by_what_they_are_and_not_by_their_names() {
 fn files_with_nothing_in_common_are_refused() {
     let (old, mut new) = (file(), file());
     for cell in &mut new.cells {
-        cell.source = Some(7);
+        cell.source = Some(7.into());
     }
     let error = compare(("a", &old), ("b", &new), &Rules::default()).unwrap_err();
     assert!(

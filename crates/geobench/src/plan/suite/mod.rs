@@ -13,8 +13,8 @@ use toml::Spanned;
 use crate::UsageError;
 use crate::exec::limits::{Limits, Timeout};
 use crate::exec::model::{self, ModelError, ModelRef};
+use crate::exec::source::SourceSpec;
 use crate::plan::sampling::Seconds;
-use crate::plan::source::SourceSpec;
 use crate::plan::{Plan, Reference};
 use crate::registry::{self, Selection, Simd};
 use crate::schema::GroupRecord;
@@ -218,7 +218,8 @@ fn plan(
             ..group
         },
         models,
-        sources: settings.sources.clone().unwrap_or(SourceSpec::First),
+        sources: settings.sources.clone().unwrap_or_else(SourceSpec::first),
+        sources_together: settings.sources_together.unwrap_or(false),
         sampling: settings.sampling(),
         warmup: settings.warmup.unwrap_or(1) as usize,
         reference: reference.unwrap_or_else(|| Reference::usual(&algorithms)),

@@ -10,9 +10,9 @@ use toml::{Spanned, Value};
 
 use super::MOST_RUNS;
 use crate::exec::limits::{DecompressionLimit, MemoryLimit, Timeout};
+use crate::exec::source::SourceSpec;
 use crate::plan::Reference;
 use crate::plan::sampling::{Sampling, Seconds, Share};
-use crate::plan::source::SourceSpec;
 use crate::registry::{self, MOST_THREADS, Selection, Simd};
 use crate::schema::Precision;
 use crate::table;
@@ -37,6 +37,9 @@ pub struct Settings {
     /// The sources in each model.
     #[serde(deserialize_with = "source", rename = "source")]
     pub sources: Option<SourceSpec>,
+    /// Whether each run starts from all sources together.
+    #[serde(rename = "sources-together")]
+    pub sources_together: Option<bool>,
     /// Timed runs of each cell; at least 1. Comes before a precision.
     #[serde(deserialize_with = "whole::<_, _, 1, MOST_RUNS>")]
     pub repeat: Option<u32>,
@@ -159,7 +162,7 @@ impl Settings {
                 Self { $($key: self.$key.clone().or_else(|| other.$key.clone()),)* }
             };
         }
-        let mut all = settings!(models algorithms sources repeat precision min_time max_time warmup
+        let mut all = settings!(models algorithms sources sources_together repeat precision min_time max_time warmup
             tolerance seed threads simd timeout memory_limit max_decompressed reference rows ratios_to
             wavefront);
         // A precision replaces a number of runs that comes after it.
@@ -302,9 +305,12 @@ fn rows<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>
     Ok(rows.map(|rows| rows.into_iter().map(|row| row.0).collect()))
 }
 
-/// A vertex, a list of vertices, or a text as on the command line.
+/// A vertex, a text as on the command line, or a list of these.
 fn source<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SourceSpec>, D::Error> {
-    let source = words(deserializer)?.join(",").parse();
+    let words = words(deserializer)?;
+    let sources = words.iter().map(|word| word.parse());
+    let sources = sources.collect::<Result<Vec<SourceSpec>, _>>();
+    let source = sources.and_then(SourceSpec::of_all);
     source.map(Some).map_err(D::Error::custom)
 }
 

@@ -693,7 +693,7 @@ impl Results<'_> {
             cells(operand)?,
             self.test.to.as_ref().map(cells).transpose()?,
         );
-        let sources = distinct(over.iter().flatten().map(|cell| cell.source));
+        let sources = distinct(over.iter().flatten().map(|cell| cell.source.clone()));
         let own = operand.figure(figure);
         let mut nodes = Vec::new();
         for source in sources {

@@ -151,7 +151,8 @@ fn of_model(
             path: record.path.clone(),
         });
     }
-    let first = || result.cells.iter().find(|c| c.model == name)?.source;
+    let mut cells = result.cells.iter().filter(|c| c.model == name);
+    let first = || cells.find_map(|c| c.source.as_ref()?.vertex());
     let source = source.or_else(first).unwrap_or(0);
     let no_source = || PictureError::NoSource {
         name: name.to_owned(),

@@ -1,0 +1,401 @@
+//! Sources and targets anywhere on the surface.
+
+use serde_json::json;
+
+use crate::support::Sandbox;
+
+/// Half the diagonal of the square.
+const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+fn numbers(value: &serde_json::Value) -> Vec<f64> {
+    let list = value.as_array().unwrap();
+    list.iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+fn close(found: &[f64], expected: &[f64]) -> bool {
+    let mut pairs = found.iter().zip(expected);
+    found.len() == expected.len() && pairs.all(|(a, b)| (a - b).abs() <= 1e-14)
+}
+
+#[test]
+fn every_form_of_source_has_its_distances() {
+    let sandbox = Sandbox::with_square();
+    let centre = [HALF; 4];
+    for (source, expected, note) in [
+        ("1", [1.0, 0.0, 1.0, 2.0_f64.sqrt()], ""),
+        ("first", [0.0, 1.0, 2.0_f64.sqrt(), 1.0], ""),
+        ("edge:0-2,0.5", centre, ""),
+        (
+            "face:0,0.5,0,0.5",
+            centre,
+            "face:0,0.5,0,0.5 is edge:2-0,0.5\n",
+        ),
+        (
+            "at:0.5,0.5,2",
+            centre,
+            "at:0.5,0.5,2 is 2 from the surface; its nearest point is edge:2-0,0.5\n",
+        ),
+        (
+            "at:1,1,0",
+            [2.0_f64.sqrt(), 1.0, 0.0, 1.0],
+            "at:1,1,0 is on the surface, vertex 2\n",
+        ),
+        (
+            "face:1,0.5,0.25,0.25",
+            [
+                0.5_f64.hypot(0.25),
+                0.75_f64.hypot(0.5),
+                0.75_f64.hypot(0.5),
+                0.5_f64.hypot(0.25),
+            ],
+            "",
+        ),
+        ("all", [0.0; 4], ""),
+        ("random:4,seed=9", [0.0; 4], ""),
+    ] {
+        let said = sandbox.succeed(&format!("distance square.off --source {source} -o d.json"));
+        let field = sandbox.json("d.json");
+        let found = numbers(&field["distances"]);
+        assert!(close(&found, &expected), "{source}: {found:?}");
+        assert!(
+            said.starts_with(&format!("{note}d.json: 4 vertices")),
+            "{said}"
+        );
+    }
+    sandbox.succeed("distance square.off --source 1 --source edge:0-3,0.5 -o d.json");
+    let field = sandbox.json("d.json");
+    assert_eq!(field["sources"], json!([1, "edge:0-3,0.5"]));
+    assert!(close(&numbers(&field["distances"]), &[0.5, 0.0, 1.0, 0.5]));
+}
+
+#[test]
+fn targets_and_radius_limit_what_is_written() {
+    let sandbox = Sandbox::with_square();
+    let said = sandbox.succeed(
+        "distance square.off --source 1 --target 0 --target edge:0-3,0.5 \
+         --target face:1,0.5,0.25,0.25 -o d.csv",
+    );
+    assert!(
+        said.starts_with("d.csv: 3 targets, 0 unreachable, the farthest is edge:0-3,0.5 at 1.118")
+    );
+    let csv = sandbox.read("d.csv");
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines[..2], ["target,distance", "0,1"]);
+    assert!(lines[2].starts_with("\"edge:0-3,0.5\",1.118"), "{csv}");
+    assert!(
+        lines[3].starts_with("\"face:1,0.5,0.25,0.25\",0.9013"),
+        "{csv}"
+    );
+
+    sandbox.write("t.txt", "# two\n3\n\nat:0.5,0.5,0\n");
+    sandbox.succeed("distance square.off --source 1 --targets t.txt --target 2 -o d.json");
+    let field = sandbox.json("d.json");
+    assert_eq!(field["targets"], json!([2, 3, "at:0.5,0.5,0"]));
+    assert_eq!(field["vertices"], 4);
+    assert!(close(
+        &numbers(&field["distances"]),
+        &[1.0, 2.0_f64.sqrt(), HALF]
+    ));
+
+    sandbox.succeed("distance square.off --source 1 --radius 1.2 -o d.csv");
+    assert_eq!(
+        sandbox.read("d.csv"),
+        "vertex,distance\n0,1\n1,0\n2,1\n3,inf\n"
+    );
+    sandbox.succeed("distance square.off --source 1 --radius 1.2 --target 3 -o d.json");
+    let field = sandbox.json("d.json");
+    assert_eq!(
+        (&field["unreachable"], &field["radius"]),
+        (&json!(1), &json!(1.2))
+    );
+
+    sandbox.succeed("distance square.off --source 1 --target 3 -o d.npy");
+    let npy = std::fs::read(sandbox.path("d.npy")).unwrap();
+    assert!(npy.ends_with(&2.0_f64.sqrt().to_le_bytes()));
+}
+
+#[test]
+fn targets_are_the_same_with_every_algorithm_and_thread() {
+    let sandbox = Sandbox::new();
+    let command = "distance gen:torus,faces=2000,bump=0.2,seed=3 --source face:7,0.2,0.3,0.5 \
+        --target at:9,9,9 --target random:5 --target edge:0-1,0.25 -o d.json --quiet --algo";
+    sandbox.succeed(&format!("{command} mmp"));
+    let expected = numbers(&sandbox.json("d.json")["distances"]);
+    for algorithm in [
+        "vtp-fast",
+        "vtp",
+        "ich",
+        "fwp-mmp",
+        "lc-ch",
+        "pvtp --threads 2",
+    ] {
+        sandbox.succeed(&format!("{command} {algorithm}"));
+        let found = numbers(&sandbox.json("d.json")["distances"]);
+        assert!(close(&found, &expected), "{algorithm}: {found:?}");
+    }
+}
+
+#[test]
+fn a_matrix_has_a_row_for_each_source() {
+    let sandbox = Sandbox::with_square();
+    let said = sandbox.succeed(
+        "distance square.off --source 0,edge:0-2,0.5 --each --matrix --threads 2 -o m.csv",
+    );
+    assert_eq!(said, "m.csv: 2 x 4 distances, 0 unreachable\n");
+    let csv = sandbox.read("m.csv");
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines[0], "source,0,1,2,3");
+    assert!(lines[1].starts_with("0,0,1,1.414"), "{csv}");
+    assert!(
+        lines[2].starts_with("\"edge:0-2,0.5\",0.7071067811865"),
+        "{csv}"
+    );
+
+    sandbox.succeed("distance square.off --source all --each --matrix --target 2 -o m.npy");
+    let npy = std::fs::read(sandbox.path("m.npy")).unwrap();
+    assert!(npy[10..].starts_with(b"{'descr': '<f8', 'fortran_order': False, 'shape': (4, 1), }"));
+    let last: Vec<f64> = npy[npy.len() - 16..]
+        .chunks(8)
+        .map(|b| f64::from_le_bytes(b.try_into().unwrap()))
+        .collect();
+    assert_eq!(last, [0.0, 1.0]);
+}
+
+#[test]
+fn each_source_has_a_file_of_its_own() {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed("distance square.off --source 1,edge:0-2,0.5 --each -o d.csv");
+    assert!(
+        sandbox
+            .read("d.s1.csv")
+            .starts_with("vertex,distance\n0,1\n")
+    );
+    assert!(sandbox.read("d.sedge-0-2_0.5.csv").contains("0.7071"));
+}
+
+#[test]
+fn what_is_no_point_is_named() {
+    let sandbox = Sandbox::with_square();
+    sandbox.write("bad.txt", "0\n\nedge:1-3,0.5\n");
+    sandbox.write("worse.txt", "0\nx\n");
+    sandbox.write("none.txt", "# none\n");
+    for (arguments, message) in [
+        ("--source x -o d.csv", "`x` is not a source: give"),
+        ("--source 9 -o d.csv", "source vertex 9 does not exist"),
+        (
+            "--source 1 --source 1 -o d.csv",
+            "source vertex 1 is named twice",
+        ),
+        (
+            "--source edge:1-3,0.5 -o d.csv",
+            "edge:1-3,0.5: no edge joins the vertices 1 and 3",
+        ),
+        (
+            "--source edge:0-1,1.5 -o d.csv",
+            "edge:0-1,1.5: 1.5 is not a place on an edge: give a number from 0 to 1",
+        ),
+        (
+            "--source face:2,1,0,0 -o d.csv",
+            "face:2,1,0,0: face 2 does not exist: the mesh has 2 faces, numbered from 0",
+        ),
+        (
+            "--source face:0,0.5,0.7,0.1 -o d.csv",
+            "the barycentric coordinates have the sum 1.3, not 1",
+        ),
+        (
+            "--source face:0,-0.5,0.5,1 -o d.csv",
+            "the barycentric coordinate -0.5 is not a number from 0 to 1",
+        ),
+        (
+            "--source at:1,2,nan -o d.csv",
+            "`at:1,2,nan` is not a source",
+        ),
+        (
+            "--source 0 --target 7 -o d.csv",
+            "target vertex 7 does not exist",
+        ),
+        (
+            "--source 0 --target y -o d.csv",
+            "`y` is not a target: give",
+        ),
+        (
+            "--source 0 --targets bad.txt -o d.csv",
+            "bad.txt, line 3: edge:1-3,0.5: no edge joins the vertices 1 and 3",
+        ),
+        (
+            "--source 0 --targets worse.txt -o d.csv",
+            "worse.txt, line 2: `x` is not a target",
+        ),
+        (
+            "--source 0 --targets none.txt -o d.csv",
+            "none.txt: there is no target in it; write one in each line",
+        ),
+        ("--source 0 --targets gone.txt -o d.csv", "gone.txt: "),
+        (
+            "--source 0 --radius -1 -o d.csv",
+            "give a distance of 0 or more",
+        ),
+        (
+            "--source 0 --target 1 -o d.ply",
+            "d.ply: a mesh has distances of all vertices",
+        ),
+        ("--source 0 --matrix -o d.csv", "--each"),
+        ("--source 0 --each --matrix -o d.vtk", "d.vtk"),
+    ] {
+        let outcome = sandbox.call(&format!("distance square.off {arguments}"));
+        assert_eq!(outcome.code, 2, "{arguments}: {}", outcome.stderr);
+        assert!(
+            outcome.stderr.contains(message),
+            "{arguments}: {}",
+            outcome.stderr
+        );
+    }
+}
+
+#[test]
+fn run_takes_points_and_names_them_in_results() {
+    let sandbox = Sandbox::with_square();
+    for isolation in ["process", "none"] {
+        let said = sandbox.succeed(&format!(
+            "run square.off --source 1 --source edge:0-2,0.5,at:0,0,3 --algo mmp,vtp --repeat 1 \
+             --isolate {isolation} --quiet -o r.json -o r.csv"
+        ));
+        let cells = sandbox.json("r.json")["cells"].clone();
+        let sources: Vec<_> = cells
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|c| &c["source"])
+            .collect();
+        let expected = [json!(1), json!("edge:0-2,0.5"), json!("at:0,0,3")];
+        let expected: Vec<_> = expected.iter().flat_map(|s| [s, s]).collect();
+        assert_eq!(sources, expected, "{said}");
+        for cell in cells.as_array().unwrap() {
+            assert_eq!(cell["status"], "ok", "{cell}");
+            assert_eq!(cell["check"]["reference"], "mmp", "{cell}");
+            assert_eq!(cell["check"]["compared"], 4, "{cell}");
+        }
+        let note = "at:0,0,3 is 3 from the surface; its nearest point is vertex 0";
+        assert_eq!(cells[4]["message"], note);
+        assert!(sandbox.read("r.csv").contains("\"edge:0-2,0.5\""));
+    }
+}
+
+#[test]
+fn sources_together_are_one_run() {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed(
+        "run square.off --source 1,edge:0-2,0.5 --sources-together --algo mmp,vtp --repeat 1 \
+         --quiet -o r.json",
+    );
+    let result = sandbox.json("r.json");
+    let sources: Vec<_> = (0..3)
+        .map(|i| result["cells"][i]["source"].clone())
+        .collect();
+    assert_eq!(
+        sources,
+        [
+            json!("1,edge:0-2,0.5"),
+            json!("1,edge:0-2,0.5"),
+            json!(null)
+        ]
+    );
+    assert_eq!(result["plan"]["groups"][0]["sources_together"], true);
+    // A suite says it too.
+    sandbox.write(
+        "suite.toml",
+        "[[group]]\nname = \"g\"\nmodels = [\"square.off\"]\nalgorithms = [\"vtp\"]\n\
+         source = [1, \"face:0,0.5,0.25,0.25\"]\nsources-together = true\nrepeat = 1\n",
+    );
+    sandbox.succeed("run --config suite.toml --quiet -o s.json");
+    let cells = sandbox.json("s.json")["cells"].clone();
+    assert_eq!(cells.as_array().unwrap().len(), 1);
+    assert_eq!(cells[0]["source"], "1,face:0,0.5,0.25,0.25");
+}
+
+#[test]
+fn a_journal_and_shards_know_points() {
+    let sandbox = Sandbox::with_square();
+    let command = "run square.off --source 3,edge:0-2,0.5 --algo mmp,vtp --repeat 2 --quiet";
+    sandbox.succeed(&format!("{command} --resume j -o a.json"));
+    let lines = sandbox.read("j").lines().count();
+    sandbox.succeed(&format!("{command} --resume j -o b.json"));
+    // Only a session was added.
+    assert_eq!(sandbox.read("j").lines().count(), lines + 1);
+    assert_eq!(
+        sandbox.json("a.json")["cells"],
+        sandbox.json("b.json")["cells"]
+    );
+    let other =
+        sandbox.call("run square.off --source 3,edge:0-2,0.4 --algo mmp,vtp --repeat 2 --resume j");
+    assert_eq!(other.code, 2);
+    assert!(
+        other.stderr.contains("belongs to another run"),
+        "{}",
+        other.stderr
+    );
+
+    for source in [
+        "all",
+        "1,edge:0-2,0.5,face:0,0.5,0.25,0.25",
+        "all --sources-together",
+    ] {
+        for part in ["1/2", "2/2"] {
+            let name = &part[..1];
+            sandbox.succeed(&format!(
+                "run square.off gen:cube,n=1 --source {source} --algo mmp --repeat 1 --quiet \
+                 --shard {part} -o p{name}.json"
+            ));
+        }
+        sandbox.succeed("merge p1.json p2.json -o whole.json");
+        let whole = sandbox.json("whole.json");
+        let count = match source {
+            "all" => 4 + 8,
+            "all --sources-together" => 2,
+            _ => 6,
+        };
+        assert_eq!(whole["cells"].as_array().unwrap().len(), count, "{source}");
+    }
+}
+
+#[test]
+fn verify_takes_points() {
+    let sandbox = Sandbox::with_square();
+    let said = sandbox.succeed(
+        "verify square.off --source edge:0-2,0.5 --source face:0,0.5,0.25,0.25 --algo vtp,ich",
+    );
+    assert!(
+        said.contains("square: source edge:0-2,0.5: vtp: ok: agrees with mmp"),
+        "{said}"
+    );
+    assert!(
+        said.contains("square: source face:0,0.5,0.25,0.25: ich: ok"),
+        "{said}"
+    );
+    assert!(said.ends_with("6 of 6 answers agree\n"), "{said}");
+}
+
+#[test]
+fn a_point_that_is_not_there_costs_its_cells() {
+    let sandbox = Sandbox::with_square();
+    for isolation in ["process", "none"] {
+        let outcome = sandbox.call(&format!(
+            "run square.off --source 1,edge:1-3,0.5 --algo mmp,vtp --repeat 1 --quiet \
+             --isolate {isolation} -o r.json"
+        ));
+        assert_eq!(outcome.code, 2, "{}", outcome.stderr);
+        let cells = sandbox.json("r.json")["cells"].clone();
+        let status: Vec<_> = (0..4).map(|i| cells[i]["status"].clone()).collect();
+        assert_eq!(
+            status,
+            ["ok", "ok", "refused", "refused"],
+            "{}",
+            outcome.stderr
+        );
+        let message = cells[2]["message"].as_str().unwrap();
+        assert!(
+            message.contains("edge:1-3,0.5: no edge joins the vertices 1 and 3"),
+            "{message}"
+        );
+    }
+}

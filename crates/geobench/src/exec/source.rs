@@ -563,8 +563,8 @@ mod tests {
             said("face:0,0.5,0.5,0 is edge:0-1,0.5")
         );
         assert_eq!(
-            note("at:1,1,3"),
-            said("at:1,1,3 is 3 from the surface; its nearest point is face:0,0.5,0.25,0.25")
+            note("at:1,0,3"),
+            said("at:1,0,3 is 3 from the surface; its nearest point is edge:0-1,0.25")
         );
         assert_eq!(
             note("at:4,0,0"),

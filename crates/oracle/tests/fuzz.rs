@@ -23,7 +23,6 @@ mod judge;
 #[path = "../examples/fuzz/slivers.rs"]
 mod slivers;
 #[path = "../examples/fuzz/variants.rs"]
-#[expect(dead_code, reason = "the example uses the rest")]
 mod variants;
 
 /// Longer than all algorithms together take for a mesh.

@@ -316,7 +316,7 @@ fn a_journal_grows_by_algorithms_models_sources_and_runs() {
     assert_eq!(records.cells.len(), 3 * 2 * 4);
     for cell in &before.cells {
         let same = |c: &&Cell| {
-            (&c.model, &c.algorithm, c.source) == (&cell.model, &cell.algorithm, cell.source)
+            (&c.model, &c.algorithm, &c.source) == (&cell.model, &cell.algorithm, &cell.source)
         };
         let grown = records.cells.iter().find(same).unwrap();
         assert_eq!(grown.time.samples[..2], cell.time.samples);

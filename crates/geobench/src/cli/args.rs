@@ -90,6 +90,8 @@ pub(super) enum Command {
     Path(PathOptions),
     /// Write the Voronoi diagram of several sources: cells, their borders, the dual triangulation
     Voronoi(VoronoiOptions),
+    /// Prove distances right, or say where they are not
+    Certify(CertifyOptions),
     /// Write a generated model to a file
     Gen(GenOptions),
     /// Show counts, defects, genus and anisotropy of models
@@ -368,6 +370,48 @@ pub(super) struct VerifyOptions {
     /// Print only disagreements
     #[arg(long)]
     pub(super) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(super) struct CertifyOptions {
+    /// The model
+    #[arg(value_name = "MODEL")]
+    pub(super) model: String,
+
+    /// The source: a vertex number, first, a list of numbers or random:N[,seed=S]; of several
+    /// sources the nearest counts
+    #[arg(
+        long,
+        value_name = "SRC",
+        required = true,
+        allow_negative_numbers = true
+    )]
+    pub(super) source: Vec<SourceSpec>,
+
+    /// Distances to prove, of any program: lines `vertex,distance`, for all vertices or some
+    /// [default: those of mmp]
+    #[arg(long, value_name = "FILE")]
+    pub(super) distances: Option<PathBuf>,
+
+    /// Largest error that passes, as a fraction of each distance
+    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
+    pub(super) tolerance: f64,
+
+    #[command(flatten)]
+    pub(super) reading: ReadingOptions,
+
+    /// Form of the answer on standard output
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = CertificateFormat::Text)]
+    pub(super) format: CertificateFormat,
+}
+
+/// Form of a certificate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum CertificateFormat {
+    #[default]
+    Text,
+    Json,
 }
 
 #[derive(Args, Debug)]

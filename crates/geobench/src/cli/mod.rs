@@ -2,6 +2,7 @@
 
 mod algos;
 mod args;
+mod certify;
 mod claims;
 mod compare;
 mod distance;
@@ -93,6 +94,7 @@ fn command() -> ExitCode {
         Command::Distance(options) => distance::distance(&options),
         Command::Path(options) => path::path(&options),
         Command::Voronoi(options) => voronoi::voronoi(&options),
+        Command::Certify(options) => certify::certify(&options),
         Command::Gen(options) => generate::generate(&options),
         Command::Info(options) => info::info(&options),
         Command::Algos(options) => algos::algos(&options, terminal),

@@ -1,6 +1,7 @@
 //! The program as its users meet it.
 
 mod algos;
+mod certify;
 mod claims;
 mod compare;
 mod distance;

@@ -1,0 +1,49 @@
+//! `geobench certify`.
+
+use crate::support::Sandbox;
+
+#[test]
+fn a_field_is_proven() {
+    let said = Sandbox::new().succeed("certify gen:terrain,n=20,seed=1 --source 7");
+    assert!(said.contains("certified to "), "{said}");
+    assert!(said.contains("not too long by more than"), "{said}");
+}
+
+#[test]
+fn the_certificate_as_json() {
+    let sandbox = Sandbox::new();
+    let said = sandbox.succeed("certify gen:torus,faces=500 --source 0 --source 9 --format json");
+    let json: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(json["schema"], "geobench-certificate/1");
+    assert_eq!(json["certified"], true);
+    assert!(json["relative"].as_f64().unwrap() < 1e-10);
+    assert!(json["absolute"].as_f64().unwrap() > 0.0);
+    assert!(json["faces"].as_u64().unwrap() >= 500);
+    assert_eq!(json["failures"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn a_distance_of_a_file_that_is_off_by_two_billionths_is_found() {
+    let sandbox = Sandbox::new();
+    sandbox.succeed("distance gen:torus,faces=500 --source 3 --quiet -o right.csv");
+    sandbox.succeed("certify gen:torus,faces=500 --source 3 --distances right.csv");
+    let text = sandbox.read("right.csv");
+    let lines = text.lines().map(|line| match line.strip_prefix("100,") {
+        Some(d) => format!("100,{}", d.parse::<f64>().unwrap() * (1.0 + 2e-9)),
+        None => line.to_owned(),
+    });
+    sandbox.write("wrong.csv", &lines.collect::<Vec<_>>().join("\n"));
+    let outcome = sandbox.call("certify gen:torus,faces=500 --source 3 --distances wrong.csv");
+    assert_eq!(outcome.code, 1);
+    assert!(outcome.stdout.contains("not certified"));
+    assert!(outcome.stdout.contains("vertex 100: wrong by"));
+}
+
+#[test]
+fn what_cannot_be_read_is_told() {
+    let sandbox = Sandbox::new();
+    let said = sandbox.refuse("certify gen:torus,faces=500 --source 0 --distances none.csv");
+    assert!(said.contains("none.csv"), "{said}");
+    let said = sandbox.refuse("certify gen:torus,faces=500 --source 9999");
+    assert!(said.contains("9999"), "{said}");
+}

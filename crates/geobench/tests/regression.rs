@@ -286,8 +286,8 @@ mod trusted_reference {
         assert_eq!(outcome.code, 1);
         assert!(
             outcome.stdout.contains(
-                "square: source 0: 2 of 3 algorithms agree with each other; the reference `mmp` \
-                 is the odd one out: it differs from them by up to 3.333e-1 relative, at vertex 1\n"
+                "square: source 0: 2 of 3 algorithms agree with each other; the reference \
+                 `mmp-fast` is the odd one out: it differs from them by up to 3.333e-1 relative, at vertex 1\n"
             ),
             "{}",
             outcome.stdout
@@ -339,11 +339,13 @@ mod trusted_reference {
     fn a_file_that_all_algorithms_disagree_with_is_the_odd_one_out() {
         let sandbox = Sandbox::with_square();
         sandbox.write("square.s0.csv", "0,0\n1,1\n2,1.4\n3,1\n");
-        let text = "`./square.s0.csv` differs from `mmp` by up to 1.005e-2 relative, at vertex 2\n";
+        let text =
+            "`./square.s0.csv` differs from `mmp-fast` by up to 1.005e-2 relative, at vertex 2\n";
         let outcome = sandbox.call("verify square.off --quiet --algo ich");
         assert_eq!(outcome.code, 1);
         assert!(outcome.stdout.contains(text), "{}", outcome.stdout);
-        let outcome = sandbox.call("run square.off --repeat 1 --quiet --algo mmp,ich --check file");
+        let outcome =
+            sandbox.call("run square.off --repeat 1 --quiet --algo mmp-fast,ich --check file");
         assert_eq!(outcome.code, 1);
         assert!(
             outcome.stderr.contains(
@@ -357,12 +359,12 @@ mod trusted_reference {
 
     #[test]
     fn one_that_is_wrong_is_named_and_the_majority_counted() {
-        let text = "2 of 3 algorithms agree with each other, the reference `mmp` among them; \
-                    `test-wrong` differs from `mmp` by up to 3.333e-1 relative, at vertex 1\n";
-        let outcome = verify("mmp,ich,test-wrong");
+        let text = "2 of 3 algorithms agree with each other, the reference `mmp-fast` among them; \
+                    `test-wrong` differs from `mmp-fast` by up to 3.333e-1 relative, at vertex 1\n";
+        let outcome = verify("mmp-fast,ich,test-wrong");
         assert_eq!(outcome.code, 1);
         assert!(outcome.stdout.contains(text), "{}", outcome.stdout);
-        let (outcome, cells) = run("--algo mmp,ich,test-wrong --check mmp");
+        let (outcome, cells) = run("--algo mmp-fast,ich,test-wrong --check mmp-fast");
         assert_eq!(outcome.code, 1);
         assert!(outcome.stderr.contains(text), "{}", outcome.stderr);
         let clusters: Vec<_> = cells.iter().map(|(cluster, _)| *cluster).collect();
@@ -372,12 +374,12 @@ mod trusted_reference {
 
     #[test]
     fn two_algorithms_have_no_majority() {
-        let text = "no majority among the 2 algorithms, either may be wrong: the reference `mmp`; \
-                    `test-wrong` differs from `mmp`";
+        let text = "no majority among the 2 algorithms, either may be wrong: the reference `mmp-fast`; \
+                    `test-wrong` differs from `mmp-fast`";
         let outcome = verify("test-wrong");
         assert_eq!(outcome.code, 1);
         assert!(outcome.stdout.contains(text), "{}", outcome.stdout);
-        let (outcome, cells) = run("--algo mmp,test-wrong --check mmp");
+        let (outcome, cells) = run("--algo mmp-fast,test-wrong --check mmp-fast");
         assert_eq!(outcome.code, 1);
         assert!(outcome.stderr.contains(text), "{}", outcome.stderr);
         assert!(cells[0].1.starts_with(text));

@@ -55,6 +55,8 @@ struct Shared {
     phase: AtomicU8,
     /// Samples of each phase.
     samples: [AtomicU64; 3],
+    /// Whether the thread has made its allocations.
+    started: AtomicBool,
     ended: AtomicBool,
 }
 
@@ -82,12 +84,17 @@ impl PhaseSampler {
         let shared = Arc::new(Shared {
             phase: AtomicU8::new(IDLE),
             samples: Default::default(),
+            started: AtomicBool::new(false),
             ended: AtomicBool::new(false),
         });
         let thread = thread::Builder::new().name("phases".to_owned()).spawn({
             let shared = Arc::clone(&shared);
             move || shared.sample()
         })?;
+        // Its allocations are not to count to those of a run.
+        while !shared.started.load(Ordering::Acquire) {
+            thread::yield_now();
+        }
         Ok(Self {
             shared,
             thread: Some(thread),
@@ -144,6 +151,7 @@ impl Drop for PhaseSampler {
 impl Shared {
     /// The work of the thread.
     fn sample(&self) {
+        self.started.store(true, Ordering::Release);
         while !self.ended.load(Ordering::Relaxed) {
             let phase = usize::from(self.phase.load(Ordering::Relaxed));
             if let Some(samples) = self.samples.get(phase) {

@@ -4,7 +4,7 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Continuous, Policy, Surface, Turn};
 use geobench_window::queue::Discipline;
 use geobench_window::trimming::ThinFaces;
-use geobench_window::{Counter, Crossing, Probe, Window};
+use geobench_window::{Counter, Crossing, Probe, Window, is_beaten_from_ends};
 
 use super::insertion::Inserter;
 use super::lists::{Direction, Lists};
@@ -82,6 +82,16 @@ impl Trimming {
     fn stored(&self, h: HalfEdgeId) -> impl Iterator<Item = Window> {
         let slots = self.lists.places(h.index()).iter();
         slots.map(|place| self.lists.windows()[place.slot as usize])
+    }
+
+    /// Whether a path through an end of the edge beats the window beyond the doubt that thin faces
+    /// leave about it: of windows that are equal to the rounding of a long edge the first one stays.
+    #[cold]
+    #[inline(never)]
+    fn is_beaten(&self, arrival: &Arrival<u32>) -> bool {
+        let Arrival { window, edge, .. } = arrival;
+        let [tail, head] = [edge.tail, edge.head].map(|d| d + self.thin.doubt());
+        is_beaten_from_ends(window, edge.length, tail, head)
     }
 
     /// The half-edge whose list holds the windows of `h`, and the direction in which they cross it.
@@ -162,7 +172,7 @@ impl Policy for Trimming {
         let l = arrival.edge.length;
         // The papers have no filter. Beside thin faces it is needed: windows that are not taken
         // nearest first would wind around needles.
-        if self.thin.is_beside(arrival.h.index()) && arrival.edge.beats(&arrival.window) {
+        if self.thin.is_beside(arrival.h.index()) && self.is_beaten(arrival) {
             probe.add(Counter::Filtered, 1);
             return false;
         }

@@ -5,7 +5,6 @@ use geobench_mesh::{HalfEdgeId, Mesh};
 use super::division::{Division, Owner};
 use super::foot::{foot, pieces};
 use super::thin::ThinFaces;
-use crate::precision::MARGIN;
 use crate::window::Window;
 
 /// The windows that have come to the half-edges of thin faces, for algorithms that keep none.
@@ -41,9 +40,9 @@ impl KeptWindows {
     pub fn new(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
         let mut kept = Self::default();
         let thin = ThinFaces::of(mesh, numbers, &number);
+        kept.doubt = thin.doubt();
         for h in mesh.half_edges().filter(|&h| thin.is_beside(number(h))) {
             kept.lists.resize(numbers, NO_LIST);
-            kept.doubt = kept.doubt.max(MARGIN * mesh.length(h));
             kept.lists[number(h)] = kept.kept.len() as u32;
             kept.kept.push(List {
                 length: mesh.length(h),
@@ -59,8 +58,7 @@ impl KeptWindows {
         self.lists.is_empty()
     }
 
-    /// How much longer than the shortest path a window may be that was first among equals: beside a
-    /// thin face that is up to the [margin](MARGIN) of its longest side.
+    /// The [doubt](ThinFaces::doubt) about windows that are kept.
     #[inline]
     pub fn doubt(&self) -> f64 {
         self.doubt

@@ -2,6 +2,8 @@
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
+use crate::precision::MARGIN;
+
 /// Height of a face, relative to its longest edge, below which it is thin.
 ///
 /// A path that winds N times around a needle of length L and girth c is longer than a straight one
@@ -25,6 +27,7 @@ const TIP: f64 = 0.35;
 pub struct ThinFaces {
     /// By number of half-edge, whether the face on either side is thin; empty if none is.
     beside: Vec<bool>,
+    doubt: f64,
 }
 
 impl ThinFaces {
@@ -41,6 +44,7 @@ impl ThinFaces {
         for face in mesh.faces().filter(is_thin) {
             thin.beside.resize(numbers, false);
             for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
+                thin.doubt = thin.doubt.max(MARGIN * mesh.length(h));
                 for h in [Some(h), mesh.twin(h)].into_iter().flatten() {
                     thin.beside[number(h)] = true;
                 }
@@ -53,6 +57,13 @@ impl ThinFaces {
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.beside.is_empty()
+    }
+
+    /// How much longer than the shortest path a window may be that was first among equals: beside a
+    /// thin face that is up to the [margin](MARGIN) of its longest side.
+    #[inline]
+    pub fn doubt(&self) -> f64 {
+        self.doubt
     }
 
     /// Whether the face on either side of half-edge number `h` is thin.

@@ -7,7 +7,7 @@ use crate::registry::Numbers;
 /// The names that scripts may rely on, from the command-line contract.
 const PROMISED: &str = "ch ich1 ich mmp mmp-edge fwp-mmp fwp-ch lc-mmp lc-ch ftp opftp vtp opvtp \
     vtp-exhaustive vtp-trimming vtp-mmp vtp-ch edge-based vtp-no-rule1 vtp-no-rules23 vtp-fast \
-    mmp-fast pvtp window-vtp dijkstra fmm fmm-untidy heat svg avtp";
+    mmp-fast pvtp window-vtp lct11 xls14 dijkstra fmm fmm-untidy heat svg avtp";
 
 fn names(list: &str) -> Vec<String> {
     let selected = select(list).unwrap();
@@ -226,7 +226,7 @@ fn parameters_are_refused_with_what_would_be_right() {
 fn answers_and_counts_do_not_depend_on_the_instructions() {
     for spec in [
         "gen:torus,faces=600,bump=0.2,seed=1",
-        "gen:anisotropic,faces=400,g=4",
+        "gen:anisotropic,faces=1000,g=4",
         "gen:cube,n=4",
     ] {
         let soup = geobench_mesh::generate::generate(&spec.parse().unwrap()).unwrap();

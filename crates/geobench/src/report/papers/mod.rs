@@ -177,7 +177,7 @@ const OTHERS: [&str; 6] = [
 ];
 
 /// Algorithms of the papers that are not registered. Their rows count among the [`OTHERS`].
-const NOT_REGISTERED: [&str; 3] = ["heat", "svg", "window-vtp"];
+const NOT_REGISTERED: [&str; 2] = ["heat", "svg"];
 
 /// Whether `label` is an algorithm here; `false` for one that is not registered, and for none.
 ///

@@ -1,5 +1,7 @@
 //! `geobench certify`.
 
+use std::fmt::Write;
+
 use anyhow::{Context, bail};
 use geobench_certify::{Bound, Claim, PathPoint, Place, WindowData};
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
@@ -220,7 +222,7 @@ impl Certificate {
             )
         };
         for detail in &self.details {
-            text.push_str(&format!("  {detail}\n"));
+            let _ = writeln!(text, "  {detail}");
         }
         for failure in self.failures.iter().take(SHOWN) {
             let place = match (failure.face, failure.vertex) {
@@ -231,10 +233,10 @@ impl Certificate {
             let by = failure
                 .violation
                 .map_or("without bound".to_owned(), |v| format!("by {v:.1e}"));
-            text.push_str(&format!("  {place}: wrong {by}\n"));
+            let _ = writeln!(text, "  {place}: wrong {by}");
         }
         if self.failures.len() > SHOWN {
-            text.push_str(&format!("  and {} more\n", self.failures.len() - SHOWN));
+            let _ = writeln!(text, "  and {} more", self.failures.len() - SHOWN);
         }
         text
     }

@@ -1,5 +1,6 @@
 //! `geobench voronoi`.
 
+use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
@@ -73,8 +74,9 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         Some((path, ..)) => {
             let dual = diagram.dual();
             let soup = dual_mesh(&dual, &diagram, &sources, path)?;
-            summary += &format!(
-                "{}: {} triangles, {} Voronoi vertices of more than three cells split\n",
+            let _ = writeln!(
+                summary,
+                "{}: {} triangles, {} Voronoi vertices of more than three cells split",
                 path.display(),
                 dual.triangles.len(),
                 dual.split.len()
@@ -145,7 +147,7 @@ fn summary(path: &Path, file: &DiagramFile<'_>) -> String {
         diagram.border_faces()
     );
     if unreachable > 0 {
-        text += &format!("{unreachable} vertices are reached from no source\n");
+        let _ = writeln!(text, "{unreachable} vertices are reached from no source");
     }
     text
 }

@@ -246,7 +246,9 @@ pub(crate) fn colour(cell: u32) -> [u8; 3] {
     let channel = |n: f64| {
         let k = (n + hue) % 6.0;
         let share = k.min(4.0 - k).clamp(0.0, 1.0);
-        (255.0 * light * (1.0 - 0.55 * share)).round() as u8
+        #[expect(clippy::cast_sign_loss, reason = "all factors are positive")]
+        let byte = (255.0 * light * (1.0 - 0.55 * share)).round() as u8;
+        byte
     };
     [5.0, 3.0, 1.0].map(channel)
 }

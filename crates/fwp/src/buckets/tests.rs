@@ -178,6 +178,11 @@ struct Algorithm1 {
     c_small: i64,
 }
 
+#[expect(
+    clippy::cast_sign_loss,
+    clippy::cast_possible_wrap,
+    reason = "labels are not negative, and queues are short"
+)]
 impl Algorithm1 {
     fn insert(&mut self, label: f64, birth: i64, id: u32) {
         let bucket = label as u64 + 1;

@@ -37,7 +37,7 @@ fn check(run: &mut Run<'_>, sources: &[u32], seed: u64, failures: &mut Failures)
         .filter(|d| d.is_finite())
         .fold(0.0, f64::max);
     for _ in 0..2 {
-        let targets: Vec<u32> = (0..1 + random.below(3))
+        let targets: Vec<u32> = (0..=random.below(3))
             .map(|_| random.below(full.len()) as u32)
             .collect();
         let is_target = |v: usize| targets.contains(&(v as u32));

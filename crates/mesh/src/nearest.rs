@@ -14,11 +14,11 @@ const LEAF: usize = 4;
 /// ```
 /// use geobench_mesh::{Mesh, NearestPoint};
 ///
-/// let mesh = Mesh::generate("cube,n=2")?; // From -0.5 to 0.5.
+/// let mesh = Mesh::generate("cube,n=2")?; // From -1 to 1.
 /// let nearest = NearestPoint::new(&mesh)?;
 /// let (point, distance) = nearest.to([0.1, 0.2, 3.5])?;
-/// assert_eq!(distance, 3.0);
-/// assert_eq!(mesh.position_of(&point), Some([0.1, 0.2, 0.5]));
+/// assert_eq!(distance, 2.5);
+/// assert_eq!(mesh.position_of(&point), Some([0.1, 0.2, 1.0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

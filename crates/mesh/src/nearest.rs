@@ -16,9 +16,9 @@ const LEAF: usize = 4;
 ///
 /// let mesh = Mesh::generate("cube,n=2")?; // From -1 to 1.
 /// let nearest = NearestPoint::new(&mesh)?;
-/// let (point, distance) = nearest.to([0.1, 0.2, 3.5])?;
+/// let (point, distance) = nearest.to([0.25, 0.5, 3.5])?;
 /// assert_eq!(distance, 2.5);
-/// assert_eq!(mesh.position_of(&point), Some([0.1, 0.2, 1.0]));
+/// assert_eq!(mesh.position_of(&point), Some([0.25, 0.5, 1.0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

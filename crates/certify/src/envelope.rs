@@ -35,9 +35,9 @@ impl Piece {
     }
 }
 
-/// Pieces cover gaps up to this fraction of the edge beside them: rounding and the splinters that
-/// solvers drop, at 1e-10, leave gaps between windows.
-const GAP: f64 = 1e-9;
+/// Pieces cover gaps beside them up to this fraction of the edge and the distance: rounding leaves
+/// gaps between windows, and solvers drop splinters, which are wider where sources are far.
+const GAP: f64 = 3e-8;
 
 /// A window of a half-edge of this length as a piece, turned if the canonical half-edge of the
 /// edge is the twin.
@@ -63,7 +63,8 @@ pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> Piece {
 /// Rounding may misplace a change of pieces by a few units in the last place. A certificate does
 /// not rely on it: it measures the jump there.
 pub(crate) fn lower_envelope(pieces: &[Piece], length: f64) -> Vec<Piece> {
-    let gap = GAP * length;
+    let distances = pieces.iter().map(|p| p.at(length / 2.0));
+    let gap = GAP * (length + distances.fold(f64::INFINITY, f64::min));
     let mut cuts = vec![0.0];
     cuts.extend(pieces.iter().flat_map(|p| [p.from, p.to]));
     // Where a distance has a kink it may leave another with which it agrees on one side.

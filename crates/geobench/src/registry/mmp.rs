@@ -49,6 +49,10 @@ const QUEUE: Parameter = Parameter::word(
 )
 .only_with(TURN.name, "window");
 
+/// [`LISTS`] of `mmp`. First in, first out, no distance tells that the wavefront has passed an
+/// edge: evicted lists would be reopened again and again, which winds around needles.
+const LISTS_BY_DISTANCE: Parameter = LISTS.only_with(QUEUE.name, "priority");
+
 /// Whether windows are taken by lists.
 pub(super) fn is_batched(values: &Values) -> bool {
     values.word(&TURN) == Some("list")
@@ -100,7 +104,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "every window until the end, about n^1.5 of them",
         choose: "to compare with published figures of MMP; mmp-fast is faster and needs less memory",
         memory_counter: Counter::StoredWindows,
-        parameters: &[TURN, QUEUE, SLACK, FILTER, LISTS, THRESHOLD],
+        parameters: &[TURN, QUEUE, SLACK, FILTER, LISTS_BY_DISTANCE, THRESHOLD],
         build: |mesh, values| {
             if is_batched(values) {
                 batched(mmp_batched(mesh, values.real(&SLACK)), mesh, values)

@@ -1,5 +1,8 @@
 //! Runs that end when all that is wanted of them is final.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
 use crate::counters::Counter;
@@ -27,6 +30,40 @@ const MARGIN: f64 = 1e-9;
 pub struct Goal {
     targets: Option<Vec<VertexId>>,
     radius: f64,
+    stop: Option<Stop>,
+}
+
+/// Ends runs from outside, such as from another thread. Clones share one flag.
+///
+/// ```
+/// use geobench_window::{Goal, Stop};
+///
+/// let stop = Stop::default();
+/// let goal = Goal::everything().unless(&stop);
+/// stop.set(); // A run with this goal ends soon.
+/// assert!(stop.is_set() && !goal.is_everything());
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Stop(Arc<AtomicBool>);
+
+impl Stop {
+    /// Ends the runs, now and from now on.
+    pub fn set(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the runs end.
+    #[inline]
+    pub fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Whether both are one flag.
+impl PartialEq for Stop {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
 impl Goal {
@@ -35,6 +72,7 @@ impl Goal {
         Self {
             targets: None,
             radius: f64::INFINITY,
+            stop: None,
         }
     }
 
@@ -52,6 +90,14 @@ impl Goal {
         Self { radius, ..self }
     }
 
+    /// The same, but a run ends early once `stop` is set. Distances that are not final then are
+    /// infinite.
+    #[must_use]
+    pub fn unless(self, stop: &Stop) -> Self {
+        let stop = Some(stop.clone());
+        Self { stop, ..self }
+    }
+
     /// The vertices asked for; `None` for all.
     pub fn vertices(&self) -> Option<&[VertexId]> {
         self.targets.as_deref()
@@ -62,9 +108,11 @@ impl Goal {
         self.radius
     }
 
-    /// Whether nothing is left out.
+    /// Whether nothing is left out, whatever happens.
     pub fn is_everything(&self) -> bool {
-        self.targets.is_none() && (self.radius.is_nan() || self.radius == f64::INFINITY)
+        self.targets.is_none()
+            && self.stop.is_none()
+            && (self.radius.is_nan() || self.radius == f64::INFINITY)
     }
 
     /// Makes the distances beyond the radius infinite, for a run that went to its end.
@@ -145,7 +193,8 @@ impl<P: Probe> Probe for Until<'_, P> {
 
     #[inline]
     fn is_reached(&mut self, bound: f64, distance: impl Fn(VertexId) -> f64) -> bool {
-        if is_below(self.goal.radius, bound) {
+        let is_stopped = self.goal.stop.as_ref().is_some_and(Stop::is_set);
+        if is_stopped || is_below(self.goal.radius, bound) {
             return true;
         }
         let Some(targets) = &self.goal.targets else {
@@ -263,6 +312,17 @@ mod tests {
         let mut solution = Solution::new(vec![3.0, 3.5, 1.0]);
         until.cut(&mut solution);
         assert_eq!(solution.distances, [3.0, f64::INFINITY, 1.0]);
+    }
+
+    #[test]
+    fn a_stopped_run_is_at_its_end() {
+        let stop = Stop::default();
+        let goal = Goal::targets([0]).unless(&stop);
+        let mut until = Until::new((), &goal);
+        assert!(!until.is_reached(1.0, known([5.0; 3])));
+        stop.set();
+        assert!(until.is_reached(1.0, known([5.0; 3])));
+        assert_ne!(goal, Goal::targets([0]).unless(&Stop::default()));
     }
 
     #[test]

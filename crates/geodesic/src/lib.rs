@@ -61,6 +61,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! [`Diagram`] divides the surface among several sources, and [`Certificate`] proves distances
+//! right:
+//!
+//! ```
+//! use geodesic::{Certificate, Diagram, FieldSolver, Mesh, WindowVtp};
+//!
+//! let mesh = Mesh::generate("grid,n=4")?;
+//! let corners = [0.into(), 24.into()];
+//! let mut solver = WindowVtp::new(&mesh);
+//! let diagram = Diagram::new(&solver.field(&corners)?, corners.len());
+//! assert!((diagram.cells()[0].area - 8.0).abs() < 1e-12);
+//! assert!(Certificate::of(&mesh, &corners)?.relative() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # What is where
 //!
 //! * [`Mesh`]: reading, building, asking. [`io`] reads and writes files, [`generate`] makes models,
@@ -68,9 +83,10 @@
 //! * [`VtpFast`], the fastest solver, and [`Pvtp`], the same on several threads.
 //! * [`solvers`]: all of them, under the names of the papers.
 //! * [`Paths`]: the shortest paths to many vertices, of one run of any solver.
+//! * [`Diagram`]: geodesic Voronoi diagrams. [`Certificate`]: proofs of distances.
 //! * [`Solver`]: what they have in common. It also counts windows and samples phases.
-//! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`], [`paths`]: the crates behind
-//!   this one, with the parts from which solvers are made.
+//! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`], [`paths`], [`voronoi`],
+//!   [`certify`]: the crates behind this one, with the parts from which solvers are made.
 //!
 //! # What to expect
 //!
@@ -85,21 +101,27 @@
 //! * The time of a solve grows with the windows, up to the power 1.5 of the faces: some 20 ms for
 //!   20,000 faces, a second or several for a million.
 
+mod certificate;
+
+pub use geobench_certify as certify;
 pub use geobench_fwp as fwp;
 pub use geobench_ich as ich;
 pub use geobench_mesh as mesh;
 pub use geobench_mmp as mmp;
 pub use geobench_paths as paths;
+pub use geobench_voronoi as voronoi;
 pub use geobench_vtp as vtp;
 pub use geobench_window as window;
 
+pub use certificate::{Certificate, CertificateError, Comparison};
 pub use geobench_mesh::{
     InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,
     TriangleSoup, VertexId, generate, io,
 };
 pub use geobench_paths::{Path, PathError, Paths};
+pub use geobench_voronoi::{Diagram, Dual, FieldSolver, WindowVtp};
 pub use geobench_vtp::{Pvtp, VtpFast};
-pub use geobench_window::{Goal, Solution, SolveError, Solver, Sources};
+pub use geobench_window::{Goal, Solution, SolveError, Solver, Sources, Stop};
 
 /// Every solver, named as in its paper and in the benchmark.
 ///
@@ -181,28 +203,33 @@ pub trait Distances {
     /// When there is no source, or one that is not on the mesh.
     fn distances_from(&self, sources: impl Points) -> Result<Vec<f64>, SolveError>;
 
-    /// The shortest path over the surface from the nearest of `sources` to vertex `target`; `None`
-    /// if none leads there. The search ends when the target is reached.
+    /// The shortest path over the surface from the nearest of `sources` to `target`, each a vertex
+    /// or another point; `None` if none leads there. The search ends when the target is reached.
+    ///
+    /// ```
+    /// use geodesic::{Distances, Mesh};
+    ///
+    /// let mesh = Mesh::generate("grid,n=4")?;
+    /// let middle = mesh.point_in_face(0.into(), [0.25, 0.25, 0.5])?;
+    /// let path = mesh.path(middle, 24)?.expect("the grid is in one piece");
+    /// assert_eq!(path.points[0].face, Some(0.into()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// When there is no source, or a source or the target is not a vertex of the mesh.
+    /// When there is no source, or a source or the target is not on the mesh.
     fn path(
         &self,
-        sources: impl Sources,
-        target: impl Into<VertexId>,
+        sources: impl Points,
+        target: impl Into<SurfacePoint>,
     ) -> Result<Option<Path>, PathError>;
 }
 
 impl Distances for Mesh {
     fn distances_from(&self, sources: impl Points) -> Result<Vec<f64>, SolveError> {
         let refined = self.with_points(&sources.into_points());
-        let refined = refined.map_err(|error| match error {
-            PointError::NoSuchVertex { vertex, vertices } => {
-                SolveError::NoSuchVertex { vertex, vertices }
-            }
-            _ => SolveError::NoSuchPoint,
-        })?;
+        let refined = refined.map_err(not_on_the_mesh)?;
         let mut solver = VtpFast::new(&refined.mesh);
         let mut distances = solver.solve(&refined.vertices)?.distances;
         distances.truncate(self.vertex_count());
@@ -211,12 +238,35 @@ impl Distances for Mesh {
 
     fn path(
         &self,
-        sources: impl Sources,
-        target: impl Into<VertexId>,
+        sources: impl Points,
+        target: impl Into<SurfacePoint>,
     ) -> Result<Option<Path>, PathError> {
         let target = target.into();
-        let mut solver = VtpFast::new(self);
-        let paths = Paths::find(&mut solver, self, sources, &Goal::targets([target]))?;
-        Ok(paths.to(target)?)
+        if let Some(vertex) = target.vertex().filter(|v| v.index() >= self.vertex_count()) {
+            let vertices = self.vertex_count();
+            return Err(SolveError::NoSuchTarget { vertex, vertices }.into());
+        }
+        let mut points = sources.into_points();
+        points.push(target);
+        let refined = self.with_points(&points).map_err(not_on_the_mesh)?;
+        let Some((&to, from)) = refined.vertices.split_last() else {
+            return Err(SolveError::NoSource.into());
+        };
+        let mut solver = VtpFast::new(&refined.mesh);
+        let paths = Paths::find(&mut solver, &refined.mesh, from, &Goal::targets([to]))?;
+        let path = paths.to(to)?;
+        if refined.mesh.vertex_count() == self.vertex_count() {
+            return Ok(path);
+        }
+        Ok(path.map(|path| path.of_original(self, &refined, &points)))
+    }
+}
+
+fn not_on_the_mesh(error: PointError) -> SolveError {
+    match error {
+        PointError::NoSuchVertex { vertex, vertices } => {
+            SolveError::NoSuchVertex { vertex, vertices }
+        }
+        _ => SolveError::NoSuchPoint,
     }
 }

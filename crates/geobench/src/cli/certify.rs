@@ -3,11 +3,9 @@
 use std::fmt::Write;
 
 use anyhow::{Context, bail};
-use geobench_certify::{Bound, Claim, PathPoint, Place, WindowData};
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_mmp::{Mmp, mmp, windows_of};
-use geobench_paths::{Path as ShortestPath, Paths, Place as PathPlace};
-use geobench_window::Goal;
+use geobench_certify::{Bound, Place};
+use geobench_mesh::Mesh;
+use geodesic::{Certificate, Comparison};
 use serde::Serialize;
 
 use super::Verdict;
@@ -32,16 +30,16 @@ pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
         let found = spec.vertices(mesh.vertex_count());
         sources.extend(found.with_context(|| model.path.clone())?);
     }
-    let proof = Proof::of(mesh, &sources)?;
+    let proof = Certificate::of(mesh, &sources)?;
     let compared = match &options.distances {
         None => None,
         Some(path) => {
             let file = Expected::File(path.clone());
             let field = file.find(path, &sources[0].raw().into(), mesh.vertex_count())?;
-            Some(Comparison::of(&field.distances, &proof.distances))
+            Some(proof.compare(field.distances.iter().copied()))
         }
     };
-    let certificate = Certificate::new(mesh, &proof, compared.as_ref(), options.tolerance);
+    let certificate = Document::new(mesh, &proof, compared.as_ref(), options.tolerance);
     let text = match options.format {
         CertificateFormat::Text => certificate.text(&model.name, options.tolerance),
         CertificateFormat::Json => {
@@ -58,83 +56,9 @@ pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     })
 }
 
-/// Distances of `mmp`, and how much they may be wrong.
-struct Proof {
-    distances: Vec<f64>,
-    too_long: Bound,
-    too_short: Bound,
-}
-
-impl Proof {
-    fn of(mesh: &Mesh, sources: &[VertexId]) -> anyhow::Result<Self> {
-        let mut solver: Mmp = mmp(mesh);
-        let paths = Paths::find(&mut solver, mesh, sources, &Goal::everything())?;
-        let distances = paths.distances().to_vec();
-        let claim = Claim::new(mesh, sources, &distances)?;
-        let too_long = claim.not_too_long(|h| window_data(&solver, h));
-        drop(solver);
-        let too_short = claim.not_too_short(|v| paths.to(v).ok().flatten().map(points));
-        Ok(Self {
-            distances,
-            too_long,
-            too_short,
-        })
-    }
-}
-
-fn window_data(solver: &Mmp, h: HalfEdgeId) -> impl Iterator<Item = WindowData> {
-    windows_of(solver, h).map(|w| WindowData {
-        interval: [w.b0, w.b1],
-        image: w.source(),
-        sigma: w.sigma,
-    })
-}
-
-fn points(path: ShortestPath) -> Vec<PathPoint> {
-    let point = |place: PathPlace| match place {
-        PathPlace::Vertex(v) => Some(PathPoint::Vertex(v)),
-        PathPlace::Edge { ends, t } => Some(PathPoint::Edge(ends, t)),
-        // A path between vertices has none inside faces.
-        PathPlace::Face => None,
-    };
-    path.points
-        .into_iter()
-        .filter_map(|p| point(p.place))
-        .collect()
-}
-
-/// Distances of a file beside the proven ones.
-struct Comparison {
-    absolute: f64,
-    relative: f64,
-    /// Vertices and differences, largest first.
-    differences: Vec<(usize, f64)>,
-}
-
-impl Comparison {
-    fn of(given: &[(usize, f64)], proven: &[f64]) -> Self {
-        let difference = |&(v, d): &(usize, f64)| {
-            let by = if d == proven[v] {
-                0.0
-            } else {
-                (d - proven[v]).abs()
-            };
-            (v, by)
-        };
-        let mut differences: Vec<(usize, f64)> = given.iter().map(difference).collect();
-        differences.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let relative = |&(v, by): &(usize, f64)| if by > 0.0 { by / proven[v] } else { 0.0 };
-        Self {
-            absolute: differences.first().map_or(0.0, |d| d.1),
-            relative: differences.iter().map(relative).fold(0.0, f64::max),
-            differences,
-        }
-    }
-}
-
 /// What is printed.
 #[derive(Serialize)]
-struct Certificate {
+struct Document {
     schema: &'static str,
     certified: bool,
     /// Bounds of the error of all distances; null if infinite.
@@ -158,11 +82,15 @@ struct Failure {
 /// Failures that are printed as text.
 const SHOWN: usize = 10;
 
-impl Certificate {
-    fn new(mesh: &Mesh, proof: &Proof, compared: Option<&Comparison>, tolerance: f64) -> Self {
+impl Document {
+    fn new(
+        mesh: &Mesh,
+        proof: &Certificate,
+        compared: Option<&Comparison>,
+        tolerance: f64,
+    ) -> Self {
         let (long, short) = (&proof.too_long, &proof.too_short);
-        let mut absolute = long.absolute.max(short.absolute);
-        let mut relative = long.relative.max(short.relative);
+        let (mut absolute, mut relative) = (proof.absolute(), proof.relative());
         let mut details = vec![
             format!("not too long by more than {}", shown(long)),
             format!("not too short by more than {}", shown(short)),

@@ -1,0 +1,137 @@
+//! Distances with the proof that they are right.
+
+use geobench_certify::{Bound, Claim, ClaimError, PathPoint, WindowData};
+use geobench_mesh::{HalfEdgeId, Mesh};
+use geobench_mmp::{Mmp, mmp, windows_of};
+use geobench_paths::{Path, Paths, Place};
+use geobench_window::{Goal, SolveError, Sources};
+
+/// Distances, and by how much they may be wrong: proven in interval arithmetic, which assumes
+/// nothing about the solver.
+///
+/// ```
+/// use geodesic::{Certificate, Distances, Mesh};
+///
+/// let mesh = Mesh::generate("sphere,subdiv=2")?;
+/// let proof = Certificate::of(&mesh, 0)?;
+/// assert!(proof.relative() < 1e-9);
+///
+/// // Distances from elsewhere are as good as they are close to the proven ones.
+/// let mut distances = mesh.distances_from(0)?;
+/// assert!(proof.compare(distances.iter().copied().enumerate()).relative < 1e-9);
+/// distances[7] *= 1.001;
+/// let found = proof.compare(distances.iter().copied().enumerate());
+/// assert_eq!(found.differences[0].0, 7);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Certificate {
+    /// The distance of every vertex from the nearest source, by MMP.
+    pub distances: Vec<f64>,
+    /// How much too long they may be.
+    pub too_long: Bound,
+    /// How much too short they may be.
+    pub too_short: Bound,
+}
+
+/// Why there is no certificate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CertificateError {
+    /// The run did not start.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// The distances cannot be looked at.
+    #[error(transparent)]
+    Claim(#[from] ClaimError),
+}
+
+impl Certificate {
+    /// Finds the distances of all vertices from the nearest of `sources`, and proves them.
+    ///
+    /// O(w²) for the w windows of a face, after a run of MMP, which keeps all windows.
+    ///
+    /// # Errors
+    ///
+    /// When there is no source, or one that is not on the mesh.
+    pub fn of(mesh: &Mesh, sources: impl Sources) -> Result<Self, CertificateError> {
+        let sources = sources.into_vertices();
+        let mut solver: Mmp = mmp(mesh);
+        let paths = Paths::find(&mut solver, mesh, &sources, &Goal::everything())?;
+        let distances = paths.distances().to_vec();
+        let claim = Claim::new(mesh, &sources, &distances)?;
+        let too_long = claim.not_too_long(|h| window_data(&solver, h));
+        drop(solver);
+        let too_short = claim.not_too_short(|v| paths.to(v).ok().flatten().map(points));
+        Ok(Self {
+            distances,
+            too_long,
+            too_short,
+        })
+    }
+
+    /// By how much a distance may be wrong, in units of the mesh; infinite if nothing is proven.
+    pub const fn absolute(&self) -> f64 {
+        self.too_long.absolute.max(self.too_short.absolute)
+    }
+
+    /// The same as a fraction of the distance.
+    pub const fn relative(&self) -> f64 {
+        self.too_long.relative.max(self.too_short.relative)
+    }
+
+    /// Compares other distances, of vertices by number, with the proven ones.
+    ///
+    /// # Panics
+    ///
+    /// When a vertex does not exist.
+    pub fn compare(&self, given: impl IntoIterator<Item = (usize, f64)>) -> Comparison {
+        let proven = &self.distances;
+        let difference = |(v, d): (usize, f64)| {
+            let by = if d == proven[v] {
+                0.0
+            } else {
+                (d - proven[v]).abs()
+            };
+            (v, by)
+        };
+        let mut differences: Vec<(usize, f64)> = given.into_iter().map(difference).collect();
+        differences.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let relative = |&(v, by): &(usize, f64)| if by > 0.0 { by / proven[v] } else { 0.0 };
+        Comparison {
+            absolute: differences.first().map_or(0.0, |d| d.1),
+            relative: differences.iter().map(relative).fold(0.0, f64::max),
+            differences,
+        }
+    }
+}
+
+/// Distances beside the proven ones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// The greatest difference, in units of the mesh.
+    pub absolute: f64,
+    /// The greatest difference as a fraction of the proven distance.
+    pub relative: f64,
+    /// Vertices and differences, largest first.
+    pub differences: Vec<(usize, f64)>,
+}
+
+fn window_data(solver: &Mmp, h: HalfEdgeId) -> impl Iterator<Item = WindowData> {
+    windows_of(solver, h).map(|w| WindowData {
+        interval: [w.b0, w.b1],
+        image: w.source(),
+        sigma: w.sigma,
+    })
+}
+
+fn points(path: Path) -> Vec<PathPoint> {
+    let point = |place: Place| match place {
+        Place::Vertex(v) => Some(PathPoint::Vertex(v)),
+        Place::Edge { ends, t } => Some(PathPoint::Edge(ends, t)),
+        // A path between vertices has none inside faces.
+        Place::Face => None,
+    };
+    let places = path.points.into_iter();
+    places.filter_map(|p| point(p.place)).collect()
+}

@@ -104,11 +104,11 @@ pub enum FieldFormat {
     Json,
     /// A one-dimensional `NumPy` array of f64; infinity where no path leads.
     Npy,
-    /// The mesh (binary), with the distance as the `quality` of a vertex, infinity where no path
-    /// leads, and a colour ramp, grey where no path leads.
+    /// The mesh (binary), with the distance as the `quality` of a vertex and as its texture
+    /// coordinate, infinity where no path leads, and a colour ramp, grey where no path leads.
     Ply,
-    /// The mesh (legacy VTK, binary), with the scalar field `distance`, infinity where no path
-    /// leads, and the field `reached`, which is 0 there and 1 elsewhere.
+    /// The mesh (legacy VTK, binary, an unstructured grid), with the scalar field `distance`,
+    /// infinity where no path leads, and the field `reached`, which is 0 there and 1 elsewhere.
     Vtk,
 }
 
@@ -247,6 +247,7 @@ pub(super) fn npy_of(descr: &str, shape: &str, numbers: impl Iterator<Item = u8>
 }
 
 /// The mesh with `quality`, the name under which mesh programs know a vertex scalar, and colours.
+/// VTK reads no scalars from PLY files, but texture coordinates, of which the distance is the first.
 fn ply(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
     let triangles: Vec<[u32; 3]> = field
         .mesh
@@ -258,17 +259,24 @@ fn ply(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
         "geodesic distance by {}, model {}",
         field.algorithm, field.model
     );
+    let nothing = vec![0.0; field.distances.len()];
     let mut bytes = Vec::new();
     PlyWriter::new(field.mesh.positions(), &triangles)
         .comment(&remark)
         .scalars("quality", field.distances)
+        .scalars("texture_u", field.distances)
+        .scalars("texture_v", &nothing)
         .colors(&colours)
         .write(&mut bytes)?;
     Ok(bytes)
 }
 
+/// The number of triangles among the kinds of VTK cells.
+const VTK_TRIANGLE: u32 = 5;
+
 /// Legacy VTK: the mesh with the fields `distance` and `reached`. Binary (big-endian), because the
-/// text form cannot write infinity in a way that every reader accepts.
+/// text form cannot write infinity in a way that every reader accepts; an unstructured grid,
+/// because some readers know no others.
 fn vtk(field: &DistanceField<'_>) -> Vec<u8> {
     let (vertices, faces) = (field.distances.len(), field.mesh.face_count());
     // The second line is the title: at most 256 characters.
@@ -281,16 +289,22 @@ fn vtk(field: &DistanceField<'_>) -> Vec<u8> {
     .take(200)
     .collect();
     let mut bytes = format!(
-        "# vtk DataFile Version 3.0\n{title}\nBINARY\nDATASET POLYDATA\nPOINTS {vertices} double\n"
+        "# vtk DataFile Version 3.0\n{title}\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS {vertices} double\n"
     )
     .into_bytes();
     let coordinates = field.mesh.positions().as_flattened().iter().copied();
     append(&mut bytes, coordinates, f64::to_be_bytes);
-    bytes.extend_from_slice(format!("\nPOLYGONS {faces} {}\n", 4 * faces).as_bytes());
+    bytes.extend_from_slice(format!("\nCELLS {faces} {}\n", 4 * faces).as_bytes());
     for face in field.mesh.faces() {
         let [a, b, c] = field.mesh.face_vertices(face).map(VertexId::raw);
         append(&mut bytes, [3, a, b, c], u32::to_be_bytes);
     }
+    bytes.extend_from_slice(format!("\nCELL_TYPES {faces}\n").as_bytes());
+    append(
+        &mut bytes,
+        (0..faces).map(|_| VTK_TRIANGLE),
+        u32::to_be_bytes,
+    );
     bytes.extend_from_slice(
         format!("\nPOINT_DATA {vertices}\nSCALARS distance double 1\nLOOKUP_TABLE default\n")
             .as_bytes(),
@@ -474,11 +488,12 @@ mod tests {
         assert!(
             header.contains("element vertex 4\n") && header.contains("property double quality\n")
         );
-        let vertex = 4 * 8 + 3;
+        let vertex = 6 * 8 + 3;
         assert_eq!(bytes[at..].len(), 4 * vertex + 13);
         let last = &bytes[at + 3 * vertex..at + 4 * vertex];
         assert_eq!(last[24..32], f64::INFINITY.to_le_bytes());
-        assert_eq!(last[32..], [128, 128, 128], "grey where no path leads");
+        assert_eq!(last[32..40], f64::INFINITY.to_le_bytes());
+        assert_eq!(last[48..], [128, 128, 128], "grey where no path leads");
         assert_eq!(bytes[at + 4 * vertex], 3);
     }
 
@@ -488,8 +503,9 @@ mod tests {
         let text = String::from_utf8_lossy(&bytes);
         for line in [
             "# vtk DataFile Version 3.0\n",
-            "BINARY\nDATASET POLYDATA\nPOINTS 4 double\n",
-            "POLYGONS 1 4\n",
+            "BINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n",
+            "CELLS 1 4\n",
+            "CELL_TYPES 1\n\x00\x00\x00\x05\nPOINT_DATA 4\n",
             "POINT_DATA 4\nSCALARS distance double 1\nLOOKUP_TABLE default\n",
             "SCALARS reached unsigned_char 1\nLOOKUP_TABLE default\n\x01\x01\x01\x00\n",
         ] {

@@ -6,15 +6,21 @@
 //! [`schema`]; [`table`] and [`report`] show it, and [`history`] compares several of them.
 //! `ARCHITECTURE.md` has the whole map.
 
+#![cfg_attr(not(feature = "command-line"), allow(dead_code, unused_imports))]
+
+#[cfg(feature = "command-line")]
 pub mod cli;
 pub mod exec;
+#[cfg(feature = "command-line")]
 pub mod history;
 pub mod measure;
 pub mod plan;
 pub mod registry;
+#[cfg(feature = "command-line")]
 pub mod report;
 pub mod run;
 pub mod schema;
+#[cfg(feature = "command-line")]
 pub mod table;
 mod usage;
 

@@ -11,7 +11,7 @@ use geobench_window::{PhaseSampler, Solver};
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
 use crate::exec::source::{LocatedPoint, Locator, SourceSpec};
-use crate::exec::{Failure, Observation, Pass, Refusal, Session, Step};
+use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::PeakMemory;
 use crate::schema::{ModelRecord, Phases, SourceLabel, Status};
 
@@ -21,6 +21,18 @@ const ENOUGH_SAMPLES: u64 = 2400;
 
 /// Time after which it is not repeated in any case.
 const LONGEST_PROFILE: Duration = Duration::from_secs(1);
+
+/// Backend that runs every cell in this process, one after the other. Nothing can end a run that
+/// takes too long.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ThisProcess;
+
+impl Backend for ThisProcess {
+    fn open<'b>(&'b mut self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal> {
+        let session = InProcess::open(model, DecompressionLimit::default())?;
+        Ok(Box::new(session))
+    }
+}
 
 /// A mesh and its solvers, by label. They are set up once and used for all later runs and sources.
 ///

@@ -6,8 +6,10 @@
 
 pub mod affinity;
 pub mod expected;
-pub(crate) mod in_process;
+pub mod in_process;
+#[cfg(feature = "command-line")]
 pub mod interrupt;
+#[cfg(feature = "command-line")]
 pub mod isolate;
 pub mod limits;
 #[cfg(test)]

@@ -11,7 +11,9 @@ pub(crate) mod standard_input;
 
 use geobench_mesh::generate::{self, Spec};
 use geobench_mesh::io::ReadOptions;
-use geobench_mesh::{InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, io as mesh_io};
+use geobench_mesh::{
+    InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, VertexId, io as mesh_io,
+};
 use sha2::{Digest, Sha256};
 
 use crate::exec::expected::stem;
@@ -32,6 +34,7 @@ pub struct ModelRef {
 enum Origin {
     File(PathBuf),
     Generated(Spec),
+    Memory(Mesh),
 }
 
 /// A model in memory.
@@ -198,6 +201,15 @@ impl ModelRef {
         })
     }
 
+    /// A mesh that the caller has, for runs in this process only.
+    pub fn in_memory(name: &str, mesh: &Mesh) -> Self {
+        Self {
+            name: name.to_owned(),
+            path: name.to_owned(),
+            origin: Origin::Memory(mesh.clone()),
+        }
+    }
+
     /// The model of a file, each face split into four `times` times. Its name has the factor by
     /// which the faces grow, such as `horse-x16`. A generated model stays as it is.
     ///
@@ -242,7 +254,7 @@ impl ModelRef {
     pub(crate) fn argument(&self) -> &OsStr {
         match &self.origin {
             Origin::File(path) => path.as_os_str(),
-            Origin::Generated(_) => OsStr::new(&self.path),
+            Origin::Generated(_) | Origin::Memory(_) => OsStr::new(&self.path),
         }
     }
 
@@ -250,14 +262,14 @@ impl ModelRef {
     pub fn file_path(&self) -> Option<&Path> {
         match &self.origin {
             Origin::File(path) => Some(path),
-            Origin::Generated(_) => None,
+            Origin::Generated(_) | Origin::Memory(_) => None,
         }
     }
 
     /// The generator's spec with all defaults written out; none if it is read from a file.
     pub fn spec(&self) -> Option<String> {
         match &self.origin {
-            Origin::File(_) => None,
+            Origin::File(_) | Origin::Memory(_) => None,
             Origin::Generated(spec) => Some(spec.to_string()),
         }
     }
@@ -268,6 +280,7 @@ impl ModelRef {
         let path = match &self.origin {
             Origin::File(path) => path,
             Origin::Generated(spec) => Path::new(spec.path()?),
+            Origin::Memory(_) => return None,
         };
         hash_file(path).ok()
     }
@@ -290,6 +303,7 @@ impl ModelRef {
         let options = options.into();
         match &self.origin {
             Origin::File(path) => read_file(path, options),
+            Origin::Memory(mesh) => Ok(soup_of(mesh)),
             Origin::Generated(spec) => {
                 let made = match spec.path() {
                     Some(path) => spec.modifiers().apply(read_file(Path::new(path), options)?),
@@ -319,12 +333,17 @@ impl ModelRef {
     ///
     /// As [`load`](Self::load).
     pub fn load_within(&self, options: impl Into<ReadOptions>) -> Result<LoadedModel, ModelError> {
+        if let Origin::Memory(mesh) = &self.origin {
+            let known_by_positions = mesh.positions().len() == mesh.vertex_count();
+            let sha256 = known_by_positions.then(|| hash_soup(&soup_of(mesh)));
+            return Ok(self.loaded(mesh.clone(), Report::default(), sha256));
+        }
         let start = Instant::now();
         let soup = self.read(options)?;
         let load_seconds = start.elapsed().as_secs_f64();
         let sha256 = match &self.origin {
             Origin::File(path) => hash_file(path).ok(),
-            Origin::Generated(_) => Some(hash_soup(&soup)),
+            Origin::Generated(_) | Origin::Memory(_) => Some(hash_soup(&soup)),
         };
         let start = Instant::now();
         let (mesh, report) = Mesh::from_soup(soup).map_err(|error| ModelError::Invalid {
@@ -332,6 +351,14 @@ impl ModelRef {
             error,
         })?;
         let build_seconds = start.elapsed().as_secs_f64();
+        let mut loaded = self.loaded(mesh, report, sha256);
+        loaded.record.load_seconds = Some(load_seconds);
+        loaded.record.build_seconds = Some(build_seconds);
+        Ok(loaded)
+    }
+
+    /// The model with its measures and record.
+    fn loaded(&self, mesh: Mesh, report: Report, sha256: Option<String>) -> LoadedModel {
         let measures = MeshMeasures::of(&mesh);
         let record = ModelRecord {
             sha256,
@@ -344,17 +371,23 @@ impl ModelRef {
             saddles: Some(measures.saddles as u64),
             anisotropy: Some(measures.anisotropy),
             longest_edge: Some(measures.max_edge_length),
-            load_seconds: Some(load_seconds),
-            build_seconds: Some(build_seconds),
             ..self.record()
         };
-        Ok(LoadedModel {
+        LoadedModel {
             mesh,
             measures,
             report,
             record,
-        })
+        }
     }
+}
+
+fn soup_of(mesh: &Mesh) -> TriangleSoup {
+    let corners = |f| mesh.face_vertices(f).map(VertexId::raw);
+    TriangleSoup::new(
+        mesh.positions().to_vec(),
+        mesh.faces().map(corners).collect(),
+    )
 }
 
 fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, ModelError> {

@@ -20,6 +20,7 @@ use crate::schema::{
 
 pub(crate) mod difference;
 pub mod sampling;
+#[cfg(feature = "command-line")]
 pub mod suite;
 
 /// A benchmark: one cell for each combination of model, algorithm and source.

@@ -1,0 +1,60 @@
+"""Exact geodesic distances on triangle meshes.
+
+>>> import geobench as gb
+>>> mesh = gb.generate("grid,n=4")
+>>> float(mesh.distance(0)[24])
+5.656854249492381
+
+`Mesh` has distances, paths and Voronoi diagrams. `Solver` keeps the set-up of one of the
+`algorithms`. `run` measures them, `certify` proves distances right.
+"""
+
+from ._core import (
+    Arc,
+    Cell,
+    Certificate,
+    Mesh,
+    MeshError,
+    Path,
+    Point,
+    PrecisionWarning,
+    Solver,
+    Voronoi,
+    VoronoiVertex,
+    __version__,
+    algorithms,
+    at,
+    certify,
+    edge,
+    face,
+    generate,
+    read,
+    vertex,
+)
+from ._results import Table, read_results, run
+
+__all__ = [
+    "Arc",
+    "Cell",
+    "Certificate",
+    "Mesh",
+    "MeshError",
+    "Path",
+    "Point",
+    "PrecisionWarning",
+    "Solver",
+    "Table",
+    "Voronoi",
+    "VoronoiVertex",
+    "__version__",
+    "algorithms",
+    "at",
+    "certify",
+    "edge",
+    "face",
+    "generate",
+    "read",
+    "read_results",
+    "run",
+    "vertex",
+]

@@ -1,0 +1,178 @@
+//! Arrays of `numpy`: read with one copy, or none.
+
+use numpy::ndarray::ArrayView2;
+use numpy::{
+    Element, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray2,
+    PyUntypedArray, PyUntypedArrayMethods,
+};
+use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::errors::mesh_error;
+
+/// `value` as an array; other sequences are made one.
+fn array_of<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, PyUntypedArray>> {
+    if let Ok(array) = value.cast::<PyUntypedArray>() {
+        return Ok(array.clone());
+    }
+    let made = value
+        .py()
+        .import("numpy")?
+        .call_method1("asarray", (value,));
+    let array = made.map_err(|error| {
+        let error = error.value(value.py()).to_string();
+        PyTypeError::new_err(format!("{name}: not an array: {error}"))
+    })?;
+    Ok(array.cast_into::<PyUntypedArray>()?)
+}
+
+/// Refuses an array whose shape is not `(n, 3)`.
+fn check_triples(array: &Bound<'_, PyUntypedArray>, name: &str) -> PyResult<()> {
+    if array.ndim() == 2 && array.shape()[1] == 3 {
+        return Ok(());
+    }
+    Err(PyValueError::new_err(format!(
+        "{name}: the shape is {}, but (n, 3) is needed",
+        shape_of(array)
+    )))
+}
+
+fn shape_of(array: &Bound<'_, PyUntypedArray>) -> String {
+    match array.shape() {
+        [n] => format!("({n},)"),
+        shape => {
+            let sizes: Vec<String> = shape.iter().map(ToString::to_string).collect();
+            format!("({})", sizes.join(", "))
+        }
+    }
+}
+
+/// An array of another type of numbers, converted by `numpy`.
+fn converted<'py>(
+    array: &Bound<'py, PyUntypedArray>,
+    to: &str,
+) -> PyResult<Bound<'py, PyUntypedArray>> {
+    let made = array.call_method1("astype", (to,))?;
+    Ok(made.cast_into::<PyUntypedArray>()?)
+}
+
+fn wrong_type(array: &Bound<'_, PyUntypedArray>, name: &str, wanted: &str) -> PyErr {
+    PyTypeError::new_err(format!(
+        "{name}: the type is {}, but {wanted} are needed",
+        array.dtype()
+    ))
+}
+
+fn views<'py, T: Element>(array: &Bound<'py, PyUntypedArray>) -> Option<PyReadonlyArray2<'py, T>> {
+    let array = array.as_any().cast::<PyArray2<T>>().ok()?;
+    array.try_readonly().ok()
+}
+
+/// The rows of an array, or the place of one that has a number of no use, and that number.
+type Rows<T, U> = Result<Vec<[U; 3]>, (usize, T)>;
+
+/// The rows of an `(n, 3)` array, each of its numbers by `convert`, or the first row that has none.
+fn rows<T: Element + Copy, U: Copy + Default>(
+    view: ArrayView2<'_, T>,
+    convert: impl Fn(T) -> Option<U>,
+) -> PyResult<Rows<T, U>> {
+    let mut rows: Vec<[U; 3]> = Vec::new();
+    rows.try_reserve_exact(view.nrows())
+        .map_err(|error| PyMemoryError::new_err(error.to_string()))?;
+    for (i, row) in view.outer_iter().enumerate() {
+        let mut numbers = [U::default(); 3];
+        for (k, number) in numbers.iter_mut().enumerate() {
+            match convert(row[k]) {
+                Some(converted) => *number = converted,
+                None => return Ok(Err((i, row[k]))),
+            }
+        }
+        rows.push(numbers);
+    }
+    Ok(Ok(rows))
+}
+
+/// Positions: an `(n, 3)` array of real numbers.
+pub(crate) fn positions(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[f64; 3]>> {
+    let mut array = array_of(value, name)?;
+    check_triples(&array, name)?;
+    match array.dtype().kind() {
+        b'f' => {}
+        b'i' | b'u' => array = converted(&array, "float64")?,
+        _ => return Err(wrong_type(&array, name, "real numbers")),
+    }
+    if let Some(view) = views::<f32>(&array) {
+        return Ok(rows(view.as_array(), |x| Some(f64::from(x)))?.unwrap_or_default());
+    }
+    if views::<f64>(&array).is_none() {
+        // Half or extended precision, or another order of bytes.
+        array = converted(&array, "float64")?;
+    }
+    let view = views::<f64>(&array).ok_or_else(|| wrong_type(&array, name, "real numbers"))?;
+    Ok(rows(view.as_array(), Some)?.unwrap_or_default())
+}
+
+/// Triangles: an `(m, 3)` array of the numbers of their corners.
+pub(crate) fn triangles(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[u32; 3]>> {
+    let mut array = array_of(value, name)?;
+    if array.is_empty() && array.shape() == [0] {
+        return Ok(Vec::new());
+    }
+    check_triples(&array, name)?;
+    if !matches!(array.dtype().kind(), b'i' | b'u') {
+        return Err(wrong_type(&array, name, "integers"));
+    }
+    let named = |found: Result<Vec<[u32; 3]>, (usize, i128)>| {
+        found.map_err(|(face, vertex)| {
+            let message =
+                format!("{name}: face {face} names vertex {vertex}; vertices are numbered from 0");
+            mesh_error(value.py(), message, Vec::new())
+        })
+    };
+    macro_rules! try_as {
+        ($($number:ty),*) => {
+            $(if let Some(view) = views::<$number>(&array) {
+                let found = rows(view.as_array(), |v| u32::try_from(v).ok())?;
+                return named(found.map_err(|(face, vertex)| (face, i128::from(vertex))));
+            })*
+        };
+    }
+    try_as!(i64, i32, u32, u64);
+    array = converted(&array, "int64")?;
+    try_as!(i64);
+    Err(wrong_type(&array, name, "integers"))
+}
+
+/// Distances: an `(n,)` array of real numbers, none of them NaN or negative.
+pub(crate) fn distances(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    vertices: usize,
+) -> PyResult<Vec<f64>> {
+    let mut array = array_of(value, name)?;
+    if array.ndim() != 1 || array.shape()[0] != vertices {
+        return Err(PyValueError::new_err(format!(
+            "{name}: the shape is {}, but ({vertices},) is needed, a distance for each vertex",
+            shape_of(&array)
+        )));
+    }
+    if !matches!(array.dtype().kind(), b'f' | b'i' | b'u') {
+        return Err(wrong_type(&array, name, "real numbers"));
+    }
+    if array.as_any().cast::<PyArray1<f64>>().is_err() {
+        array = converted(&array, "float64")?;
+    }
+    let array = array.as_any().cast::<PyArray1<f64>>()?;
+    let distances: Vec<f64> = array.readonly().as_array().to_vec();
+    match distances.iter().position(|d| d.is_nan() || *d < 0.0) {
+        None => Ok(distances),
+        Some(v) => Err(PyValueError::new_err(format!(
+            "{name}: the distance of vertex {v} is {}",
+            if distances[v].is_nan() {
+                "not a number"
+            } else {
+                "negative"
+            }
+        ))),
+    }
+}

@@ -1,0 +1,142 @@
+//! Proofs of distances.
+
+use geobench::exec::source::PointSpec;
+use geodesic::certify::{Bound as ErrorBound, Place};
+use geodesic::{Certificate, CertificateError, Stop, VertexId};
+use numpy::PyArray1;
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::arrays;
+use crate::errors::unsolved;
+use crate::interrupt;
+use crate::points::{Finder, several};
+use crate::solver::mesh_of;
+
+/// By how much distances may be wrong, proven. It is true if they are right to the tolerance.
+#[pyclass(frozen, get_all, module = "geobench", name = "Certificate")]
+pub(crate) struct PyCertificate {
+    /// bool: whether every distance is right to the tolerance.
+    certified: bool,
+    /// float: by how much a distance may be wrong, in units of the mesh.
+    absolute: f64,
+    /// float: the same as a fraction of the distance.
+    relative: f64,
+    /// float: the relative error that is allowed.
+    tolerance: f64,
+    /// list of (str, int, float): where it fails: "vertex" or "face", its number, and by how much.
+    failures: Vec<(&'static str, u32, f64)>,
+    /// (n,) float64: the distances that were proven.
+    distances: Py<PyArray1<f64>>,
+}
+
+#[pymethods]
+impl PyCertificate {
+    fn __bool__(&self) -> bool {
+        self.certified
+    }
+
+    fn __repr__(&self) -> String {
+        let verdict = if self.certified {
+            "certified"
+        } else {
+            "not certified"
+        };
+        format!(
+            "<geobench.Certificate: {verdict}, {:.1e} of a distance, {} failures>",
+            self.relative,
+            self.failures.len()
+        )
+    }
+}
+
+/// Proves distances exact, in interval arithmetic, or says where they are not.
+///
+/// Parameters
+/// ----------
+/// mesh : Mesh
+/// source : int or sequence of int
+///     Vertices.
+/// distances : array_like, shape (n,), optional
+///     Distances to judge. Without them those of `"mmp"` are proven.
+/// tolerance : float
+///     Relative error that is allowed.
+///
+/// Returns
+/// -------
+/// Certificate
+///     True if every distance is right to the tolerance.
+///
+/// Raises
+/// ------
+/// ValueError
+///     `distances` has another shape, or holds NaN or a negative number.
+#[pyfunction]
+#[pyo3(signature = (mesh, source, distances = None, *, tolerance = 1e-9))]
+pub(crate) fn certify(
+    py: Python<'_>,
+    mesh: &Bound<'_, PyAny>,
+    source: &Bound<'_, PyAny>,
+    distances: Option<&Bound<'_, PyAny>>,
+    tolerance: f64,
+) -> PyResult<PyCertificate> {
+    let mesh = mesh_of(mesh)?.get().mesh.clone();
+    if tolerance.is_nan() || tolerance < 0.0 {
+        return Err(PyValueError::new_err(format!(
+            "tolerance: {tolerance} is no error that could be allowed"
+        )));
+    }
+    let mut finder = Finder::new(&mesh);
+    let mut sources: Vec<VertexId> = Vec::new();
+    for spec in several(source, "source")? {
+        let PointSpec::Vertex(v) = spec else {
+            return Err(PyTypeError::new_err(format!(
+                "source: {spec} is not a vertex; proofs take vertices only"
+            )));
+        };
+        finder.find(spec, "source")?;
+        sources.push(v.into());
+    }
+    let given = distances
+        .map(|given| arrays::distances(given, "distances", mesh.vertex_count()))
+        .transpose()?;
+    let faces = mesh.face_count();
+    let work = move || {
+        let proof = Certificate::of(&mesh, &sources)?;
+        let compared = given.map(|given| proof.compare(given.into_iter().enumerate()));
+        Ok((proof, compared))
+    };
+    // A proof takes far longer than a run.
+    let found = interrupt::call(py, faces.saturating_mul(10), &Stop::default(), work)?;
+    let (proof, compared) = found.map_err(|error| match error {
+        CertificateError::Solve(error) => unsolved(error),
+        other => PyValueError::new_err(other.to_string()),
+    })?;
+    let (mut absolute, mut relative) = (proof.absolute(), proof.relative());
+    let fails = |bound: &&ErrorBound| bound.relative > tolerance;
+    let bounds = [&proof.too_long, &proof.too_short]
+        .into_iter()
+        .filter(fails);
+    let mut failures: Vec<(&'static str, u32, f64)> = bounds
+        .flat_map(|bound| &bound.failures)
+        .map(|failure| match failure.place {
+            Place::Face(face) => ("face", face.raw(), failure.violation),
+            Place::Vertex(vertex) => ("vertex", vertex.raw(), failure.violation),
+        })
+        .collect();
+    if let Some(compared) = compared {
+        absolute += compared.absolute;
+        relative += compared.relative;
+        let wrong = compared.differences.iter();
+        let wrong = wrong.filter(|&&(v, by)| by > tolerance * proof.distances[v]);
+        failures.extend(wrong.map(|&(v, by)| ("vertex", v as u32, by)));
+    }
+    Ok(PyCertificate {
+        certified: relative <= tolerance,
+        absolute,
+        relative,
+        tolerance,
+        failures,
+        distances: PyArray1::from_vec(py, proof.distances).unbind(),
+    })
+}

@@ -1,0 +1,91 @@
+//! Python exceptions for the errors of the library.
+
+use geodesic::io::FileError;
+use geodesic::paths::TraceError;
+use geodesic::{InvalidMesh, PathError, SolveError};
+use pyo3::exceptions::{
+    PyFileNotFoundError, PyIndexError, PyIsADirectoryError, PyOSError, PyRuntimeError,
+    PyUserWarning, PyValueError,
+};
+use pyo3::prelude::*;
+use pyo3::{create_exception, intern};
+
+create_exception!(
+    geobench,
+    MeshError,
+    PyValueError,
+    "A mesh that cannot be used, or a file that holds none. The message names the vertices, faces \
+     or the line; `defects` has a sentence for each kind of defect."
+);
+
+create_exception!(
+    geobench,
+    PrecisionWarning,
+    PyUserWarning,
+    "Distances that floating-point numbers cannot tell well, beside faces that are far larger."
+);
+
+/// A `MeshError` with its defects.
+pub(crate) fn invalid(py: Python<'_>, error: &InvalidMesh, place: &str) -> PyErr {
+    let message = if place.is_empty() {
+        error.to_string()
+    } else {
+        format!("{place}: {error}")
+    };
+    let defects: Vec<String> = error
+        .report
+        .summaries()
+        .into_iter()
+        .map(|s| s.text)
+        .collect();
+    mesh_error(py, message, defects)
+}
+
+/// A `MeshError` of this message.
+pub(crate) fn mesh_error(py: Python<'_>, message: String, defects: Vec<String>) -> PyErr {
+    let error = MeshError::new_err(message);
+    match error.value(py).setattr(intern!(py, "defects"), defects) {
+        Ok(()) => error,
+        Err(other) => other,
+    }
+}
+
+/// The error of a file.
+pub(crate) fn unreadable(py: Python<'_>, error: &FileError) -> PyErr {
+    let message = error.to_string();
+    match error {
+        FileError::NotFound { .. } => PyFileNotFoundError::new_err(message),
+        FileError::Directory { .. } => PyIsADirectoryError::new_err(message),
+        FileError::NotRead { .. } | FileError::NotWritten { .. } => PyOSError::new_err(message),
+        FileError::UnknownFormat { .. } | FileError::UnknownOutput { .. } => {
+            PyValueError::new_err(message)
+        }
+        _ => mesh_error(py, message, Vec::new()),
+    }
+}
+
+/// The error of a run.
+pub(crate) fn unsolved(error: SolveError) -> PyErr {
+    let message = error.to_string();
+    match error {
+        SolveError::NoSuchVertex { .. } | SolveError::NoSuchTarget { .. } => {
+            PyIndexError::new_err(message)
+        }
+        SolveError::NoThreads { .. } => PyOSError::new_err(message),
+        _ => PyValueError::new_err(message),
+    }
+}
+
+/// The error of a path.
+pub(crate) fn lost(error: PathError) -> PyErr {
+    match error {
+        PathError::Solve(error) => unsolved(error),
+        PathError::Trace(error) => untraced(error),
+        other => PyRuntimeError::new_err(other.to_string()),
+    }
+}
+
+/// The error of a path that is traced back.
+pub(crate) fn untraced(error: TraceError) -> PyErr {
+    PyRuntimeError::new_err(error.to_string())
+}

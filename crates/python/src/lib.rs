@@ -1,0 +1,54 @@
+//! The compiled part of the Python package `geobench`; `python/geobench` is the rest.
+//!
+//! Arrays come in with one copy and go out with none. Long calls release the lock of the
+//! interpreter and end with Ctrl-C ([`interrupt`]).
+
+use std::alloc::System;
+
+use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAlloc};
+use pyo3::prelude::*;
+
+mod arrays;
+mod bench;
+mod certificate;
+mod errors;
+mod interrupt;
+mod mesh;
+mod path;
+mod points;
+mod solver;
+mod voronoi;
+
+/// Counts the bytes of the solvers on the heap, for `run`; as the command line does.
+#[global_allocator]
+static ALLOCATOR: &PeakMemAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+#[pymodule(name = "_core")]
+fn core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = module.py();
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("MeshError", py.get_type::<errors::MeshError>())?;
+    module.add(
+        "PrecisionWarning",
+        py.get_type::<errors::PrecisionWarning>(),
+    )?;
+    module.add_class::<mesh::PyMesh>()?;
+    module.add_class::<solver::PySolver>()?;
+    module.add_class::<points::Point>()?;
+    module.add_class::<path::PyPath>()?;
+    module.add_class::<voronoi::PyVoronoi>()?;
+    module.add_class::<voronoi::PyCell>()?;
+    module.add_class::<voronoi::PyArc>()?;
+    module.add_class::<voronoi::PyVoronoiVertex>()?;
+    module.add_class::<certificate::PyCertificate>()?;
+    module.add_function(wrap_pyfunction!(mesh::read, module)?)?;
+    module.add_function(wrap_pyfunction!(mesh::generated, module)?)?;
+    module.add_function(wrap_pyfunction!(points::vertex, module)?)?;
+    module.add_function(wrap_pyfunction!(points::edge, module)?)?;
+    module.add_function(wrap_pyfunction!(points::face, module)?)?;
+    module.add_function(wrap_pyfunction!(points::at, module)?)?;
+    module.add_function(wrap_pyfunction!(solver::algorithms, module)?)?;
+    module.add_function(wrap_pyfunction!(certificate::certify, module)?)?;
+    module.add_function(wrap_pyfunction!(bench::run_to_json, module)?)?;
+    Ok(())
+}

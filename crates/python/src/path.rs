@@ -1,0 +1,76 @@
+//! Shortest paths.
+
+use geodesic::{Mesh, Path};
+use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+/// A shortest path over a surface: its points in order from the source, one for each edge that it
+/// crosses and each vertex that it passes. Between two of them it is straight.
+#[pyclass(frozen, module = "geobench", name = "Path")]
+pub(crate) struct PyPath {
+    /// float: its length, in units of the mesh.
+    #[pyo3(get)]
+    length: f64,
+    /// (k, 3) float64: the positions of its points, in units of the mesh.
+    #[pyo3(get)]
+    points: Py<PyArray2<f64>>,
+    /// (k,) int64: for each point a face that contains it; -1 for an isolated vertex.
+    #[pyo3(get)]
+    faces: Py<PyArray1<i64>>,
+    /// (k, 3) float64: the barycentric coordinates of each point in that face.
+    #[pyo3(get)]
+    barycentric: Py<PyArray2<f64>>,
+    /// (k,) int64: the vertex that each point is, or -1.
+    #[pyo3(get)]
+    vertices: Py<PyArray1<i64>>,
+    count: usize,
+}
+
+impl PyPath {
+    pub(crate) fn new(py: Python<'_>, mesh: &Mesh, path: &Path) -> PyResult<Self> {
+        let points = path.points.iter();
+        let faces = points
+            .clone()
+            .map(|p| p.face.map_or(-1, |f| i64::from(f.raw())));
+        let vertices = points
+            .clone()
+            .map(|p| p.vertex().map_or(-1, |v| i64::from(v.raw())));
+        let barycentric: Vec<[f64; 3]> = points.map(|point| point.barycentric).collect();
+        Ok(Self {
+            length: path.length,
+            points: triples(py, &path.polyline(mesh))?,
+            faces: PyArray1::from_iter(py, faces).unbind(),
+            barycentric: triples(py, &barycentric)?,
+            vertices: PyArray1::from_iter(py, vertices).unbind(),
+            count: path.points.len(),
+        })
+    }
+}
+
+/// An `(n, 3)` array.
+pub(crate) fn triples<T: numpy::Element + Copy>(
+    py: Python<'_>,
+    rows: &[[T; 3]],
+) -> PyResult<Py<PyArray2<T>>> {
+    use numpy::PyArrayMethods;
+    let flat = PyArray1::from_slice(py, rows.as_flattened());
+    let array = flat.reshape([rows.len(), 3]);
+    Ok(array
+        .map_err(|error| PyValueError::new_err(error.to_string()))?
+        .unbind())
+}
+
+#[pymethods]
+impl PyPath {
+    fn __len__(&self) -> usize {
+        self.count
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<geobench.Path of length {}, {} points>",
+            self.length, self.count
+        )
+    }
+}

@@ -1,0 +1,570 @@
+//! Distances and paths.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::thread;
+
+use geobench::registry::{self, MOST_THREADS, Selection, Simd};
+use geodesic::window::{Counter, PhaseSampler, precision};
+use geodesic::{Goal, Mesh, Path, PathError, Paths, SolveError, Solver as Solve, Stop, VertexId};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::{PyMemoryError, PyOSError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::errors::{PrecisionWarning, lost, unsolved};
+use crate::interrupt;
+use crate::mesh::PyMesh;
+use crate::path::PyPath;
+use crate::points::Question;
+
+/// An algorithm on one mesh, with the solvers of it that are set up and not in use.
+pub(crate) struct Kit {
+    selection: Selection,
+    mesh: Mesh,
+    idle: Mutex<Vec<Box<dyn Solve>>>,
+    longest_edge: OnceLock<f64>,
+}
+
+impl Kit {
+    pub(crate) fn new(selection: &Selection, mesh: &Mesh) -> Arc<Self> {
+        Arc::new(Self {
+            selection: selection.clone(),
+            mesh: mesh.clone(),
+            idle: Mutex::default(),
+            longest_edge: OnceLock::new(),
+        })
+    }
+
+    /// A doubt about distances. To look at all faces takes some percent of a run, so they are looked
+    /// at only if their longest edge gives cause.
+    fn doubt(&self, distances: &[f64]) -> Option<String> {
+        let longest = *self.longest_edge.get_or_init(|| {
+            let lengths = self.mesh.half_edges().map(|h| self.mesh.length(h));
+            lengths.fold(0.0, f64::max)
+        });
+        precision::doubtful_by(longest, distances)?;
+        precision::doubt(&self.mesh, distances).map(|doubt| doubt.to_string())
+    }
+
+    /// What `work` does with a solver, which is set up if there is none. A solver that panics is
+    /// dropped.
+    fn with<T>(&self, work: impl FnOnce(&mut dyn Solve) -> T) -> T {
+        let idle = || self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+        let ready = idle().pop();
+        let mut solver = ready.unwrap_or_else(|| self.selection.build(&self.mesh));
+        let result = work(&mut *solver);
+        idle().push(solver);
+        result
+    }
+}
+
+/// The algorithm of this name, such as `fwp-mmp{kmax=5000}`.
+pub(crate) fn selection(name: &str, threads: Option<u32>, simd: &str) -> PyResult<Selection> {
+    let named = |error| PyValueError::new_err(format!("algorithm: {error}"));
+    let selection = registry::select_one(name).map_err(named)?;
+    if selection.outside_name().is_some() {
+        return Err(PyValueError::new_err(format!(
+            "algorithm: {name} is an outside program; those take part in the command `geobench \
+             run`"
+        )));
+    }
+    let simd: Simd = simd
+        .parse()
+        .map_err(|error| PyValueError::new_err(format!("simd: {error}")))?;
+    let selection = selection.with_simd(simd);
+    Ok(match threads {
+        Some(threads) => selection.with_threads(check_threads(threads)?),
+        None => selection,
+    })
+}
+
+fn check_threads(threads: u32) -> PyResult<usize> {
+    if (1..=MOST_THREADS).contains(&threads) {
+        return Ok(threads as usize);
+    }
+    Err(PyValueError::new_err(format!(
+        "threads: {threads}, but it is a number from 1 to {MOST_THREADS}"
+    )))
+}
+
+/// What is asked for: distances up to `radius`, those of `targets`.
+fn goal(radius: Option<f64>, targets: Option<&[VertexId]>, stop: &Stop) -> PyResult<Goal> {
+    let mut goal = match targets {
+        Some(targets) => Goal::targets(targets.iter().copied()),
+        None => Goal::everything(),
+    };
+    if let Some(radius) = radius {
+        if radius.is_nan() || radius < 0.0 {
+            return Err(PyValueError::new_err(format!(
+                "radius: {radius} is not a distance; give a number from 0 on, in units of the mesh"
+            )));
+        }
+        goal = goal.within(radius);
+    }
+    Ok(goal.unless(stop))
+}
+
+/// A row of distances, of the targets or of the vertices of the mesh, and a doubt about them.
+type Row = (Vec<f64>, Option<String>);
+
+fn row(kit: &Kit, sources: &[VertexId], goal: &Goal, vertices: usize) -> Result<Row, SolveError> {
+    let mut distances = kit
+        .with(|solver| solver.solve_until(sources, goal))?
+        .distances;
+    let doubt = kit.doubt(&distances);
+    if let Some(targets) = goal.vertices() {
+        let of_targets = targets.iter().map(|v| distances[v.index()]).collect();
+        return Ok((of_targets, doubt));
+    }
+    distances.truncate(vertices);
+    Ok((distances, doubt))
+}
+
+/// A row for each source, one after the other.
+fn matrix(
+    kit: &Kit,
+    sources: &[VertexId],
+    goal: &Goal,
+    vertices: usize,
+    workers: usize,
+    stop: &Stop,
+    mut all: Vec<f64>,
+) -> Result<Row, SolveError> {
+    let columns = goal.vertices().map_or(vertices, <[_]>::len);
+    all.resize(sources.len() * columns, f64::INFINITY);
+    let rows = Mutex::new(all.chunks_mut(columns.max(1)).zip(sources));
+    let failed = Mutex::new(None);
+    let doubts = Mutex::new(None);
+    let solved = AtomicUsize::new(0);
+    let work = || {
+        loop {
+            let next = rows.lock().unwrap_or_else(PoisonError::into_inner).next();
+            let Some((place, &source)) = next else { break };
+            if stop.is_set() {
+                break;
+            }
+            match row(kit, &[source], goal, vertices) {
+                Ok((distances, doubt)) => {
+                    place.copy_from_slice(&distances);
+                    solved.fetch_add(1, Ordering::Relaxed);
+                    if let Some(doubt) = doubt {
+                        *doubts.lock().unwrap_or_else(PoisonError::into_inner) = Some(doubt);
+                    }
+                }
+                Err(error) => {
+                    *failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+                    break;
+                }
+            }
+        }
+    };
+    thread::scope(|scope| {
+        for _ in 1..workers {
+            scope.spawn(work);
+        }
+        work();
+    });
+    if let Some(error) = failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        return Err(error);
+    }
+    let doubt = doubts.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok((all, doubt))
+}
+
+fn warn(py: Python<'_>, doubt: Option<String>) -> PyResult<()> {
+    let Some(doubt) = doubt else { return Ok(()) };
+    let message = std::ffi::CString::new(doubt)?;
+    PyErr::warn(py, &py.get_type::<PrecisionWarning>(), &message, 1)
+}
+
+/// Where solvers come from: kept ones for the mesh, or new ones.
+#[derive(Clone)]
+pub(crate) struct Algorithm {
+    pub(crate) mesh: Mesh,
+    pub(crate) kept: Arc<Kit>,
+}
+
+impl Algorithm {
+    pub(crate) fn new(mesh: &Mesh, selection: &Selection) -> Self {
+        Self {
+            mesh: mesh.clone(),
+            kept: Kit::new(selection, mesh),
+        }
+    }
+
+    /// The kit for the mesh of a question.
+    fn kit(&self, question: &Question) -> Arc<Kit> {
+        if question.refined.mesh.vertex_count() == self.mesh.vertex_count() {
+            return Arc::clone(&self.kept);
+        }
+        Kit::new(&self.kept.selection, &question.refined.mesh)
+    }
+
+    pub(crate) fn distance<'py>(
+        &self,
+        py: Python<'py>,
+        source: &Bound<'py, PyAny>,
+        radius: Option<f64>,
+        targets: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let targets = targets.map(|targets| (targets, "targets"));
+        let question = Question::new(&self.mesh, source, "source", targets)?;
+        let stop = Stop::default();
+        let goal = goal(radius, question.targets.as_deref(), &stop)?;
+        let kit = self.kit(&question);
+        let (vertices, faces) = (self.mesh.vertex_count(), self.mesh.face_count());
+        let work = move || row(&kit, &question.sources, &goal, vertices);
+        let (distances, doubt) = interrupt::call(py, faces, &stop, work)?.map_err(unsolved)?;
+        warn(py, doubt)?;
+        Ok(PyArray1::from_vec(py, distances))
+    }
+
+    pub(crate) fn distances<'py>(
+        &self,
+        py: Python<'py>,
+        sources: &Bound<'py, PyAny>,
+        threads: u32,
+        radius: Option<f64>,
+        targets: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let threads = check_threads(threads)?;
+        let targets = targets.map(|targets| (targets, "targets"));
+        let question = Question::new(&self.mesh, sources, "sources", targets)?;
+        let stop = Stop::default();
+        let goal = goal(radius, question.targets.as_deref(), &stop)?;
+        let workers = threads.min(question.sources.len());
+        let mut kit = self.kit(&question);
+        if threads / workers > 1 {
+            // A parallel algorithm gets the remaining threads.
+            let selection = self.kept.selection.clone().with_threads(threads / workers);
+            if selection.threads() > 1 {
+                kit = Kit::new(&selection, &kit.mesh);
+            }
+        }
+        let (vertices, faces) = (self.mesh.vertex_count(), self.mesh.face_count());
+        let rows = question.sources.len();
+        let columns = question.targets.as_ref().map_or(vertices, Vec::len);
+        let mut all = Vec::new();
+        if all.try_reserve_exact(rows.saturating_mul(columns)).is_err() {
+            return Err(PyMemoryError::new_err(format!(
+                "{rows} x {columns} distances do not fit into memory; ask for fewer sources or \
+                 name targets"
+            )));
+        }
+        let work = {
+            let stop = stop.clone();
+            move || {
+                matrix(
+                    &kit,
+                    &question.sources,
+                    &goal,
+                    vertices,
+                    workers,
+                    &stop,
+                    all,
+                )
+            }
+        };
+        let work_faces = faces.saturating_mul(rows);
+        let (all, doubt) = interrupt::call(py, work_faces, &stop, work)?.map_err(unsolved)?;
+        warn(py, doubt)?;
+        PyArray1::from_vec(py, all).reshape([rows, columns])
+    }
+
+    /// The shortest paths from the nearest of the sources to each target; `None` where none leads.
+    pub(crate) fn paths(
+        &self,
+        py: Python<'_>,
+        source: &Bound<'_, PyAny>,
+        targets: &Bound<'_, PyAny>,
+        targets_name: &str,
+    ) -> PyResult<Vec<Option<PyPath>>> {
+        let targets = Some((targets, targets_name));
+        let question = Question::new(&self.mesh, source, "source", targets)?;
+        let stop = Stop::default();
+        let goal = goal(None, question.targets.as_deref(), &stop)?;
+        let kit = self.kit(&question);
+        let mesh = self.mesh.clone();
+        let work = move || -> Result<Vec<Option<Path>>, PathError> {
+            let found =
+                kit.with(|solver| Paths::find(solver, &kit.mesh, &question.sources, &goal))?;
+            let is_refined = kit.mesh.vertex_count() > mesh.vertex_count();
+            let of_original = |path: Path| {
+                if is_refined {
+                    path.of_original(&mesh, &question.refined, &question.points)
+                } else {
+                    path
+                }
+            };
+            let targets = question.targets.iter().flatten();
+            targets
+                .map(|&target| Ok(found.to(target)?.map(of_original)))
+                .collect()
+        };
+        let paths = interrupt::call(py, self.mesh.face_count(), &stop, work)?.map_err(lost)?;
+        let paths = paths.into_iter();
+        paths
+            .map(|path| {
+                path.map(|path| PyPath::new(py, &self.mesh, &path))
+                    .transpose()
+            })
+            .collect()
+    }
+}
+
+/// An algorithm that is set up for a mesh, which is done once. It can be asked for one source after
+/// another, from several threads too.
+///
+/// Parameters
+/// ----------
+/// mesh : Mesh
+/// algorithm : str
+///     A name of `algorithms()`, with parameters such as `"fwp-mmp{kmax=5000}"`.
+/// threads : int, optional
+///     Threads of a parallel algorithm (`"pvtp"`).
+/// simd : {"auto", "scalar", "avx2", "avx512"}
+///     Vector instructions.
+///
+/// Raises
+/// ------
+/// ValueError
+///     There is no such algorithm.
+#[pyclass(frozen, module = "geobench", name = "Solver")]
+pub(crate) struct PySolver {
+    algorithm: Algorithm,
+    mesh: Py<PyMesh>,
+}
+
+#[pymethods]
+impl PySolver {
+    #[new]
+    #[pyo3(signature = (mesh, algorithm = "vtp-fast", *, threads = None, simd = "auto"))]
+    fn new(
+        py: Python<'_>,
+        mesh: &Bound<'_, PyAny>,
+        algorithm: &str,
+        threads: Option<u32>,
+        simd: &str,
+    ) -> PyResult<Self> {
+        let mesh = mesh_of(mesh)?;
+        let selection = selection(algorithm, threads, simd)?;
+        let solver = Algorithm::new(&mesh.get().mesh, &selection);
+        let kit = Arc::clone(&solver.kept);
+        // The set-up, now.
+        let faces = solver.mesh.face_count();
+        interrupt::call(py, faces, &Stop::default(), move || kit.with(|_| ()))?;
+        Ok(Self {
+            algorithm: solver,
+            mesh: mesh.clone().unbind(),
+        })
+    }
+
+    /// The mesh.
+    #[getter]
+    fn mesh(&self, py: Python<'_>) -> Py<PyMesh> {
+        self.mesh.clone_ref(py)
+    }
+
+    /// The name of the algorithm, with the parameters that are not the defaults.
+    #[getter]
+    fn algorithm(&self) -> &str {
+        self.algorithm.kept.selection.label()
+    }
+
+    /// Whether its distances are exact up to rounding.
+    #[getter]
+    fn exact(&self) -> bool {
+        self.algorithm.kept.selection.algorithm().exact
+    }
+
+    /// Distances from the nearest of the sources.
+    ///
+    /// Parameters
+    /// ----------
+    /// source : int, Point or sequence of these
+    ///     Vertices, or points of the surface (`vertex`, `edge`, `face`, `at`). For points that are
+    ///     no vertices the algorithm is set up anew.
+    /// radius : float, optional
+    ///     Distances beyond it are infinite. The search ends there. In units of the mesh.
+    /// targets : int, Point or sequence of these, optional
+    ///     The only points whose distances are wanted. The search ends when all are reached.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray, shape (n,), float64
+    ///     The distance of each of the n vertices, or of each target, in units of the mesh; `inf`
+    ///     where no path leads or the radius ends.
+    #[pyo3(signature = (source, *, radius = None, targets = None))]
+    fn distance<'py>(
+        &self,
+        py: Python<'py>,
+        source: &Bound<'py, PyAny>,
+        radius: Option<f64>,
+        targets: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.algorithm.distance(py, source, radius, targets)
+    }
+
+    /// Distances from each of the sources: one row a source.
+    ///
+    /// Parameters
+    /// ----------
+    /// sources : sequence of int or Point
+    /// threads : int
+    ///     Sources that are solved at the same time.
+    /// radius, targets
+    ///     As of `distance`.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray, shape (k, n), float64
+    ///     Row i has the distances from source i, of the n vertices or of the targets.
+    #[pyo3(signature = (sources, *, threads = 1, radius = None, targets = None))]
+    fn distances<'py>(
+        &self,
+        py: Python<'py>,
+        sources: &Bound<'py, PyAny>,
+        threads: u32,
+        radius: Option<f64>,
+        targets: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.algorithm
+            .distances(py, sources, threads, radius, targets)
+    }
+
+    /// The shortest path from the nearest of the sources to `target`, or `None` if none leads
+    /// there.
+    fn path(
+        &self,
+        py: Python<'_>,
+        source: &Bound<'_, PyAny>,
+        target: &Bound<'_, PyAny>,
+    ) -> PyResult<Option<PyPath>> {
+        one_path(&self.algorithm, py, source, target)
+    }
+
+    /// The shortest paths from the nearest of the sources to each of the targets, of one search: a
+    /// list of `Path` and `None`.
+    fn paths(
+        &self,
+        py: Python<'_>,
+        source: &Bound<'_, PyAny>,
+        targets: &Bound<'_, PyAny>,
+    ) -> PyResult<Vec<Option<PyPath>>> {
+        self.algorithm.paths(py, source, targets, "targets")
+    }
+
+    /// Distances from the nearest of the sources with the events of the search counted.
+    ///
+    /// Returns
+    /// -------
+    /// distances : numpy.ndarray, shape (n,), float64
+    /// counters : dict of str to int
+    ///     Those that the algorithm has, such as `propagated`, the windows propagated.
+    fn count<'py>(
+        &self,
+        py: Python<'py>,
+        source: &Bound<'py, PyAny>,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyDict>)> {
+        let question = Question::new(&self.algorithm.mesh, source, "source", None)?;
+        let stop = Stop::default();
+        let goal = goal(None, None, &stop)?;
+        let kit = self.algorithm.kit(&question);
+        let work = move || kit.with(|solver| solver.count_until(&question.sources, &goal));
+        let faces = self.algorithm.mesh.face_count();
+        let (solution, counters) = interrupt::call(py, faces, &stop, work)?.map_err(unsolved)?;
+        let dictionary = PyDict::new(py);
+        for &counter in Counter::ALL {
+            if let Some(value) = counters.get(counter) {
+                dictionary.set_item(counter.key(), value)?;
+            }
+        }
+        let mut distances = solution.distances;
+        distances.truncate(self.algorithm.mesh.vertex_count());
+        Ok((PyArray1::from_vec(py, distances), dictionary))
+    }
+
+    /// Distances from the nearest of the sources with the phases of the search sampled.
+    ///
+    /// Returns
+    /// -------
+    /// distances : numpy.ndarray, shape (n,), float64
+    /// seconds : dict of str to float
+    ///     Of `propagation`, `pruning` and `management`.
+    fn profile<'py>(
+        &self,
+        py: Python<'py>,
+        source: &Bound<'py, PyAny>,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyDict>)> {
+        let question = Question::new(&self.algorithm.mesh, source, "source", None)?;
+        let kit = self.algorithm.kit(&question);
+        let work = move || {
+            let mut sampler = PhaseSampler::start()?;
+            let solution = kit.with(|solver| solver.profile(&question.sources, &mut sampler));
+            Ok((solution, sampler.phases()))
+        };
+        let faces = self.algorithm.mesh.face_count();
+        let result: Result<_, std::io::Error> = interrupt::call(py, faces, &Stop::default(), work)?;
+        let (solution, phases) = result.map_err(|error| PyOSError::new_err(error.to_string()))?;
+        let mut distances = solution.map_err(unsolved)?.distances;
+        distances.truncate(self.algorithm.mesh.vertex_count());
+        let seconds = PyDict::new(py);
+        seconds.set_item("propagation", phases.propagation.as_secs_f64())?;
+        seconds.set_item("pruning", phases.pruning.as_secs_f64())?;
+        seconds.set_item("management", phases.management.as_secs_f64())?;
+        Ok((PyArray1::from_vec(py, distances), seconds))
+    }
+
+    fn __repr__(&self) -> String {
+        let mesh = &self.algorithm.mesh;
+        format!(
+            "<geobench.Solver {} for {} vertices, {} faces>",
+            self.algorithm(),
+            mesh.vertex_count(),
+            mesh.face_count()
+        )
+    }
+}
+
+/// The one path to a target.
+pub(crate) fn one_path(
+    algorithm: &Algorithm,
+    py: Python<'_>,
+    source: &Bound<'_, PyAny>,
+    target: &Bound<'_, PyAny>,
+) -> PyResult<Option<PyPath>> {
+    crate::points::single(target, "target")?;
+    let mut paths = algorithm.paths(py, source, target, "target")?;
+    Ok(paths.pop().flatten())
+}
+
+/// The mesh that an argument is.
+pub(crate) fn mesh_of<'a, 'py>(value: &'a Bound<'py, PyAny>) -> PyResult<&'a Bound<'py, PyMesh>> {
+    value.cast::<PyMesh>().map_err(|_| {
+        PyTypeError::new_err(format!(
+            "mesh: a geobench.Mesh is needed, not {}",
+            value
+                .get_type()
+                .name()
+                .map_or_else(|_| "this".to_owned(), |name| name.to_string())
+        ))
+    })
+}
+
+/// The algorithms: a list of dictionaries with `name`, `family`, `paper`, `exact`, `summary` and
+/// `choose` (when to choose it).
+#[pyfunction]
+pub(crate) fn algorithms(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
+    let rows = registry::algorithms().iter().map(|algorithm| {
+        let row = PyDict::new(py);
+        row.set_item("name", algorithm.name)?;
+        row.set_item("family", algorithm.family)?;
+        row.set_item("paper", algorithm.paper)?;
+        row.set_item("exact", algorithm.exact)?;
+        row.set_item("summary", algorithm.summary)?;
+        row.set_item("choose", algorithm.choose)?;
+        Ok(row)
+    });
+    rows.collect()
+}

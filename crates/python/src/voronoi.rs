@@ -1,0 +1,297 @@
+//! Geodesic Voronoi diagrams.
+
+use std::sync::Arc as Shared;
+
+use geobench::exec::source::PointSpec;
+use geodesic::voronoi::NO_SOURCE;
+use geodesic::{Diagram, FieldSolver, Mesh, Stop, TriangleSoup, VertexId, WindowVtp};
+use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::errors::unsolved;
+use crate::interrupt;
+use crate::mesh::PyMesh;
+use crate::path::triples;
+use crate::points::{Finder, several};
+
+/// A geodesic Voronoi diagram: which of several sources is the nearest, everywhere on a surface.
+#[pyclass(frozen, module = "geobench", name = "Voronoi")]
+pub(crate) struct PyVoronoi {
+    diagram: Shared<Diagram>,
+    sources: Vec<VertexId>,
+    /// (n,) int64: for each vertex the index of its nearest source; -1 where no path leads.
+    #[pyo3(get)]
+    labels: Py<PyArray1<i64>>,
+    /// (n,) float64: for each vertex the distance from its nearest source.
+    #[pyo3(get)]
+    distances: Py<PyArray1<f64>>,
+}
+
+/// All points that are nearer to one source than to any other.
+#[pyclass(frozen, get_all, module = "geobench", name = "Cell")]
+pub(crate) struct PyCell {
+    /// int: index of its source.
+    source: usize,
+    /// int: the vertex that its source is.
+    vertex: u32,
+    /// float: its area, in square units of the mesh.
+    area: f64,
+    /// float: the length of its border, that of the surface included.
+    perimeter: f64,
+    /// list of int: the cells with which it shares a border, ascending.
+    neighbours: Vec<u32>,
+    /// bool: whether it is a disc, and not a ring or in several pieces.
+    is_disc: bool,
+    /// int: its Euler characteristic.
+    euler: i64,
+}
+
+#[pymethods]
+impl PyCell {
+    fn __repr__(&self) -> String {
+        format!(
+            "<geobench.Cell of vertex {}: area {}, {} neighbours>",
+            self.vertex,
+            self.area,
+            self.neighbours.len()
+        )
+    }
+}
+
+/// A piece of the border between two cells, inside one face.
+#[pyclass(frozen, module = "geobench", name = "Arc")]
+pub(crate) struct PyArc {
+    diagram: Shared<Diagram>,
+    place: usize,
+}
+
+impl PyArc {
+    fn arc(&self) -> &geodesic::voronoi::Arc {
+        &self.diagram.arcs()[self.place]
+    }
+}
+
+#[pymethods]
+impl PyArc {
+    /// int: the face.
+    #[getter]
+    fn face(&self) -> u32 {
+        self.arc().face.raw()
+    }
+
+    /// tuple of two ints: the cells on its left and on its right.
+    #[getter]
+    fn sources(&self) -> (u32, u32) {
+        self.arc().sources.into()
+    }
+
+    /// tuple of two ints: the points at which it begins and ends; arcs that share one meet there.
+    #[getter]
+    fn nodes(&self) -> (u32, u32) {
+        self.arc().nodes.into()
+    }
+
+    /// str: "line" or "hyperbola".
+    #[getter]
+    fn kind(&self) -> &'static str {
+        if self.arc().is_line() {
+            "line"
+        } else {
+            "hyperbola"
+        }
+    }
+
+    /// float: its length, in units of the mesh.
+    #[getter]
+    fn length(&self) -> f64 {
+        self.arc().length()
+    }
+
+    /// Positions along it, from its beginning to its end: a line has two, a hyperbola `parts + 1`.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray, shape (k, 3), float64
+    #[pyo3(signature = (parts = 8))]
+    fn points(&self, py: Python<'_>, parts: usize) -> PyResult<Py<PyArray2<f64>>> {
+        let arc = self.arc();
+        let parts = if arc.is_line() { 1 } else { parts.max(1) };
+        let place = |i: usize| match i {
+            0 => arc.ends[0],
+            i if i == parts => arc.ends[1],
+            i => arc.point(i as f64 / parts as f64),
+        };
+        let position = |i| self.diagram.position(arc.face, place(i));
+        let points: Option<Vec<[f64; 3]>> = (0..=parts).map(position).collect();
+        let points = points.ok_or_else(|| PyValueError::new_err("the mesh has no positions"))?;
+        triples(py, &points)
+    }
+
+    fn __repr__(&self) -> String {
+        let [a, b] = self.arc().sources;
+        format!(
+            "<geobench.Arc between cells {a} and {b} in face {}>",
+            self.face()
+        )
+    }
+}
+
+/// A point at which three cells or more meet.
+#[pyclass(frozen, get_all, module = "geobench", name = "VoronoiVertex")]
+pub(crate) struct PyVoronoiVertex {
+    /// tuple of three floats or None: its position; `None` if the mesh has none.
+    position: Option<(f64, f64, f64)>,
+    /// int: its face.
+    face: u32,
+    /// tuple of three floats: its barycentric coordinates there.
+    barycentric: (f64, f64, f64),
+    /// list of int: the cells around it, counter-clockwise.
+    sources: Vec<u32>,
+    /// float: its distance from their sources.
+    distance: f64,
+}
+
+impl PyVoronoi {
+    pub(crate) fn new(py: Python<'_>, mesh: &Mesh, sources: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let mut finder = Finder::new(mesh);
+        let mut vertices: Vec<VertexId> = Vec::new();
+        for spec in several(sources, "sources")? {
+            let PointSpec::Vertex(v) = spec else {
+                return Err(PyTypeError::new_err(format!(
+                    "sources: {spec} is not a vertex; Voronoi diagrams take vertices only"
+                )));
+            };
+            finder.find(spec, "sources:")?;
+            if vertices.contains(&v.into()) {
+                return Err(PyValueError::new_err(format!(
+                    "sources: vertex {v} occurs twice"
+                )));
+            }
+            vertices.push(v.into());
+        }
+        let (mesh, sources) = (mesh.clone(), vertices.clone());
+        let faces = mesh.face_count();
+        let work = move || {
+            let mut solver = WindowVtp::new(&mesh);
+            let field = solver.field(&sources)?;
+            let diagram = Diagram::new(&field, sources.len());
+            Ok((diagram, field.distances().to_vec()))
+        };
+        let made = interrupt::call(py, faces, &Stop::default(), work)?;
+        let (diagram, distances) = made.map_err(unsolved)?;
+        let label = |&label: &u32| {
+            if label == NO_SOURCE {
+                -1
+            } else {
+                i64::from(label)
+            }
+        };
+        Ok(Self {
+            sources: vertices,
+            labels: PyArray1::from_iter(py, diagram.labels().iter().map(label)).unbind(),
+            distances: PyArray1::from_vec(py, distances).unbind(),
+            diagram: Shared::new(diagram),
+        })
+    }
+}
+
+#[pymethods]
+impl PyVoronoi {
+    /// list of int: the vertices that are the sources.
+    #[getter]
+    fn sources(&self) -> Vec<u32> {
+        self.sources.iter().map(|v| v.raw()).collect()
+    }
+
+    /// list of Cell: one for each source, in their order.
+    #[getter]
+    fn cells(&self) -> Vec<PyCell> {
+        let cells = self.diagram.cells().iter().enumerate();
+        cells
+            .map(|(source, cell)| PyCell {
+                source,
+                vertex: self.sources[source].raw(),
+                area: cell.area,
+                perimeter: cell.perimeter,
+                neighbours: cell.neighbours.clone(),
+                is_disc: cell.is_disc(),
+                euler: cell.euler,
+            })
+            .collect()
+    }
+
+    /// list of Arc: the borders between cells, piece by piece.
+    #[getter]
+    fn arcs(&self) -> Vec<PyArc> {
+        let places = 0..self.diagram.arcs().len();
+        places
+            .map(|place| PyArc {
+                diagram: Shared::clone(&self.diagram),
+                place,
+            })
+            .collect()
+    }
+
+    /// list of VoronoiVertex: where three cells or more meet.
+    #[getter]
+    fn vertices(&self) -> Vec<PyVoronoiVertex> {
+        let diagram = &self.diagram;
+        let vertices = diagram.vertices().iter();
+        vertices
+            .map(|vertex| {
+                let node = diagram.nodes()[vertex.node as usize];
+                PyVoronoiVertex {
+                    position: diagram.position(node.face, node.place).map(Into::into),
+                    face: node.face.raw(),
+                    barycentric: diagram.barycentric(node.face, node.place).into(),
+                    sources: vertex.cells.clone(),
+                    distance: vertex.distance,
+                }
+            })
+            .collect()
+    }
+
+    /// The geodesic Delaunay triangulation: a mesh with the sources as vertices, in their order,
+    /// and a face for each Voronoi vertex.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     The dual is no triangulation, because a cell is no disc or two cells share two borders.
+    ///     The message names them; more sources there help.
+    fn dual(&self, py: Python<'_>) -> PyResult<PyMesh> {
+        let positions = self.diagram.mesh().positions();
+        if positions.is_empty() {
+            return Err(PyValueError::new_err("the mesh has no positions"));
+        }
+        let dual = self.diagram.dual();
+        if !dual.obstacles.is_empty() {
+            let named: Vec<String> = dual
+                .obstacles
+                .iter()
+                .take(4)
+                .map(ToString::to_string)
+                .collect();
+            let more = match dual.obstacles.len() - named.len() {
+                0 => String::new(),
+                more => format!("; and {more} more"),
+            };
+            return Err(PyValueError::new_err(format!(
+                "the dual is no triangulation: {}{more}; add sources there",
+                named.join("; ")
+            )));
+        }
+        let corners = self.sources.iter().map(|v| positions[v.index()]).collect();
+        let soup = TriangleSoup::new(corners, dual.triangles.clone());
+        PyMesh::new(py, soup, "dual".to_owned(), "the dual")
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<geobench.Voronoi: {} cells, {} arcs>",
+            self.sources.len(),
+            self.diagram.arcs().len()
+        )
+    }
+}

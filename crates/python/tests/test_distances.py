@@ -1,0 +1,186 @@
+"""Distances: shapes, options, and the answers of other programs."""
+
+import numpy as np
+import potpourri3d as pp3d
+import pygeodesic.geodesic
+import pytest
+from conftest import model
+
+import geobench as gb
+
+GENERATED = [
+    "torus,faces=3000,bump=0.1,seed=7",
+    "sphere,subdiv=4",
+    "knot,faces=2000",
+    "holes",
+    "anisotropic,faces=2000,g=4",
+]
+
+
+def same(a, b, tolerance=1e-9):
+    np.testing.assert_allclose(a, b, rtol=tolerance, atol=0)
+
+
+@pytest.mark.parametrize("spec", GENERATED)
+def test_distances_are_those_of_pygeodesic(spec):
+    check_with_pygeodesic(gb.generate(spec))
+
+
+@pytest.mark.parametrize("name", ["suzanne.obj", "spot.obj"])
+def test_distances_of_shared_models_are_those_of_pygeodesic(name):
+    check_with_pygeodesic(gb.read(model(name)))
+
+
+def check_with_pygeodesic(mesh):
+    other = pygeodesic.geodesic.PyGeodesicAlgorithmExact(
+        mesh.vertices, mesh.faces.astype(np.int32)
+    )
+    source = mesh.n_vertices // 2
+    expected, _ = other.geodesicDistances(np.array([source]), None)
+    expected[np.isinf(expected) | (expected > 1e90)] = np.inf
+    same(mesh.distance(source), expected)
+
+
+@pytest.mark.parametrize("spec", ["torus,faces=3000,bump=0.1,seed=7", "sphere,subdiv=4"])
+def test_the_heat_method_is_near(spec):
+    mesh = gb.generate(spec)
+    d = mesh.distance(0)
+    heat = pp3d.MeshHeatMethodDistanceSolver(mesh.vertices, mesh.faces.astype(np.int64))
+    error = np.abs(heat.compute_distance(0) - d) / d.max()
+    # Its errors are of some percent, and not of a thousandth: it is another method.
+    assert 1e-4 < error.mean() < 0.03, error.mean()
+
+
+def test_shapes_and_types(torus):
+    n = torus.n_vertices
+    d = torus.distance(0)
+    assert d.shape == (n,) and d.dtype == np.float64 and d[0] == 0
+    D = torus.distances([0, 5, 9], threads=2)
+    assert D.shape == (3, n) and D.flags.c_contiguous
+    same(D[0], d, 0)
+    same(torus.distance([0, 5]), np.minimum(D[0], D[1]), 1e-12)
+    same(torus.distance(np.array([0, 5])), torus.distance([0, np.int32(5)]), 0)
+    assert torus.distances(7).shape == (1, n)
+
+
+def test_unreachable_is_infinite(square):
+    assert square.distance(0).tolist()[4] == np.inf
+    assert square.distance(4).tolist() == [np.inf] * 4 + [0]
+
+
+def test_radius_and_targets_end_early(torus):
+    full = torus.distance(3)
+    near = torus.distance(3, radius=1.0)
+    same(near[full <= 1.0], full[full <= 1.0], 0)
+    assert np.isinf(near[full > 1.0]).all() and np.isinf(near).any()
+    targets = [7, 700, 3]
+    same(torus.distance(3, targets=targets), full[targets], 0)
+    assert torus.distances([3, 4], targets=targets, radius=1e-9).tolist() == [
+        [np.inf, np.inf, 0.0],
+        [np.inf, np.inf, np.inf],
+    ]
+
+
+def test_points_anywhere(square):
+    d = square.distance(gb.edge(0, 1, 0.25))
+    same(d[:4], [0.25, 0.75, np.hypot(0.75, 1), np.hypot(0.25, 1)], 1e-14)
+    d = square.distance(gb.face(0, 0.5, 0.25, 0.25))
+    same(d[:3], [np.hypot(0.5, 0.25), np.hypot(0.5, 0.25), np.hypot(0.5, 0.75)], 1e-14)
+    same(square.distance(gb.at(0, 0.5, 2))[0], 0.5, 1e-14)
+    same(square.distance(0, targets=[gb.edge(1, 2, 0.5), gb.vertex(2)]), [1.25**0.5, 2**0.5], 1e-14)
+    rows = square.distances([gb.at(0.2, 0.1, 0), 1])
+    same(rows[1], square.distance(1), 1e-14)
+
+
+def test_solvers_keep_their_set_up(torus):
+    expected = torus.distance(5)
+    for name in ["vtp-fast", "vtp", "mmp", "ich", "fwp-mmp{kmax=5000}", "vtp-mmp"]:
+        solver = gb.Solver(torus, name)
+        for _ in range(2):
+            same(solver.distance(5), expected, 1e-12)
+        assert solver.exact and solver.mesh is torus
+    parallel = gb.Solver(torus, "pvtp", threads=2)
+    same(parallel.distance(5), expected, 1e-12)
+    same(parallel.distances([5, 6], threads=2)[0], expected, 1e-12)
+
+
+def test_the_example_of_the_page(torus):
+    solver = gb.Solver(torus, "vtp-fast")
+    source = gb.face(12, 0.2, 0.3, 0.5)
+    d = solver.distance(source, radius=1.5, targets=[0, 1, 2])
+    assert d.shape == (3,)
+    same(d, torus.distance(source)[:3], 1e-12)
+
+
+def test_every_exact_algorithm_agrees(torus):
+    mesh = gb.generate("terrain,n=12,seed=3")
+    expected = mesh.distance(7)
+    for algorithm in gb.algorithms():
+        if algorithm["exact"]:
+            same(mesh.distance(7, algorithm=algorithm["name"]), expected, 1e-10)
+
+
+def test_counts_and_profiles(torus):
+    solver = gb.Solver(torus, "vtp")
+    d, counters = solver.count(0)
+    same(d, solver.distance(0), 0)
+    assert counters["propagated"] > torus.n_faces
+    d, seconds = solver.profile(0)
+    same(d, solver.distance(0), 0)
+    assert set(seconds) == {"propagation", "pruning", "management"}
+
+
+def test_solvers_are_used_from_several_threads(torus):
+    from concurrent.futures import ThreadPoolExecutor
+
+    solver = gb.Solver(torus)
+    expected = [solver.distance(v) for v in range(8)]
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(solver.distance, range(8)))
+    for a, b in zip(expected, found):
+        same(a, b, 0)
+
+
+def test_arrays_of_every_layout():
+    mesh = gb.generate("sphere,subdiv=1")
+    V, F = mesh.vertices, mesh.faces
+    expected = mesh.distance(0)
+    wide = np.zeros((len(V), 6))
+    wide[:, ::2] = V
+    layouts = [
+        (np.asfortranarray(V), F.astype(np.int64)),
+        (wide[:, ::2], F.astype(np.int32)[::-1][::-1]),
+        (V.astype(">f8"), F.astype(np.uint64)),
+        (V.tolist(), F.tolist()),
+        (V, F.astype(np.int16)),
+    ]
+    for vertices, faces in layouts:
+        same(gb.Mesh(vertices, faces).distance(0), expected, 0)
+    single = gb.Mesh(V.astype(np.float32), F).vertices
+    assert (single == V.astype(np.float32)).all()
+
+
+def test_arrays_are_copied_once_and_not_shared():
+    V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    mesh = gb.Mesh(V, [[0, 1, 2]])
+    V[1, 0] = 7
+    assert mesh.vertices[1, 0] == 1
+    d = mesh.distance(0)
+    d[1] = 9
+    assert mesh.distance(0)[1] == 1
+
+
+def test_lengths_alone_make_a_surface():
+    mesh = gb.Mesh.from_lengths(3, [[0, 1, 2]], [[3.0, 5.0, 4.0]])
+    assert mesh.distance(0).tolist() == [0, 3, 4]
+    assert mesh.vertices.shape == (0, 3)
+    with pytest.raises(gb.MeshError, match="face 0"):
+        gb.Mesh.from_lengths(3, [[0, 1, 2]], [[3.0, 9.0, 4.0]])
+
+
+def test_where_points_are(square):
+    face, barycentric, position, distance = square.locate(gb.at(0.75, 0.25, 2))
+    assert (face, position, distance) == (0, (0.75, 0.25, 0.0), 2.0)
+    same(barycentric, [0.25, 0.5, 0.25], 1e-14)
+    assert square.nearest_vertex(0.9, 0.2, 1) == 1
+    assert square.info()["components"] == 1 and square.info()["boundary_edges"] == 4

@@ -1,0 +1,126 @@
+"""What is wrong is named: the argument, the vertex, the face."""
+
+import numpy as np
+import pytest
+
+import geobench as gb
+
+V = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+F = np.array([[0, 1, 2], [0, 2, 3]])
+
+
+def nan_at(vertex):
+    positions = V.copy()
+    positions[vertex, 1] = np.nan
+    return positions
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "error", "text"),
+    [
+        (V[:, :2], F, ValueError, r"vertices: the shape is \(4, 2\), but \(n, 3\)"),
+        (V.ravel(), F, ValueError, r"vertices: the shape is \(12,\)"),
+        (V, F.ravel(), ValueError, r"faces: the shape is \(6,\)"),
+        (V, np.zeros((2, 4), int), ValueError, r"faces: the shape is \(2, 4\)"),
+        (V.astype(complex), F, TypeError, "vertices: the type is complex128"),
+        (V.astype(str), F, TypeError, "vertices: the type is"),
+        (V, F.astype(float), TypeError, "faces: the type is float64, but integers"),
+        (V, F.astype(bool), TypeError, "faces: the type is bool"),
+        ("mesh.obj", F, ValueError, "vertices: "),
+        (V, [[0, 1, 2], [0, 2, -3]], gb.MeshError, "face 1 names vertex -3"),
+        (V, [[0, 1, 2], [0, 2, 9]], gb.MeshError, "face 1.*vertex 9"),
+        (V, [[0, 1, 2], [0, 2, 2**40]], gb.MeshError, f"face 1 names vertex {2**40}"),
+        (V, [[0, 1, 1], [0, 2, 3]], gb.MeshError, "face 0.*vertex 1"),
+        (nan_at(2), F, gb.MeshError, "vertex 2"),
+        (np.vstack([V, V[:1] + 3]), [[0, 1, 2], [0, 2, 3], [2, 0, 4]], gb.MeshError, "0 and 2"),
+        (V[[0, 1, 2, 0]], [[0, 1, 2], [0, 2, 3]], gb.MeshError, "0"),
+        (np.zeros((0, 3)), np.zeros((0, 3), int), gb.MeshError, "vert"),
+        (V, [], gb.MeshError, "face"),
+    ],
+)
+def test_meshes(vertices, faces, error, text):
+    with pytest.raises(error, match=text):
+        gb.Mesh(vertices, faces)
+
+
+def test_defects_are_listed():
+    with pytest.raises(gb.MeshError) as caught:
+        gb.Mesh(nan_at(1), [[0, 1, 2], [0, 2, 9]])
+    assert any("face 1 names vertex 9" in defect for defect in caught.value.defects)
+    assert any("vertex 1" in defect for defect in caught.value.defects)
+    assert isinstance(caught.value, ValueError)
+    assert "turned" in gb.Mesh(V, [[0, 1, 2], [0, 3, 2]]).defects[0]
+
+
+@pytest.mark.parametrize(
+    ("source", "error", "text"),
+    [
+        (99, IndexError, "source vertex 99 does not exist: the mesh has 5 vertices"),
+        (-1, IndexError, "source vertex -1 does not exist"),
+        ([0, 99], IndexError, "source vertex 99"),
+        (1.5, TypeError, "source: 1.5 is no point"),
+        (True, TypeError, "source: True is no point"),
+        ("0", TypeError, "source: '0' is no point"),
+        (None, TypeError, "source: None is no point"),
+        ([], ValueError, "source: empty"),
+        ([[0, 1]], TypeError, r"source: \[0, 1\] is no point"),
+        (np.array([0.5]), TypeError, "source: "),
+        (gb.face(9, 0.2, 0.3, 0.5), IndexError, "source: face:9,0.2,0.3,0.5: face 9 does not"),
+        (gb.face(0, 0.2, 0.3, 0.6), ValueError, "have the sum 1.1"),
+        (gb.edge(1, 3, 0.5), ValueError, "no edge joins the vertices 1 and 3"),
+    ],
+)
+def test_sources(square, source, error, text):
+    for call in (square.distance, gb.Solver(square).distance):
+        with pytest.raises(error, match=text):
+            call(source)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "text"),
+    [
+        ({"radius": -1.0}, ValueError, "radius: -1"),
+        ({"radius": np.nan}, ValueError, "radius: NaN"),
+        ({"targets": []}, ValueError, "targets: empty"),
+        ({"targets": [99]}, IndexError, "targets vertex 99 does not exist"),
+        ({"algorithm": "vpt"}, ValueError, "algorithm: there is no algorithm `vpt`, did you mean `vtp`"),
+        ({"algorithm": "exact"}, ValueError, "asks for"),
+        ({"algorithm": "fwp-mmp{kmax=0}"}, ValueError, "kmax"),
+    ],
+)
+def test_options(square, arguments, error, text):
+    with pytest.raises(error, match=text):
+        square.distance(0, **arguments)
+
+
+def test_other_calls(square, tmp_path):
+    def fails(error, text, call, *arguments, **named):
+        with pytest.raises(error, match=text):
+            call(*arguments, **named)
+
+    fails(ValueError, "threads: 0", square.distances, [0], threads=0)
+    fails(IndexError, "sources vertex 9", square.distances, [0, 9])
+    fails(IndexError, "target vertex 9", square.path, 0, 9)
+    fails(TypeError, "target: ", square.path, 0, [1, 2])
+    fails(ValueError, "t: 2 is not a place", gb.edge, 0, 1, 2)
+    fails(IndexError, "b: there is no number -1", gb.edge, 0, -1, 0.5)
+    fails(ValueError, "x: NaN", gb.at, np.nan, 0, 0)
+    fails(TypeError, "face:0", square.voronoi, [gb.face(0, 0.2, 0.3, 0.5)])
+    fails(ValueError, "vertex 1 occurs twice", square.voronoi, [1, 1])
+    fails(TypeError, "mesh: a geobench.Mesh is needed, not str", gb.Solver, "mesh.obj")
+    fails(ValueError, "simd", gb.Solver, square, simd="sse9")
+    fails(ValueError, r"distances: the shape is \(4,\), but \(5,\)", gb.certify, square, 0, V[:, 0])
+    d = square.distance(0)
+    d[2] = np.nan
+    fails(ValueError, "distances: the distance of vertex 2 is not a number", gb.certify, square, 0, d)
+    fails(FileNotFoundError, "none.obj", gb.read, tmp_path / "none.obj")
+    fails(IsADirectoryError, "directory", gb.read, tmp_path)
+    bad = tmp_path / "bad.obj"
+    bad.write_text("v 0 0 0\nv 1 0 x\n")
+    fails(gb.MeshError, "line 2", gb.read, bad)
+    fails(ValueError, "spec: ", gb.generate, "tours,faces=5")
+    fails(ValueError, "models: ", gb.run, "mmp", "gen:tours")
+    fails(TypeError, "models: 3 is no model", gb.run, "mmp", [3])
+    fails(ValueError, "algorithms: there is no algorithm", gb.run, "mpm", square)
+    fails(ValueError, "repeat: 0", gb.run, "mmp", square, repeat=0)
+    fails(ValueError, "sources: ", gb.run, "mmp", square, sources="x")

@@ -1,0 +1,77 @@
+"""Long calls: the lock is released, and Ctrl-C ends them."""
+
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import pytest
+
+import geobench as gb
+
+CALLS = {
+    "distance": "mesh.distance(0)",
+    "distances": "mesh.distances(range(400))",
+    "solver": "solver.distance(0)",
+    "paths": "mesh.paths(0, range(mesh.n_vertices))",
+    "voronoi": "mesh.voronoi(range(0, 90000, 3))",
+    "certify": "gb.certify(mesh, 0)",
+    "run": "gb.run(['mmp', 'vtp'], [mesh], repeat=100)",
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no signals between processes")
+@pytest.mark.parametrize("name", CALLS)
+def test_ctrl_c_ends_a_call(name):
+    """The calls take seconds to minutes; each is to end within a few after the signal."""
+    program = f"""
+        import time
+        import geobench as gb
+        mesh = gb.generate("terrain,n=300,seed=1")
+        solver = gb.Solver(mesh, "mmp") if {name!r} == "solver" else None
+        print("ready", flush=True)
+        try:
+            while True:
+                {CALLS[name]}
+        except KeyboardInterrupt:
+            print("interrupted", flush=True)
+            assert mesh.distance(0, radius=1e-3)[0] == 0
+        """
+    child = subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE, text=True
+    )
+    try:
+        assert child.stdout.readline() == "ready\n"
+        time.sleep(0.3)
+        sent = time.monotonic()
+        child.send_signal(signal.SIGINT)
+        assert child.stdout.readline() == "interrupted\n"
+        assert time.monotonic() - sent < 3
+        assert child.wait(20) == 0
+    finally:
+        child.kill()
+        child.wait()
+
+
+def test_other_threads_run_during_a_call():
+    mesh = gb.generate("terrain,n=250,seed=1")
+    solver = gb.Solver(mesh, "mmp")
+    beats, done = [], threading.Event()
+
+    def beat():
+        while not done.is_set():
+            beats.append(time.monotonic())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=beat)
+    thread.start()
+    start = time.monotonic()
+    solver.distance(0)
+    end = time.monotonic()
+    done.set()
+    thread.join()
+    during = [b for b in beats if start < b < end]
+    gaps = [b - a for a, b in zip(during, during[1:])]
+    assert len(during) > 5 and max(gaps) < max(0.1, (end - start) / 2)

@@ -1,0 +1,88 @@
+"""The package: its stubs, docstrings, version and page."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import REPOSITORY, shared
+
+import geobench as gb
+
+PAGE = REPOSITORY / "docs" / "python.md"
+
+
+def test_the_stubs_are_those_of_the_package():
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy.stubtest", "geobench", "--ignore-missing-stub"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_users_are_type_checked(tmp_path):
+    good = "import geobench as gb\nd = gb.generate('holes').distance([0, gb.vertex(3)], radius=1.0)\n"
+    path = tmp_path / "user.py"
+    for text, status in [(good, 0), (good + "gb.Solver(3)\n", 1), (good + "d.nothing\n", 1)]:
+        path.write_text(text)
+        done = subprocess.run(
+            [sys.executable, "-m", "mypy", "--strict", str(path)],
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=tmp_path,
+        )
+        assert done.returncode == status, done.stdout + done.stderr
+
+
+def test_everything_public_is_documented():
+    for name in gb.__all__:
+        if name == "__version__":
+            continue
+        item = getattr(gb, name)
+        assert item.__doc__, name
+        if isinstance(item, type):
+            for member, value in vars(item).items():
+                if not member.startswith("_") and not isinstance(value, (str, int)):
+                    assert getattr(value, "__doc__", None), f"{name}.{member}"
+
+
+def test_the_versions_are_in_step():
+    workspace = (REPOSITORY / "Cargo.toml").read_text()
+    version = re.search(r'\[workspace\.package\]\nversion = "(.*?)"', workspace).group(1)
+    assert gb.__version__ == version
+    for key in ["rust-version", "edition", "license"]:
+        line = re.search(rf'^{key} = ".*"$', workspace, re.MULTILINE).group(0)
+        assert line in (REPOSITORY / "crates/python/Cargo.toml").read_text()
+
+
+def recipes():
+    """The code of each part of the page."""
+    parts = re.split(r"^## ", PAGE.read_text(), flags=re.MULTILINE)
+    for part in parts:
+        code = re.findall(r"^```python\n(.*?)^```", part, re.MULTILINE | re.DOTALL)
+        if code:
+            yield pytest.param("\n".join(code), id=part.splitlines()[0])
+
+
+@pytest.mark.parametrize("code", recipes())
+def test_the_page_runs(code, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    scan = shared() / "models" / "stanford-bunny.obj"
+    if scan.exists():
+        Path("bunny.obj").symlink_to(scan)
+    else:
+        gb.generate("torus,faces=5000,bump=0.1").write("bunny.obj")
+    exec(compile(code, str(PAGE), "exec"), {})
+    for picture in re.findall(r'savefig\("(.*?)"', code):
+        assert Path(picture).stat().st_size > 10_000
+
+
+def test_doctests():
+    import doctest
+
+    assert doctest.testmod(gb).failed == 0

@@ -1,0 +1,84 @@
+"""Paths and Voronoi diagrams."""
+
+import numpy as np
+import pytest
+
+import geobench as gb
+
+
+def test_a_path_has_the_length_of_the_distance(torus):
+    d = torus.distance(0)
+    for target in [17, 500, 1200]:
+        path = torus.path(0, target)
+        steps = np.linalg.norm(np.diff(path.points, axis=0), axis=1)
+        assert path.length == pytest.approx(d[target], rel=1e-12)
+        assert steps.sum() == pytest.approx(path.length, rel=1e-12)
+        assert (path.points[0] == torus.vertices[0]).all()
+        assert (path.points[-1] == torus.vertices[target]).all()
+        assert path.vertices[0] == 0 and path.vertices[-1] == target
+        assert len(path) == len(path.points) == len(path.faces) == len(path.vertices)
+        corners = torus.vertices[torus.faces[path.faces]]
+        there = np.einsum("ki,kij->kj", path.barycentric, corners)
+        np.testing.assert_allclose(there, path.points, atol=1e-12)
+
+
+def test_paths_between_points_inside_faces(torus):
+    source, target = gb.face(3, 0.2, 0.3, 0.5), gb.edge(*map(int, torus.faces[700][:2]), 0.25)
+    path = torus.path(source, target)
+    assert path.faces[0] == 3
+    np.testing.assert_allclose(path.barycentric[0], [0.2, 0.3, 0.5], atol=1e-15)
+    assert path.length == pytest.approx(torus.distance(source, targets=target)[0], rel=1e-12)
+
+
+def test_many_paths_of_one_search(torus):
+    solver = gb.Solver(torus)
+    targets = [5, 17, 900]
+    for path, target in zip(solver.paths([0, 40], targets), targets):
+        assert path.vertices[-1] == target and path.vertices[0] in (0, 40)
+    assert solver.path(0, 17).length == torus.path(0, 17).length
+
+
+def test_no_path_is_none(square):
+    assert square.path(0, 4) is None
+    assert [path is None for path in square.paths(0, [4, 2])] == [True, False]
+
+
+def test_voronoi_cells_share_the_surface(torus):
+    sources = [3, 99, 1024, 700, 1300]
+    diagram = torus.voronoi(sources)
+    rows = torus.distances(sources)
+    nearest = rows.min(axis=0)
+    np.testing.assert_allclose(diagram.distances, nearest, rtol=1e-9)
+    chosen = rows[diagram.labels, np.arange(torus.n_vertices)]
+    np.testing.assert_allclose(chosen, nearest, rtol=1e-9)
+    assert sum(cell.area for cell in diagram.cells) == pytest.approx(torus.info()["area"])
+    for cell in diagram.cells:
+        assert diagram.sources[cell.source] == cell.vertex
+        for other in cell.neighbours:
+            assert cell.source in diagram.cells[other].neighbours
+    border = sum(arc.length for arc in diagram.arcs)
+    assert sum(cell.perimeter for cell in diagram.cells) == pytest.approx(2 * border)
+    for arc in diagram.arcs[:50]:
+        points = arc.points()
+        assert points.shape == (2 if arc.kind == "line" else 9, 3)
+        assert len(set(arc.sources)) == 2
+    for vertex in diagram.vertices:
+        assert len(vertex.sources) >= 3 and vertex.distance > 0
+
+
+def test_the_dual_is_a_mesh():
+    mesh = gb.generate("sphere,subdiv=4")
+    sources = np.random.default_rng(1).choice(mesh.n_vertices, 100, replace=False)
+    dual = mesh.voronoi(sources).dual()
+    assert dual.n_vertices == 100
+    assert dual.info()["euler_characteristic"] == 2
+    assert (dual.vertices == mesh.vertices[sources]).all()
+
+
+def test_a_dual_that_is_none_says_where(torus):
+    with pytest.raises(ValueError, match="cell 0 is no disc"):
+        torus.voronoi([0]).dual()
+
+
+def test_labels_of_what_no_source_reaches(square):
+    assert square.voronoi([0, 2]).labels.tolist()[4] == -1

@@ -26,6 +26,9 @@ static ALLOCATOR: &PeakMemAlloc<System> = &INSTRUMENTED_SYSTEM;
 #[pymodule(name = "_core")]
 fn core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
+    // What is loaded later could be interrupted by Ctrl-C, which would be a panic.
+    py.import("numpy")?;
+    numpy::PyArray1::<f64>::from_vec(py, Vec::new());
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("MeshError", py.get_type::<errors::MeshError>())?;
     module.add(

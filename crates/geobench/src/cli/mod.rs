@@ -4,6 +4,7 @@ mod algos;
 mod args;
 mod certify;
 mod claims;
+mod cluster;
 mod compare;
 mod distance;
 mod generate;
@@ -99,6 +100,7 @@ fn command() -> ExitCode {
         Command::Info(options) => info::info(&options),
         Command::Algos(options) => algos::algos(&options, terminal),
         Command::Merge(options) => merge::merge(&options),
+        Command::Cluster(options) => cluster::cluster(&options, terminal),
         Command::Pool(options) => pool::pool(&options),
         Command::Record(options) => history::record(&options),
         Command::Trend(options) => history::trend(&options, terminal),

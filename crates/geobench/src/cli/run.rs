@@ -239,7 +239,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
 }
 
 /// The plans, with notes on what is left out.
-fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
+pub(super) fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let Plans {
         mut plans,
         mut notes,

@@ -16,6 +16,7 @@ pub mod limits;
 pub(crate) mod mock;
 pub mod model;
 mod protocol;
+pub mod slurm;
 pub mod source;
 
 use geobench_window::Counters;

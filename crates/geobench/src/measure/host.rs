@@ -36,6 +36,7 @@ pub fn host() -> Host {
         kernel: text("/proc/sys/kernel/osrelease").and_then(|text| non_empty(&text)),
         load_start: load(Path::new("/")),
         simd: Some(geobench_window::simd::Instructions::detect().to_string()),
+        node: std::env::var("SLURMD_NODENAME").ok(),
     }
 }
 

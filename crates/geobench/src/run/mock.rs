@@ -71,6 +71,7 @@ pub(crate) fn result(records: Records) -> ResultFile {
             kernel: None,
             load_start: Some(0.5),
             simd: Some("avx2".into()),
+            node: None,
         },
         command: vec!["geobench".into(), "run".into()],
         started: "2025-01-01T00:00:00Z".into(),

@@ -2,6 +2,7 @@
 
 pub mod agreement;
 pub mod check;
+pub mod cluster;
 mod earlier;
 pub mod journal;
 pub mod merge;

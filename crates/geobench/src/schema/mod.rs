@@ -128,23 +128,30 @@ pub struct Host {
     /// `scalar`. Those of a cell are narrower if `--simd` or a parameter `simd` asks for it.
     #[serde(default)]
     pub simd: Option<String>,
+    /// Its name in the cluster; absent outside of one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub node: Option<String>,
 }
 
 impl Host {
-    /// The machine in words: processor, number of processors and operating system.
+    /// The class of the machine in words: processor, number of processors and operating system.
     pub fn in_words(&self) -> String {
         let cpu = self.cpu.as_deref().unwrap_or("unknown processor");
         format!("{cpu}, {} cores, {}", self.cores, self.os)
     }
 
-    /// Whether `other` is the same machine, as far as can be told: processor, cores and main
-    /// memory, of which kernels report a little more or less.
+    /// Whether `other` is the same machine, as far as can be told: node of the cluster, processor,
+    /// cores and main memory, of which kernels report a little more or less.
     pub fn is_same_machine(&self, other: &Self) -> bool {
         let same_memory = match (self.memory_bytes, other.memory_bytes) {
             (Some(a), Some(b)) => a.abs_diff(b) <= a.max(b) / 100,
             (a, b) => a == b,
         };
-        self.cpu == other.cpu && self.cores == other.cores && same_memory
+        let same_node = match (&self.node, &other.node) {
+            (Some(a), Some(b)) => a == b,
+            _ => true,
+        };
+        self.cpu == other.cpu && self.cores == other.cores && same_memory && same_node
     }
 }
 

@@ -8,7 +8,7 @@ use geobench_window::Counters;
 
 use super::escape::csv_text;
 use super::model::{Column, Entry, Table};
-use crate::schema::{Cell, ResultFile};
+use crate::schema::{Cell, Host, ResultFile};
 
 /// A table, the titles of its parts in a column of their own.
 pub(crate) fn table(table: &Table) -> anyhow::Result<String> {
@@ -103,8 +103,17 @@ fn surroundings(result: &ResultFile, cell: &Cell) -> [String; 4] {
         text(model.and_then(|model| model.vertices)),
         text(model.and_then(|model| model.faces)),
         text(model.and_then(|model| model.edges)),
-        result.host_of(cell).in_words(),
+        machine(result.host_of(cell)),
     ]
+}
+
+/// The class of the machine, and its name in a cluster.
+fn machine(host: &Host) -> String {
+    let class = host.in_words();
+    match &host.node {
+        Some(node) => format!("{class}, node {node}"),
+        None => class,
+    }
 }
 
 /// The names of the columns of results.

@@ -3,6 +3,7 @@
 mod algos;
 mod certify;
 mod claims;
+mod cluster;
 mod compare;
 mod distance;
 mod errors;

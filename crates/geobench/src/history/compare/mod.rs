@@ -15,7 +15,7 @@
 //! * A cell that the new file lacks is a regression only under a rule on missing cells, because
 //!   users compare parts of a benchmark with the whole.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 
 use geobench_window::{Counter, Counters};
@@ -358,11 +358,36 @@ pub(crate) fn exact(value: f64) -> String {
     }
 }
 
+/// Number of cells of both files that ran on different nodes.
+fn cells_on_other_nodes(old: &ResultFile, new: &ResultFile) -> usize {
+    let nodes = |file: &ResultFile| -> BTreeMap<_, _> {
+        let cells = file.cells.iter().filter_map(|cell| {
+            let node = file.host_of(cell).node.clone()?;
+            let source = cell.source.as_ref().map(ToString::to_string);
+            let group = cell.group.clone();
+            Some((
+                (group, cell.model.clone(), cell.algorithm.clone(), source),
+                node,
+            ))
+        });
+        cells.collect()
+    };
+    let new = nodes(new);
+    let differs = |(cell, node): &(_, _)| new.get(cell).is_some_and(|other| other != node);
+    nodes(old).into_iter().filter(differs).count()
+}
+
 /// Differences between the machines that make times hard to compare.
 fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
     let mut notes = Vec::new();
     if !old.host.is_same_machine(&new.host) {
         notes.push("the files are from different machines: times say little".to_owned());
+    }
+    let elsewhere = cells_on_other_nodes(old, new);
+    if elsewhere > 0 {
+        notes.push(format!(
+            "{elsewhere} cells ran on different nodes of a cluster: their times say little"
+        ));
     }
     if old.tool.rustc != new.tool.rustc {
         let name = |file: &ResultFile| file.tool.rustc.clone().unwrap_or_else(|| "unknown".into());

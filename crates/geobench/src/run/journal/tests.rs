@@ -93,6 +93,7 @@ fn session() -> SessionRecord {
             kernel: None,
             load_start: None,
             simd: None,
+            node: None,
         },
         command: vec!["geobench".into()],
         started: "2025-01-01T00:00:00Z".into(),

@@ -1,0 +1,243 @@
+//! `geobench cluster`.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use clap::Parser;
+
+use super::Verdict;
+use super::args::{Arguments, ClusterOptions, Command, RunOptions};
+use super::run::{now, possible_plans};
+use super::terminal::{self, Terminal};
+use crate::plan::Plan;
+use crate::run::cluster::{
+    ClusterDirectory, ClusterRecord, EXCLUSIVE, PartState, Placement, Resources, quoted, ranges,
+};
+use crate::table::terminal::listing;
+use crate::table::{Column, Entry, Table};
+
+pub(super) fn cluster(options: &ClusterOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
+    let directory = ClusterDirectory::new(&options.output)?;
+    if options.status {
+        return status(&directory, terminal);
+    }
+    if options.resume {
+        return resume(&directory);
+    }
+    start(&directory, options)
+}
+
+/// Writes the scripts of a benchmark and submits them.
+fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Result<Verdict> {
+    let Some(parts) = options.shards else {
+        bail!("--shards is missing: the number of parts, each of which is a job");
+    };
+    let mut words = vec!["run".to_owned()];
+    if let Some(config) = &options.config {
+        let Some(config) = config.to_str() else {
+            bail!(
+                "{}: not text in UTF-8, so no script can name it",
+                config.display()
+            );
+        };
+        words.extend(["--config".to_owned(), config.to_owned()]);
+    }
+    words.extend(options.run.iter().cloned());
+    let run = run_options(&words)?;
+    let plans = possible_plans(&run)?.plans;
+    let open = plans.iter().any(|plan| plan.sources.has_all());
+    let units: u128 = plans.iter().map(Plan::units).sum();
+    if !open && units < u128::from(parts) {
+        bail!(
+            "--shards {parts}: the plan has {units} pairs of model and source, so at most as many parts"
+        );
+    }
+    directory.create()?;
+    let program = std::env::current_exe().context("cannot tell the path of this program")?;
+    let here = std::env::current_dir().context("cannot tell the current directory")?;
+    let placement = Placement::find(directory, &program, &here, &files(&run, &plans))?;
+    let mut resources = Resources::of(&plans, parts);
+    if let Some(time) = options.time {
+        resources.seconds = Some(Duration::from(time).as_secs());
+    }
+    let mut extra: Vec<String> = Vec::new();
+    extra.extend(
+        options
+            .partition
+            .iter()
+            .map(|name| format!("--partition={name}")),
+    );
+    extra.extend(options.exclusive.then(|| EXCLUSIVE.to_owned()));
+    extra.extend(options.sbatch.iter().cloned());
+    let mut record = ClusterRecord::new(parts, &placement, words, resources, extra);
+    directory.write(&record)?;
+    let mut lines = placement.notes;
+    lines.push(asked(&record.resources));
+    let all: Vec<u32> = (1..=parts).collect();
+    let path = |name: &str| options.output.join(name).display().to_string();
+    if options.no_submit {
+        let [array, merge] = directory.commands(&record, &all);
+        let [array, merge] = [in_shell(&array), in_shell(&merge)];
+        lines.extend([
+            "to submit:".to_owned(),
+            format!("  sbatch {array} {}", path("part.sh")),
+            format!(
+                "  sbatch --dependency=afterany:ARRAY {merge} {}",
+                path("merge.sh")
+            ),
+        ]);
+    } else {
+        directory.submit(&mut record, &all, &now())?;
+        lines.extend(submitted(&record));
+        lines.push(format!(
+            "`geobench cluster --status -o {}` shows the parts; the result will be {}",
+            options.output.display(),
+            path("result.json")
+        ));
+    }
+    terminal::print(&(lines.join("\n") + "\n"))?;
+    Ok(Verdict::Passed)
+}
+
+/// Options as the shell takes them.
+fn in_shell(options: &[String]) -> String {
+    let words: Vec<String> = options.iter().map(|word| quoted(word)).collect();
+    words.join(" ")
+}
+
+/// The options of the `run` that the parts carry out.
+fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
+    let all = std::iter::once("geobench").chain(words.iter().map(String::as_str));
+    let arguments = Arguments::try_parse_from(all).map_err(|error| {
+        let text = error.render().to_string();
+        let first = text.lines().next().unwrap_or_default();
+        anyhow::anyhow!(
+            "the options of `run`: {}",
+            first.trim_start_matches("error: ")
+        )
+    })?;
+    let Command::Run(options) = arguments.command else {
+        bail!("give the options of `run` after --, without a command");
+    };
+    let taken = [
+        ("--shard", options.shard.is_some()),
+        ("--resume", options.resume.is_some()),
+        ("--add-to", options.add_to.is_some()),
+        ("--output", !options.output.is_empty()),
+    ];
+    if let Some((name, _)) = taken.iter().find(|(_, given)| *given) {
+        bail!("{name}: each part has one of its own; leave it out");
+    }
+    Ok(*options)
+}
+
+/// The files that the parts read: the suite and the models.
+fn files(run: &RunOptions, plans: &[Plan]) -> Vec<PathBuf> {
+    let models = plans.iter().flat_map(|plan| &plan.models);
+    let mut files: Vec<PathBuf> = models
+        .filter_map(|model| model.file_path().map(Path::to_owned))
+        .chain(run.config.clone())
+        .collect();
+    files.sort();
+    files.dedup();
+    files
+}
+
+/// What a job asks for, in words.
+fn asked(resources: &Resources) -> String {
+    let cores = match resources.cores {
+        1 => "1 core".to_owned(),
+        n => format!("{n} cores"),
+    };
+    let memory = resources.memory_bytes.map_or_else(
+        || "the partition's default memory (the plan has no --memory-limit)".to_owned(),
+        |bytes| bytesize::ByteSize(bytes).display().iec().to_string(),
+    );
+    let time = resources.seconds.map_or_else(
+        || "the partition's default time".to_owned(),
+        |seconds| {
+            let time = Duration::from_secs(seconds.div_ceil(60) * 60);
+            humantime::format_duration(time).to_string()
+        },
+    );
+    format!("each part asks for {cores}, {memory} and {time}")
+}
+
+/// The last submission, in words.
+fn submitted(record: &ClusterRecord) -> Vec<String> {
+    let Some(last) = record.submissions.last() else {
+        return Vec::new();
+    };
+    let (parts, count) = (ranges(&last.parts), record.parts);
+    let array = last.array.iter();
+    array
+        .map(|job| format!("job {job}: parts {parts} (of {count})"))
+        .chain([format!("job {}: joins the parts", last.merge)])
+        .collect()
+}
+
+/// Submits again what is neither done nor queued.
+fn resume(directory: &ClusterDirectory) -> anyhow::Result<Verdict> {
+    let mut record = directory.record()?;
+    let states = directory.states(&record)?;
+    let missing: Vec<u32> = (1..)
+        .zip(&states)
+        .filter(|(_, state)| matches!(state, PartState::Failed(_) | PartState::New))
+        .map(|(part, _)| part)
+        .collect();
+    let done = states.iter().all(|state| *state == PartState::Done);
+    let text = if done && directory.result().exists() {
+        format!("all parts are done: {}\n", directory.result().display())
+    } else if missing.is_empty() && !done {
+        "no part has failed; the others wait or run\n".to_owned()
+    } else {
+        directory.submit(&mut record, &missing, &now())?;
+        submitted(&record).join("\n") + "\n"
+    };
+    terminal::print(&text)?;
+    Ok(Verdict::Passed)
+}
+
+/// Shows the state of each part.
+fn status(directory: &ClusterDirectory, terminal: Terminal) -> anyhow::Result<Verdict> {
+    let record = directory.record()?;
+    let states = directory.states(&record)?;
+    let count = |is: fn(&PartState) -> bool| states.iter().filter(|state| is(state)).count();
+    let done = count(|state| *state == PartState::Done);
+    let queued = count(|state| matches!(state, PartState::Queued(_)));
+    let failed = count(|state| matches!(state, PartState::Failed(_)));
+    let rows = (1..).zip(&states).filter_map(|(part, state)| {
+        let (state, place) = match state {
+            PartState::Done => return None,
+            PartState::Queued(part) => (part.state.to_lowercase(), part.place.clone()),
+            PartState::Failed(log) => ("failed".to_owned(), log.clone()),
+            PartState::New => ("not submitted".to_owned(), String::new()),
+        };
+        Some([part.to_string(), state, place].map(Entry::new).to_vec())
+    });
+    let columns = ["part", "state", "node, or why"].map(Column::text);
+    let table = Table::new(columns.to_vec(), rows.collect());
+    let head = format!(
+        "{done} of {} parts done, {queued} waiting or running, {failed} failed\n",
+        record.parts
+    );
+    let rest = if done < states.len() {
+        listing(&table, terminal.look())
+    } else if directory.result().exists() {
+        format!("result: {}\n", directory.result().display())
+    } else {
+        format!("not joined yet: {}\n", directory.last_words("merge"))
+    };
+    let advice = if failed > 0 {
+        "`geobench cluster --resume` submits the failed parts again\n"
+    } else {
+        ""
+    };
+    terminal::print_rendered(&[&head, &rest, advice].concat())?;
+    Ok(if failed > 0 {
+        Verdict::Failed
+    } else {
+        Verdict::Passed
+    })
+}

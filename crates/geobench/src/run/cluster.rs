@@ -1,0 +1,661 @@
+//! A benchmark as a job array: every part of the plan is a job, and one more joins their files.
+//!
+//! The engine schedules; this describes. A directory that all nodes see holds the scripts, the
+//! journals and the files of the parts, and a record of what was submitted. A part is done once its
+//! file has its final name, so what is missing follows from the directory and the queue.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::os::unix::fs::MetadataExt;
+use std::path::{Component, Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use serde::{Deserialize, Serialize};
+
+use crate::exec::slurm::{self, QueuedPart};
+use crate::plan::Plan;
+use crate::registry::Selection;
+use crate::schema::Shard;
+use crate::table::output::OutputFile;
+
+/// The schema of the record.
+const SCHEMA: &str = "geobench-cluster/1";
+
+/// Memory of the process that starts the cells.
+const OWN_MEMORY: u64 = 256 << 20;
+
+/// What each job of the array asks for.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Resources {
+    /// Processors: the threads of the widest cell.
+    pub cores: usize,
+    /// Main memory in bytes: the memory limit of the cells and what the program itself takes; null
+    /// if some cells have no limit, and then Slurm's default holds.
+    pub memory_bytes: Option<u64>,
+    /// Time in seconds: that of all cells of the largest part, if each takes its time limit; null
+    /// if some cells have no limit.
+    pub seconds: Option<u64>,
+}
+
+impl Resources {
+    /// Those of the largest of `parts` parts of `plans`.
+    pub fn of(plans: &[Plan], parts: u32) -> Self {
+        let algorithms = plans.iter().flat_map(|plan| &plan.algorithms);
+        let limit = |plan: &Plan| plan.limits.timeout.0;
+        let seconds_of = |index| {
+            let mut parted = plans.to_vec();
+            let count = parts;
+            crate::plan::restrict(&mut parted, Shard { index, count });
+            parted.iter().try_fold(0_u64, |sum, plan| {
+                let units: u128 = (0..plan.models.len())
+                    .map(|model| plan.units_of_model(model))
+                    .sum();
+                let cells = u64::try_from(units).unwrap_or(u64::MAX);
+                let cells = cells.saturating_mul(plan.algorithms.len() as u64);
+                match (cells, limit(plan)) {
+                    (0, _) => Some(sum),
+                    (_, None) => None,
+                    (_, Some(limit)) => {
+                        Some(sum.saturating_add(cells.saturating_mul(whole_seconds(limit))))
+                    }
+                }
+            })
+        };
+        let memory = plans
+            .iter()
+            .try_fold(0, |most: u64, plan| Some(most.max(plan.limits.memory.0?)));
+        Self {
+            cores: algorithms.map(Selection::threads).max().unwrap_or(1),
+            memory_bytes: memory.map(|bytes| bytes.saturating_add(OWN_MEMORY)),
+            seconds: (1..=parts)
+                .map(seconds_of)
+                .try_fold(0, |most, seconds| Some(most.max(seconds?))),
+        }
+    }
+
+    /// The options of `sbatch`.
+    fn options(&self) -> Vec<String> {
+        let mut options = vec![format!("--cpus-per-task={}", self.cores)];
+        if let Some(bytes) = self.memory_bytes {
+            options.push(format!("--mem={}M", bytes.div_ceil(1 << 20)));
+        }
+        if let Some(seconds) = self.seconds {
+            options.push(format!("--time={}", seconds.div_ceil(60)));
+        }
+        options
+    }
+}
+
+fn whole_seconds(duration: Duration) -> u64 {
+    duration.as_secs() + u64::from(duration.subsec_nanos() > 0)
+}
+
+/// A submission: the parts, their job array and the job that joins them.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Submission {
+    /// When, RFC 3339 in UTC.
+    pub submitted: String,
+    /// The parts.
+    pub parts: Vec<u32>,
+    /// The job of the array; null if only the joining was missing.
+    pub array: Option<String>,
+    /// The job that joins the files of all parts.
+    pub merge: String,
+}
+
+/// The record of a benchmark on a cluster, `cluster.json` in its directory.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ClusterRecord {
+    /// Always `geobench-cluster/1`.
+    pub schema: String,
+    /// Number of parts.
+    pub parts: u32,
+    /// The program that the nodes start.
+    pub program: PathBuf,
+    /// The directory that they start it in.
+    pub directory: PathBuf,
+    /// The command after the name of the program, without part, journal and files.
+    pub run: Vec<String>,
+    /// What each job asks for.
+    pub resources: Resources,
+    /// Further options of `sbatch`, for all jobs.
+    pub options: Vec<String>,
+    /// What was submitted, in order.
+    pub submissions: Vec<Submission>,
+}
+
+/// State of a part.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PartState {
+    /// Its file is complete.
+    Done,
+    /// It waits or runs.
+    Queued(QueuedPart),
+    /// It ended without its file, with the last line of its log.
+    Failed(String),
+    /// It has never been submitted.
+    New,
+}
+
+/// The directory of a benchmark on a cluster.
+#[derive(Clone, Debug)]
+pub struct ClusterDirectory {
+    path: PathBuf,
+}
+
+impl ClusterDirectory {
+    /// The directory at `path`, which need not exist yet.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be made absolute.
+    pub fn new(path: &Path) -> anyhow::Result<Self> {
+        let path = std::path::absolute(path)
+            .with_context(|| format!("{}: no path of a directory", path.display()))?;
+        Ok(Self { path })
+    }
+
+    fn record_path(&self) -> PathBuf {
+        self.path.join("cluster.json")
+    }
+
+    /// The file of all parts together.
+    pub fn result(&self) -> PathBuf {
+        self.path.join("result.json")
+    }
+
+    fn part(&self, index: u32) -> PathBuf {
+        self.path.join("parts").join(format!("{index}.json"))
+    }
+
+    fn log(&self, name: &str) -> PathBuf {
+        self.path.join("logs").join(format!("{name}.log"))
+    }
+
+    /// Creates the directory and its rooms.
+    ///
+    /// # Errors
+    ///
+    /// When it has a benchmark already, or cannot be written.
+    pub fn create(&self) -> anyhow::Result<()> {
+        if self.record_path().exists() {
+            bail!(
+                "{}: has a benchmark already; go on with it by --resume, or name another directory",
+                self.path.display()
+            );
+        }
+        for room in ["parts", "journals", "logs"] {
+            let room = self.path.join(room);
+            fs::create_dir_all(&room)
+                .with_context(|| format!("{}: cannot be made", room.display()))?;
+        }
+        Ok(())
+    }
+
+    /// The record of the benchmark in the directory.
+    ///
+    /// # Errors
+    ///
+    /// When there is none, or another version wrote it.
+    pub fn record(&self) -> anyhow::Result<ClusterRecord> {
+        let path = self.record_path();
+        let text = fs::read_to_string(&path).with_context(|| {
+            format!(
+                "{}: cannot be read; `geobench cluster --config SUITE --shards N -o DIR` makes it",
+                path.display()
+            )
+        })?;
+        let record: ClusterRecord = serde_json::from_str(&text)
+            .with_context(|| format!("{}: not a record of a cluster", path.display()))?;
+        if record.schema != SCHEMA {
+            bail!(
+                "{}: `schema` is `{}`, but this version of geobench reads `{SCHEMA}`",
+                path.display(),
+                record.schema
+            );
+        }
+        Ok(record)
+    }
+
+    /// Writes the record and the scripts.
+    ///
+    /// # Errors
+    ///
+    /// When one cannot be written.
+    pub fn write(&self, record: &ClusterRecord) -> anyhow::Result<()> {
+        let files = [
+            (self.path.join("part.sh"), self.part_script(record)?),
+            (self.path.join("merge.sh"), self.merge_script(record)?),
+            (
+                self.record_path(),
+                serde_json::to_string_pretty(record)? + "\n",
+            ),
+        ];
+        for (path, text) in files {
+            OutputFile::prepare(&path)?.write(text.as_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// The script of a part.
+    ///
+    /// A part that Slurm starts again goes on from its journal. The journal belongs to the node, so
+    /// that all times of a part are of one node.
+    fn part_script(&self, record: &ClusterRecord) -> anyhow::Result<String> {
+        let [dir, program, start] =
+            [&self.path, &record.program, &record.directory].map(|p| in_shell(p));
+        let (dir, program, start) = (dir?, program?, start?);
+        let mut words = String::new();
+        for word in &record.run {
+            write!(words, " {}", quoted(word))?;
+        }
+        let count = record.parts;
+        Ok(format!(
+            "#!/bin/bash\n\
+             # One part of a benchmark, made by `geobench cluster`. Slurm numbers the parts.\n\
+             part=$SLURM_ARRAY_TASK_ID\n\
+             node=${{SLURMD_NODENAME:-$(hostname)}}\n\
+             cd {start} || exit 2\n\
+             {program}{words} --shard \"$part/{count}\" \\\n    \
+                 --resume {dir}/journals/\"$part.$node\".jsonl \\\n    \
+                 -o {dir}/parts/\"$part.$node\".unfinished.json --format csv --no-progress >/dev/null\n\
+             status=$?\n\
+             # 1: some cells failed; 2: some models were refused. Both are results.\n\
+             [ \"$status\" -le 2 ] || exit \"$status\"\n\
+             mv {dir}/parts/\"$part.$node\".unfinished.json {dir}/parts/\"$part\".json\n"
+        ))
+    }
+
+    /// The script that joins the parts.
+    fn merge_script(&self, record: &ClusterRecord) -> anyhow::Result<String> {
+        let (dir, program) = (in_shell(&self.path)?, in_shell(&record.program)?);
+        let count = record.parts;
+        Ok(format!(
+            "#!/bin/bash\n\
+             # Joins the parts of a benchmark, made by `geobench cluster`.\n\
+             cd {dir} || exit 2\n\
+             shopt -s nullglob extglob\n\
+             files=(parts/+([0-9]).json)\n\
+             echo \"${{#files[@]}} of {count} parts are done\"\n\
+             exec {program} merge \"${{files[@]}}\" -o result.json -o result.csv\n"
+        ))
+    }
+
+    /// The state of every part, the first one first.
+    ///
+    /// # Errors
+    ///
+    /// When Slurm does not answer.
+    pub fn states(&self, record: &ClusterRecord) -> anyhow::Result<Vec<PartState>> {
+        let is_done = |index: u32| self.part(index).exists();
+        let all_done = (1..=record.parts).all(is_done);
+        let jobs: Vec<&str> = record
+            .submissions
+            .iter()
+            .filter_map(|submission| submission.array.as_deref())
+            .collect();
+        let queue = if all_done {
+            BTreeMap::new()
+        } else {
+            slurm::queued(&jobs)?
+        };
+        let submitted =
+            |index| (record.submissions.iter()).any(|submission| submission.parts.contains(&index));
+        Ok((1..=record.parts)
+            .map(|index| {
+                if is_done(index) {
+                    PartState::Done
+                } else if let Some(part) = queue.get(&index) {
+                    PartState::Queued(part.clone())
+                } else if submitted(index) {
+                    PartState::Failed(self.last_words(&index.to_string()))
+                } else {
+                    PartState::New
+                }
+            })
+            .collect())
+    }
+
+    /// The last line of the log `name`.
+    pub fn last_words(&self, name: &str) -> String {
+        let text = fs::read(self.log(name)).unwrap_or_default();
+        let text = String::from_utf8_lossy(&text).into_owned();
+        let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+        lines.next_back().unwrap_or_default().to_owned()
+    }
+
+    /// The commands that submit `parts` and the joining, as words after `sbatch`; the second one
+    /// waits for the job that takes the place of `ARRAY`.
+    pub fn commands(&self, record: &ClusterRecord, parts: &[u32]) -> [Vec<String>; 2] {
+        let log = |name: &str| format!("--output={}", self.log(name).display());
+        let mut array = vec![
+            "--job-name=geobench".to_owned(),
+            format!("--array={}", ranges(parts)),
+            "--nodes=1".to_owned(),
+            "--ntasks=1".to_owned(),
+            // A part whose node fails starts again on another.
+            "--requeue".to_owned(),
+            "--open-mode=append".to_owned(),
+            log("%a"),
+        ];
+        array.extend(record.resources.options());
+        array.extend(record.options.iter().cloned());
+        let mut merge = vec![
+            "--job-name=geobench-merge".to_owned(),
+            "--nodes=1".to_owned(),
+            "--ntasks=1".to_owned(),
+            log("merge"),
+        ];
+        let shared = |option: &&String| *option != EXCLUSIVE;
+        merge.extend(record.options.iter().filter(shared).cloned());
+        [array, merge]
+    }
+
+    /// Submits `parts` and, behind them, the joining of all. Without parts the joining alone.
+    ///
+    /// # Errors
+    ///
+    /// When Slurm refuses. Jobs that it has taken by then are in the record.
+    pub fn submit(
+        &self,
+        record: &mut ClusterRecord,
+        parts: &[u32],
+        now: &str,
+    ) -> anyhow::Result<()> {
+        let [array, mut merge] = self.commands(record, parts);
+        let array = match parts {
+            [] => None,
+            _ => Some(slurm::submit(&self.path.join("part.sh"), &array)?),
+        };
+        if let Some(job) = &array {
+            // Also when parts fail, for its log then says which.
+            merge.push(format!("--dependency=afterany:{job}"));
+        }
+        let joining = slurm::submit(&self.path.join("merge.sh"), &merge);
+        record.submissions.push(Submission {
+            submitted: now.to_owned(),
+            parts: parts.to_vec(),
+            array,
+            merge: joining.as_deref().unwrap_or_default().to_owned(),
+        });
+        self.write(record)?;
+        joining.map(drop)
+    }
+}
+
+/// The option of exclusive nodes.
+pub const EXCLUSIVE: &str = "--exclusive";
+
+/// Where the nodes find program and models.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Placement {
+    /// The program.
+    pub program: PathBuf,
+    /// The directory that relative paths start from.
+    pub directory: PathBuf,
+    /// What was copied and what not, for the user.
+    pub notes: Vec<String>,
+}
+
+impl Placement {
+    /// Leaves `program` and `files` where they are if they are on the file system of `to`, and
+    /// copies them below it otherwise. Relative paths start from `here`.
+    ///
+    /// # Errors
+    ///
+    /// When a file to copy has an absolute path or is outside `here`, or cannot be copied.
+    pub fn find(
+        to: &ClusterDirectory,
+        program: &Path,
+        here: &Path,
+        files: &[PathBuf],
+    ) -> anyhow::Result<Self> {
+        let shared = device(&to.path)?;
+        let mut notes = Vec::new();
+        let program = if device(program)? == shared {
+            notes.push(format!(
+                "the nodes use {} in place: it is on the file system of {}",
+                program.display(),
+                to.path.display()
+            ));
+            program.to_owned()
+        } else {
+            let copy = to.path.join("geobench");
+            fs::copy(program, &copy)
+                .with_context(|| format!("{}: cannot be copied", program.display()))?;
+            notes.push(format!(
+                "the nodes use {}, a copy of this program",
+                copy.display()
+            ));
+            copy
+        };
+        let mut elsewhere = Vec::new();
+        for file in files {
+            if device(&here.join(file))? != shared {
+                elsewhere.push(file);
+            }
+        }
+        if elsewhere.is_empty() {
+            if !files.is_empty() {
+                notes.push(format!(
+                    "the nodes read suite and models in place, from {}",
+                    here.display()
+                ));
+            }
+            return Ok(Self {
+                program,
+                directory: here.to_owned(),
+                notes,
+            });
+        }
+        let directory = to.path.join("files");
+        for file in files {
+            let inside = inside(file).with_context(|| {
+                format!(
+                    "{}: not on the file system of {}, so the nodes may not see it; copy it there, or \
+                     start in a directory that holds it",
+                    file.display(),
+                    to.path.display()
+                )
+            })?;
+            let copy = directory.join(&inside);
+            if let Some(parent) = copy.parent() {
+                fs::create_dir_all(parent)
+                    .with_context(|| format!("{}: cannot be made", parent.display()))?;
+            }
+            fs::copy(here.join(file), &copy)
+                .with_context(|| format!("{}: cannot be copied", file.display()))?;
+        }
+        notes.push(format!(
+            "the nodes read copies of suite and models, in {}",
+            directory.display()
+        ));
+        Ok(Self {
+            program,
+            directory,
+            notes,
+        })
+    }
+}
+
+/// The file system of the file at `path`.
+fn device(path: &Path) -> anyhow::Result<u64> {
+    let metadata =
+        fs::metadata(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    Ok(metadata.dev())
+}
+
+/// `path` without `.` and `..`, if it is relative and stays inside the directory it starts from.
+fn inside(path: &Path) -> Option<PathBuf> {
+    let mut inside = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::Normal(name) => inside.push(name),
+            Component::CurDir => {}
+            Component::ParentDir if inside.pop() => {}
+            _ => return None,
+        }
+    }
+    Some(inside)
+}
+
+/// Ascending numbers as Slurm takes them: `1-3,7`.
+pub fn ranges(parts: &[u32]) -> String {
+    let runs = parts.chunk_by(|a, b| a + 1 == *b);
+    let runs = runs.map(|run| match run {
+        [first, .., last] => format!("{first}-{last}"),
+        _ => run[0].to_string(),
+    });
+    runs.collect::<Vec<_>>().join(",")
+}
+
+/// A word that the shell takes as it is.
+pub fn quoted(word: &str) -> String {
+    let plain = |b: u8| b.is_ascii_alphanumeric() || b"-_./:=,@%+".contains(&b);
+    if !word.is_empty() && word.bytes().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+fn in_shell(path: &Path) -> anyhow::Result<String> {
+    match path.to_str() {
+        Some(path) => Ok(quoted(path)),
+        None => bail!(
+            "{}: not text in UTF-8, so no script can name it",
+            path.display()
+        ),
+    }
+}
+
+impl ClusterRecord {
+    /// A benchmark that has not been submitted.
+    pub fn new(
+        parts: u32,
+        placement: &Placement,
+        run: Vec<String>,
+        resources: Resources,
+        options: Vec<String>,
+    ) -> Self {
+        Self {
+            schema: SCHEMA.to_owned(),
+            parts,
+            program: placement.program.clone(),
+            directory: placement.directory.clone(),
+            run,
+            resources,
+            options,
+            submissions: Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record() -> ClusterRecord {
+        let placement = Placement {
+            program: "/apps/geo bench".into(),
+            directory: "/home/ann".into(),
+            notes: Vec::new(),
+        };
+        let resources = Resources {
+            cores: 2,
+            memory_bytes: Some(1 << 30),
+            seconds: Some(61),
+        };
+        let words = ["run", "--config", "it's.toml", "--algo", "vtp{a=1,b=2}"];
+        let run = words.map(str::to_owned).to_vec();
+        let options = vec!["--partition=fast".to_owned(), EXCLUSIVE.to_owned()];
+        ClusterRecord::new(20, &placement, run, resources, options)
+    }
+
+    #[test]
+    fn parts_are_named_by_ranges() {
+        assert_eq!(ranges(&[1, 2, 3, 7, 9, 10]), "1-3,7,9-10");
+        assert_eq!(ranges(&[4]), "4");
+        assert_eq!(ranges(&[]), "");
+    }
+
+    #[test]
+    fn words_are_quoted_for_the_shell() {
+        let script = ClusterDirectory::new(Path::new("/data/x"))
+            .unwrap()
+            .part_script(&record())
+            .unwrap();
+        assert!(
+            script.contains(r#"'/apps/geo bench' run --config 'it'\''s.toml' --algo 'vtp{a=1,b=2}' --shard "$part/20""#),
+            "{script}"
+        );
+    }
+
+    #[test]
+    fn jobs_ask_for_what_the_plan_needs() {
+        let directory = ClusterDirectory::new(Path::new("/data/x")).unwrap();
+        let [array, merge] = directory.commands(&record(), &[1, 2, 3]);
+        for option in [
+            "--array=1-3",
+            "--cpus-per-task=2",
+            "--mem=1024M",
+            "--time=2",
+            "--partition=fast",
+            "--exclusive",
+            "--output=/data/x/logs/%a.log",
+        ] {
+            assert!(array.contains(&option.to_owned()), "{option}: {array:?}");
+        }
+        assert!(merge.contains(&"--partition=fast".to_owned()));
+        assert!(!merge.contains(&"--exclusive".to_owned()));
+    }
+
+    #[test]
+    fn a_directory_holds_one_benchmark() {
+        let place = tempfile::tempdir().unwrap();
+        let directory = ClusterDirectory::new(&place.path().join("runs")).unwrap();
+        let missing = format!("{:#}", directory.record().unwrap_err());
+        assert!(
+            missing.contains("cluster.json: cannot be read"),
+            "{missing}"
+        );
+        directory.create().unwrap();
+        directory.write(&record()).unwrap();
+        assert_eq!(directory.record().unwrap(), record());
+        let twice = directory.create().unwrap_err().to_string();
+        assert!(twice.contains("has a benchmark already"), "{twice}");
+        let states = directory.states(&record()).unwrap();
+        assert_eq!(states, vec![PartState::New; 20]);
+        for part in 1..=20 {
+            fs::write(directory.part(part), "{}").unwrap();
+        }
+        assert_eq!(
+            directory.states(&record()).unwrap(),
+            vec![PartState::Done; 20]
+        );
+    }
+
+    #[test]
+    fn files_on_the_same_file_system_stay_where_they_are() {
+        let place = tempfile::tempdir().unwrap();
+        let here = place.path();
+        for file in ["geobench", "a.obj"] {
+            fs::write(here.join(file), "").unwrap();
+        }
+        let directory = ClusterDirectory::new(&here.join("runs")).unwrap();
+        directory.create().unwrap();
+        let files = ["a.obj".into()];
+        let placement = Placement::find(&directory, &here.join("geobench"), here, &files).unwrap();
+        assert_eq!(placement.program, here.join("geobench"));
+        assert_eq!(placement.directory, here);
+    }
+
+    #[test]
+    fn paths_that_leave_the_directory_are_not_copied() {
+        assert_eq!(inside(Path::new("a/../b/./c.obj")), Some("b/c.obj".into()));
+        assert_eq!(inside(Path::new("../c.obj")), None);
+        assert_eq!(inside(Path::new("/c.obj")), None);
+    }
+}

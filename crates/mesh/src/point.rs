@@ -248,7 +248,11 @@ impl Mesh {
             });
         }
         let h = face.half_edge(k as u32).next();
-        let on_edge = normalised([weights[(k + 1) % 3], weights[(k + 2) % 3]]);
+        // The foot of the perpendicular: in a thin face the weight of the far corner may be large.
+        let (l, [x, _]) = (self.length(h), self.apex(h));
+        let tail = weights[(k + 1) % 3] + weights[k] * ((l - x) / l);
+        let head = weights[(k + 2) % 3] + weights[k] * (x / l);
+        let on_edge = normalised([tail.max(0.0), head.max(0.0)]);
         Ok(self.snapped_on_edge(h, on_edge, snap, height(k)))
     }
 
@@ -333,6 +337,24 @@ mod tests {
 
     fn on_edge(a: u32, b: u32, t: f64) -> Result<SurfacePoint, PointError> {
         square().point_on_edge([a, b].map(VertexId::new), t)
+    }
+
+    #[test]
+    fn a_point_beside_a_long_side_of_a_thin_face_moves_across_it_only() {
+        let thin = vec![[0.0; 3], [1e-14, 0.0, 0.0], [0.0, 4.0, 0.0]];
+        let mesh = Mesh::new(thin, vec![[0, 1, 2]]).unwrap();
+        let face = FaceId::new(0);
+        let point = mesh.point_in_face(face, [0.25, 0.5, 0.25]).unwrap();
+        assert!(matches!(point.place(), Place::Edge(..)));
+        let [_, y, _] = mesh.position_of(&point).unwrap();
+        assert!((y - 1.0).abs() < 1e-15, "{y}");
+        assert!(point.moved() < 1e-14);
+        // Beyond the end of the side, it is that end.
+        let skew = vec![[0.0; 3], [4.0, 0.0, 0.0], [5.0, 1e-14, 0.0]];
+        let mesh = Mesh::new(skew, vec![[0, 1, 2]]).unwrap();
+        let point = mesh.point_in_face(face, [0.125, 0.5, 0.375]).unwrap();
+        let [x, ..] = mesh.position_of(&point).unwrap();
+        assert!((x - 3.875).abs() < 1e-15, "{x}");
     }
 
     #[test]

@@ -1,0 +1,187 @@
+//! Arcs of circles in faces.
+
+use std::f64::consts::PI;
+
+use geobench_mesh::{FaceId, Mesh};
+
+use crate::plane::{Point, add, cross, dot, nearest_on_segment, norm, sub};
+use crate::sites::corners;
+
+/// How far the centres of two arcs may be apart that are one, as a fraction of the radius.
+const SAME: f64 = 1e-11;
+
+/// The least number of chords of a full circle.
+const CHORDS: f64 = 12.0;
+
+/// A part of a circle in a face, counter-clockwise: nearer points are on its left.
+///
+/// Its points are in the plane of the face: the first corner is the origin, the second one has a
+/// positive abscissa and the ordinate 0, and the third one a positive ordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arc {
+    /// The face.
+    pub face: FaceId,
+    /// The image of the source, or of the last vertex at which paths bend.
+    pub centre: [f64; 2],
+    /// The distance of its points from the centre.
+    pub radius: f64,
+    /// Its ends.
+    pub ends: [[f64; 2]; 2],
+}
+
+impl Arc {
+    pub(crate) fn new(face: FaceId, ends: [Point; 2], centre: Point) -> Self {
+        Self {
+            face,
+            centre,
+            radius: f64::midpoint(norm(sub(ends[0], centre)), norm(sub(ends[1], centre))),
+            ends,
+        }
+    }
+
+    /// Its angle around the centre, less than 2π.
+    pub fn angle(&self) -> f64 {
+        let [from, to] = self.ends.map(|end| sub(end, self.centre));
+        let angle = cross(from, to).atan2(dot(from, to));
+        // Arcs are no longer than half a circle; a short one may be turned by rounding.
+        if angle < -0.5 * PI {
+            angle + 2.0 * PI
+        } else {
+            angle.max(0.0)
+        }
+    }
+
+    /// Its length.
+    pub fn length(&self) -> f64 {
+        self.radius * self.angle()
+    }
+
+    pub(crate) fn has_length(&self) -> bool {
+        self.ends[0] != self.ends[1]
+    }
+
+    /// Points on it, from one end to the other, so many that the chords between them are nowhere
+    /// further than `tolerance` from it, and that a whole circle has at least 12.
+    pub fn points(&self, tolerance: f64) -> Vec<[f64; 2]> {
+        let angle = self.angle();
+        // A chord over an angle of 2 a is r (1 - cos a) from the arc.
+        let half = (1.0 - tolerance / self.radius).clamp(-1.0, 1.0).acos();
+        let chord = (2.0 * half).clamp(1e-4, 2.0 * PI / CHORDS);
+        let parts = (angle / chord).ceil().max(1.0);
+        let mut points = vec![self.ends[0]];
+        let from = sub(self.ends[0], self.centre);
+        for i in 1..parts as u32 {
+            let (sin, cos) = (angle * f64::from(i) / parts).sin_cos();
+            let way = [cos * from[0] - sin * from[1], sin * from[0] + cos * from[1]];
+            points.push(add(self.centre, way));
+        }
+        points.push(self.ends[1]);
+        points
+    }
+
+    /// The barycentric coordinates of a point of the plane in the face; those of the nearest point
+    /// of its sides for one outside, as rounding may put it.
+    pub fn barycentric(&self, mesh: &Mesh, at: [f64; 2]) -> [f64; 3] {
+        let corners = corners(mesh, self.face);
+        let [_, [l, _], [x, y]] = corners;
+        let third = at[1] / y;
+        let second = (at[0] - third * x) / l;
+        let inside = [1.0 - second - third, second, third];
+        if inside.iter().all(|&w| w >= 0.0) {
+            return inside;
+        }
+        let mut nearest = (f64::INFINITY, [1.0, 0.0, 0.0]);
+        for k in 0..3 {
+            let side = [corners[k], corners[(k + 1) % 3]];
+            let (off, t) = nearest_on_segment(at, side);
+            if off < nearest.0 {
+                let mut weights = [0.0; 3];
+                weights[k] = 1.0 - t;
+                weights[(k + 1) % 3] = t;
+                nearest = (off, weights);
+            }
+        }
+        nearest.1
+    }
+
+    /// The position in space of a point of the plane; `None` for a mesh without positions.
+    pub fn position(&self, mesh: &Mesh, at: [f64; 2]) -> Option<[f64; 3]> {
+        let weights = self.barycentric(mesh, at);
+        let mut sum = [0.0; 3];
+        for (v, weight) in mesh.face_vertices(self.face).into_iter().zip(weights) {
+            let p = mesh.positions().get(v.index())?;
+            (0..3).for_each(|k| sum[k] += weight * p[k]);
+        }
+        Some(sum)
+    }
+
+    /// Both as one, if `next` goes on along the same circle.
+    fn with(&self, next: &Self) -> Option<Self> {
+        let slack = SAME * (self.radius + norm(self.centre) + 1e-3 * next.radius);
+        let is_same = self.face == next.face
+            && norm(sub(self.centre, next.centre)) <= slack
+            && (self.radius - next.radius).abs() <= slack
+            && norm(sub(self.ends[1], next.ends[0])) <= slack
+            && self.angle() + next.angle() < 0.99 * PI;
+        is_same.then(|| Self {
+            ends: [self.ends[0], next.ends[1]],
+            ..*self
+        })
+    }
+}
+
+/// `arcs` with those as one that make up one circle: faces may have been split for the run.
+pub(crate) fn joined(arcs: Vec<Arc>, closed: bool) -> Vec<Arc> {
+    let mut all: Vec<Arc> = Vec::with_capacity(arcs.len());
+    for arc in arcs {
+        match all.last_mut().and_then(|last| Some((last.with(&arc)?, last))) {
+            Some((both, last)) => *last = both,
+            None => all.push(arc),
+        }
+    }
+    if closed
+        && let [first, .., last] = all[..]
+        && let Some(both) = last.with(&first)
+    {
+        all[0] = both;
+        all.pop();
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::scale;
+
+    fn arc(angles: [f64; 2]) -> Arc {
+        let at = |angle: f64| [1.0 + 3.0 * angle.cos(), 2.0 + 3.0 * angle.sin()];
+        Arc::new(FaceId::new(0), angles.map(at), [1.0, 2.0])
+    }
+
+    #[test]
+    fn chords_are_within_the_tolerance() {
+        for tolerance in [1e-6, 1e-3, 0.1, 100.0] {
+            let arc = arc([0.5, 3.0]);
+            assert!((arc.length() - 7.5).abs() < 1e-14);
+            let points = arc.points(tolerance);
+            for pair in points.windows(2) {
+                let middle = scale(add(pair[0], pair[1]), 0.5);
+                let off = 3.0 - norm(sub(middle, arc.centre));
+                assert!(off >= 0.0 && off <= tolerance * 1.0001, "{off}");
+            }
+            assert!(points.len() >= 5);
+        }
+    }
+
+    #[test]
+    fn arcs_of_one_circle_are_one() {
+        let arcs = vec![arc([0.0, 1.0]), arc([1.0, 2.0]), arc([2.5, 3.0])];
+        let all = joined(arcs, false);
+        assert_eq!(all.len(), 2);
+        assert!((all[0].angle() - 2.0).abs() < 1e-14);
+        // Never more than half a circle, of which the angle would not be known.
+        let all = joined(vec![arc([0.0, 2.0]), arc([2.0, 4.0])], false);
+        assert_eq!(all.len(), 2);
+    }
+}

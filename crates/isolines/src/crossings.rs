@@ -1,0 +1,136 @@
+//! Where isolines cross edges.
+
+use geobench_window::Window;
+
+/// How far apart two windows may end that touch, as a fraction of their edge; one beside another
+/// that ends where the level is reached.
+const PARTED: f64 = 1e-6;
+const BESIDE: f64 = 1e-9;
+
+/// A part of an edge that is nearer than the level.
+#[derive(Clone, Copy)]
+struct Part {
+    from: f64,
+    to: f64,
+    /// Whether it starts, and ends, where its window does, though points beyond are near, too.
+    cut: [bool; 2],
+}
+
+impl Part {
+    fn of(w: Window, level: f64) -> Option<Self> {
+        let radius = level - w.sigma;
+        let half = radius * radius - w.py * w.py;
+        // Not if it is NaN either.
+        if !(radius > 0.0 && half > 0.0) {
+            return None;
+        }
+        let half = half.sqrt();
+        let (from, to) = (w.px - half, w.px + half);
+        let part = Self {
+            from: from.max(w.b0),
+            to: to.min(w.b1),
+            cut: [from < w.b0, to > w.b1],
+        };
+        (part.from < part.to).then_some(part)
+    }
+}
+
+/// The abscissas at which the distance along an edge of length `l` passes `level`, in order, by the
+/// windows of both sides of the edge in its frame and the distances of its ends.
+///
+/// The distance is alternately below and above `level` between them, from the first end to the
+/// second, whatever rounding does to windows.
+pub(crate) fn crossings(
+    windows: impl Iterator<Item = Window>,
+    ends: [f64; 2],
+    l: f64,
+    level: f64,
+) -> Vec<f64> {
+    let mut parts: Vec<Part> = windows.filter_map(|w| Part::of(w, level)).collect();
+    if ends[0] < level {
+        let to = level - ends[0];
+        parts.push(Part {
+            from: 0.0,
+            to: to.min(l),
+            cut: [true, to > l],
+        });
+    }
+    if ends[1] < level {
+        let from = l - (level - ends[1]);
+        parts.push(Part {
+            from: from.max(0.0),
+            to: l,
+            cut: [from < 0.0, true],
+        });
+    }
+    parts.sort_by(|a, b| a.from.total_cmp(&b.from).then(b.to.total_cmp(&a.to)));
+    let mut joined: Vec<Part> = Vec::new();
+    for part in parts {
+        if let Some(last) = joined.last_mut() {
+            let gap = match (last.cut[1], part.cut[0]) {
+                (true, true) => PARTED,
+                (false, false) => 0.0,
+                _ => BESIDE,
+            };
+            if part.from <= last.to + gap * l {
+                if part.to > last.to {
+                    (last.to, last.cut[1]) = (part.to, part.cut[1]);
+                } else if part.to == last.to {
+                    last.cut[1] &= part.cut[1];
+                }
+                continue;
+            }
+        }
+        joined.push(part);
+    }
+    let mut found = Vec::with_capacity(2 * joined.len());
+    let last = joined.len().wrapping_sub(1);
+    for (i, part) in joined.into_iter().enumerate() {
+        if i > 0 || ends[0] >= level {
+            found.push(part.from.clamp(0.0, l));
+        }
+        if i < last || ends[1] >= level {
+            found.push(part.to.clamp(0.0, l));
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn window(b0: f64, b1: f64, px: f64, py: f64) -> Window {
+        Window {
+            b0,
+            b1,
+            px,
+            py,
+            sigma: 0.0,
+        }
+    }
+
+    #[test]
+    fn distances_pass_the_level_on_both_sides_of_a_foot() {
+        let far = [10.0, 10.0];
+        let w = window(0.0, 10.0, 5.0, -3.0);
+        assert_eq!(crossings([w].into_iter(), far, 10.0, 5.0), [1.0, 9.0]);
+        assert_eq!(crossings([w].into_iter(), far, 10.0, 3.0), []);
+        // Two windows that touch, parted by rounding.
+        let two = [window(0.0, 5.0, 5.0, -3.0), window(5.0 + 1e-12, 10.0, 5.0, -3.0)];
+        assert_eq!(crossings(two.into_iter(), far, 10.0, 5.0), [1.0, 9.0]);
+    }
+
+    #[test]
+    fn the_ends_of_an_edge_are_nearer_than_the_level_or_not() {
+        let none = || std::iter::empty();
+        assert_eq!(crossings(none(), [1.0, 3.0], 4.0, 2.0), [1.0]);
+        assert_eq!(crossings(none(), [3.0, 1.0], 4.0, 2.0), [3.0]);
+        assert_eq!(crossings(none(), [1.0, 1.0], 4.0, 2.0), [1.0, 3.0]);
+        assert_eq!(crossings(none(), [1.0, 1.0], 4.0, 3.5), []);
+        assert_eq!(crossings(none(), [5.0, 4.5], 4.0, 3.5), []);
+        // A window that ends in a vertex at the level is cut there.
+        let w = window(0.0, 4.0, 0.0, -3.0);
+        assert_eq!(crossings([w].into_iter(), [3.0, 5.0], 4.0, 5.0), [4.0]);
+    }
+}

@@ -1,0 +1,118 @@
+//! How arcs in a face follow each other.
+
+use crate::arc::Arc;
+use crate::plane::{Point, norm, sub};
+
+/// The way of an isoline through a face.
+#[derive(Default)]
+pub(crate) struct Link {
+    /// The crossing at which it leaves the face; none for a loop.
+    pub(crate) exit: Option<usize>,
+    /// Where it enters and leaves the face without an arc.
+    pub(crate) straight: Option<[Point; 2]>,
+    /// Numbers of its arcs, with where they start and end.
+    pub(crate) ends: Vec<(usize, [Point; 2])>,
+    pub(crate) arcs: Vec<Arc>,
+}
+
+/// The ends of arcs in a face, and the crossings of its edges.
+#[derive(Default)]
+pub(crate) struct Joints {
+    /// Crossings at which a line comes in, and at which one goes out.
+    entries: Vec<(usize, Point)>,
+    exits: Vec<(usize, Point)>,
+    arcs: Vec<[Point; 2]>,
+}
+
+impl Joints {
+    /// Adds a crossing, at which the line enters the face or leaves it.
+    pub(crate) fn cross(&mut self, number: usize, at: Point, enters: bool) {
+        if enters {
+            self.entries.push((number, at));
+        } else {
+            self.exits.push((number, at));
+        }
+    }
+
+    /// Adds an arc.
+    pub(crate) fn arc(&mut self, ends: [Point; 2]) {
+        self.arcs.push(ends);
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.entries.is_empty() && self.exits.is_empty()
+    }
+
+    /// Joins each entry and each end of an arc with the start of an arc or an exit, nearest first.
+    /// Returns the ways from all entries, the loops, and the longest distance bridged.
+    ///
+    /// There are as many of the ones as of the others: entries and exits take turns around the
+    /// face.
+    pub(crate) fn connect(self) -> (Vec<(usize, Link)>, Vec<Link>, f64) {
+        let Self {
+            entries,
+            exits,
+            arcs,
+        } = self;
+        let entered = entries.len();
+        let from: Vec<Point> = entries.iter().map(|&(_, at)| at).collect();
+        let from: Vec<Point> = from.into_iter().chain(arcs.iter().map(|a| a[1])).collect();
+        let to: Vec<Point> = exits.iter().map(|&(_, at)| at).collect();
+        let to: Vec<Point> = to.into_iter().chain(arcs.iter().map(|a| a[0])).collect();
+        let mut pairs = Vec::with_capacity(from.len() * to.len());
+        for (i, &a) in from.iter().enumerate() {
+            pairs.extend(to.iter().enumerate().map(|(j, &b)| (norm(sub(a, b)), i, j)));
+        }
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        let mut next = vec![None; from.len()];
+        let mut taken = vec![false; to.len()];
+        let mut gap = 0.0_f64;
+        for (apart, i, j) in pairs {
+            if next[i].is_none() && !taken[j] {
+                next[i] = Some(j);
+                taken[j] = true;
+                gap = gap.max(apart);
+            }
+        }
+        let mut is_used = vec![false; arcs.len()];
+        let mut follow = |start: usize| {
+            let mut link = Link::default();
+            let mut here = start;
+            // Where an arc starts: at the crossing, or where the one before ends.
+            let mut at = (start < entered).then(|| from[start]);
+            while let Some(j) = next[here] {
+                let Some(i) = j.checked_sub(exits.len()) else {
+                    link.exit = Some(exits[j].0);
+                    if let Some((_, ends)) = link.ends.last_mut() {
+                        ends[1] = exits[j].1;
+                    } else {
+                        link.straight = at.map(|at| [at, exits[j].1]);
+                    }
+                    break;
+                };
+                if is_used[i] {
+                    break;
+                }
+                is_used[i] = true;
+                let [start, end] = arcs[i];
+                link.ends.push((i, [at.unwrap_or(start), end]));
+                at = Some(end);
+                here = entered + i;
+            }
+            link
+        };
+        let ways = (0..entered).map(|e| (entries[e].0, follow(e))).collect();
+        let mut loops = Vec::new();
+        for i in 0..arcs.len() {
+            // A loop starts with any of its arcs, after the one that comes before.
+            let before = next.iter().position(|&j| j == Some(exits.len() + i));
+            if let Some(before) = before {
+                let link = follow(before);
+                if !link.ends.is_empty() {
+                    loops.push(link);
+                }
+            }
+        }
+        (ways, loops, gap)
+    }
+}

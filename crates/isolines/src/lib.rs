@@ -1,0 +1,487 @@
+//! Isolines of the exact geodesic distance on a triangle mesh.
+//!
+//! The distance of the points of a face is the least over the windows that enter it and over its
+//! vertices, so that an isoline is made of arcs of circles around images of sources and
+//! pseudo-sources. [`Field`] keeps the windows of a run; [`Field::isoline`] gives the arcs at a
+//! distance, joined to loops and to lines between points of the boundary:
+//!
+//! ```
+//! use geobench_isolines::Field;
+//! use geobench_mesh::Mesh;
+//! use std::f64::consts::PI;
+//!
+//! // A square from 0 to 1, and its middle.
+//! let mesh = Mesh::generate("grid,n=8")?;
+//! let side = mesh.positions().iter().map(|p| p[0]).fold(0.0, f64::max);
+//! let (middle, _) = mesh.nearest_point([0.43 * side, 0.55 * side, 0.0])?;
+//! let field = Field::new(&mesh, &[middle])?;
+//! let isoline = field.isoline(0.3 * side);
+//! let [circle] = &isoline.lines[..] else { panic!("one circle") };
+//! assert!(circle.closed);
+//! assert!((circle.length() - 0.6 * PI * side).abs() < 1e-12 * side);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Crossings of edges come from the windows of both sides of the edge, the same for both faces, so
+//! that lines are closed whatever rounding does. Inside a face the circle of a window is cut where
+//! its cone ends, where it leaves the face, and where another window or a vertex is nearer.
+
+mod arc;
+mod crossings;
+mod face;
+mod plane;
+mod sites;
+
+use std::collections::HashMap;
+
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Place, PointError, Refined, SurfacePoint, VertexId};
+use geobench_mmp::{Mmp, mmp, windows_of};
+use geobench_window::{SolveError, Solver, Window};
+
+pub use arc::Arc;
+
+use crossings::crossings;
+use face::Link;
+use plane::{norm, sub};
+use sites::{FaceSites, SiteArc, corners};
+
+/// How near a vertex may be to a level, relatively, before the level is lowered.
+const TIE: f64 = 4e-12;
+
+/// Loops that cross only one edge, or none, and are shorter than this part of their level are
+/// rounding: another part of the isoline touches the edge.
+const SPECK: f64 = 1e-7;
+
+/// Most levels of [`Field::levels_every`].
+const MOST_LEVELS: usize = 100_000;
+
+/// Why there is no field.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FieldError {
+    /// A source is not a point of the mesh.
+    #[error(transparent)]
+    Point(#[from] PointError),
+    /// The solver did not start.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}
+
+/// The distance of all points of a surface from the nearest of some sources: what MMP leaves when it
+/// keeps all windows. See the [example](crate).
+pub struct Field {
+    mesh: Mesh,
+    /// With a vertex at each source.
+    refined: Refined,
+    /// The added vertices.
+    added: HashMap<VertexId, SurfacePoint>,
+    solver: Mmp,
+    distances: Vec<f64>,
+    /// Those that are finite, in order.
+    sorted: Vec<f64>,
+}
+
+/// The points of a surface at one distance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Isoline {
+    /// The distance asked for. Where vertices are at this distance up to rounding, the lines are
+    /// those of a distance that is smaller by about 1e-11 of it.
+    pub distance: f64,
+    /// The components: loops, and lines between points of the boundary.
+    pub lines: Vec<Line>,
+    /// The longest distance in a face between the ends of two arcs that were joined; rounding.
+    pub gap: f64,
+}
+
+/// A connected part of an isoline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Whether it is a loop.
+    pub closed: bool,
+    /// Its arcs, each from where the one before ends. Nearer points are on their left.
+    pub arcs: Vec<Arc>,
+}
+
+impl Line {
+    /// Its length.
+    pub fn length(&self) -> f64 {
+        self.arcs.iter().map(Arc::length).sum()
+    }
+
+    /// Its points in space, so many that the chords between them are nowhere further than
+    /// `tolerance` from the arcs; the first one again at the end of a loop. Empty for a mesh
+    /// without positions.
+    pub fn polyline(&self, mesh: &Mesh, tolerance: f64) -> Vec<[f64; 3]> {
+        let mut points = Vec::new();
+        for (i, arc) in self.arcs.iter().enumerate() {
+            let skip = usize::from(i > 0);
+            let on_arc = arc.points(tolerance).into_iter().skip(skip);
+            points.extend(on_arc.filter_map(|at| arc.position(mesh, at)));
+        }
+        if self.closed && let Some(&first) = points.first() {
+            let last = points.len() - 1;
+            if last > 0 {
+                points[last] = first;
+            }
+        }
+        points
+    }
+}
+
+impl Isoline {
+    /// The length of all its lines.
+    pub fn length(&self) -> f64 {
+        self.lines.iter().map(Line::length).sum()
+    }
+}
+
+impl Field {
+    /// Solves for the distances from the nearest of `sources`; time and memory are those of
+    /// [`mmp`].
+    ///
+    /// # Errors
+    ///
+    /// When there is no source, or one is not on the mesh.
+    pub fn new(mesh: &Mesh, sources: &[SurfacePoint]) -> Result<Self, FieldError> {
+        let refined = mesh.with_points(sources)?;
+        let mut solver = mmp(&refined.mesh);
+        let distances = solver.solve(&refined.vertices)?.distances;
+        let mut sorted: Vec<f64> = distances.iter().copied().filter(|d| d.is_finite()).collect();
+        sorted.sort_by(f64::total_cmp);
+        let points = refined.vertices.iter().copied().zip(sources.iter().copied());
+        let added = points.filter(|(v, _)| v.index() >= mesh.vertex_count());
+        Ok(Self {
+            mesh: mesh.clone(),
+            added: added.collect(),
+            refined,
+            solver,
+            distances,
+            sorted,
+        })
+    }
+
+    /// The distances of the vertices of the mesh; infinite where no path leads.
+    pub fn distances(&self) -> &[f64] {
+        &self.distances[..self.mesh.vertex_count()]
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The multiples of `step` up to the farthest point of the surface, which may lie inside a face;
+    /// none if `step` is not positive, and at most 100,000.
+    pub fn levels_every(&self, step: f64) -> Vec<f64> {
+        let farthest = self.sorted.last().copied().unwrap_or(0.0);
+        let mut levels = Vec::new();
+        if !(step > 0.0) {
+            return levels;
+        }
+        for k in 1..=MOST_LEVELS {
+            let level = k as f64 * step;
+            if level > farthest && self.isoline(level).lines.is_empty() {
+                break;
+            }
+            levels.push(level);
+        }
+        levels
+    }
+
+    /// The isolines at `levels`, in this order; see [`isoline`](Self::isoline).
+    pub fn isolines(&self, levels: &[f64]) -> Vec<Isoline> {
+        levels.iter().map(|&level| self.isoline(level)).collect()
+    }
+
+    /// The points at `distance`; no lines unless that is positive.
+    ///
+    /// O(faces), and O(w²) for each face that the isoline crosses and that w windows enter.
+    pub fn isoline(&self, distance: f64) -> Isoline {
+        let mut tracer = Tracer {
+            field: self,
+            level: self.free_level(distance),
+            edges: HashMap::new(),
+            edge_of: Vec::new(),
+            links: Vec::new(),
+            lines: Vec::new(),
+            gap: 0.0,
+        };
+        if distance > 0.0 {
+            tracer.trace_faces();
+            tracer.join();
+        }
+        Isoline {
+            distance,
+            lines: tracer.lines,
+            gap: tracer.gap,
+        }
+    }
+
+    /// A level at or just below `level` from which the distances of all vertices differ by more
+    /// than rounding.
+    fn free_level(&self, level: f64) -> f64 {
+        let slack = TIE * level;
+        let mut free = level;
+        // Vertices may lie close to each other, but not that many.
+        for _ in 0..1000 {
+            let near = self.sorted.partition_point(|&d| d < free - slack);
+            match self.sorted.get(near) {
+                Some(&d) if d <= free + slack => free = d - 2.0 * slack,
+                _ => break,
+            }
+        }
+        free
+    }
+
+    fn windows(&self, h: HalfEdgeId) -> impl Iterator<Item = Window> {
+        windows_of(&self.solver, h)
+    }
+
+    fn sites(&self, face: FaceId) -> FaceSites {
+        FaceSites::new(
+            &self.refined.mesh,
+            &self.distances,
+            |h| self.windows(h),
+            face,
+        )
+    }
+
+    /// The abscissas at which the distance along `h` passes `level`. For both half-edges of an edge
+    /// only that with the lower number is asked for.
+    fn crossings(&self, h: HalfEdgeId, level: f64) -> Vec<f64> {
+        let mesh = &self.refined.mesh;
+        let l = mesh.length(h);
+        let ends = [mesh.tail(h), mesh.head(h)].map(|v| self.distances[v.index()]);
+        if ends.iter().all(|d| (d - level).abs() > l) {
+            return Vec::new();
+        }
+        match mesh.twin(h) {
+            Some(twin) => {
+                let beyond = self.windows(twin).map(|w| w.reversed(l));
+                crossings(self.windows(h).chain(beyond), ends, l, level)
+            }
+            None => {
+                let sites = self.sites(h.face());
+                let k = h.corner() as usize;
+                let [from, to] = [sites.corners[k], sites.corners[(k + 1) % 3]];
+                let direction = plane::scale(sub(to, from), 1.0 / l);
+                // Its ends are given as distances.
+                let seen = sites.sites.iter().filter(|s| s.centre != from && s.centre != to);
+                let seen = seen.filter_map(|site| site.window(from, direction, l));
+                crossings(seen, ends, l, level)
+            }
+        }
+    }
+
+    /// A circle of a face of the refined mesh, as an arc of the face of the mesh that holds it.
+    fn arc(&self, face: FaceId, [from, to]: [plane::Point; 2], centre: plane::Point) -> Arc {
+        let parent = self.refined.parent(face);
+        let split = self.refined.mesh.face_vertices(face) != self.mesh.face_vertices(parent);
+        if !split {
+            return Arc::new(parent, [from, to], centre);
+        }
+        let within = corners(&self.refined.mesh, face);
+        let outer = corners(&self.mesh, parent);
+        let vertices = self.refined.mesh.face_vertices(face);
+        let placed = vertices.map(|v| self.place(v, parent, outer));
+        // A turn that takes the longest side from one plane into the other.
+        let side = |k: usize| norm(sub(within[(k + 1) % 3], within[k]));
+        let longest = (0..3).max_by(|&a, &b| side(a).total_cmp(&side(b)));
+        let k = longest.unwrap_or(0);
+        let (old, new) = (
+            sub(within[(k + 1) % 3], within[k]),
+            sub(placed[(k + 1) % 3], placed[k]),
+        );
+        let turn = [plane::dot(old, new), plane::cross(old, new)];
+        let turn = plane::scale(turn, 1.0 / norm(turn));
+        let map = |p: plane::Point| {
+            let [x, y] = sub(p, within[k]);
+            let turned = [turn[0] * x - turn[1] * y, turn[1] * x + turn[0] * y];
+            plane::add(placed[k], turned)
+        };
+        Arc::new(parent, [map(from), map(to)], map(centre))
+    }
+
+    /// Where vertex `v` of the refined mesh lies in the plane of `face` of the mesh.
+    fn place(&self, v: VertexId, face: FaceId, corners: [plane::Point; 3]) -> plane::Point {
+        let vertices = self.mesh.face_vertices(face);
+        let corner = |v: VertexId| vertices.iter().position(|&u| u == v).unwrap_or(0);
+        let Some(point) = self.added.get(&v) else {
+            return corners[corner(v)];
+        };
+        let weighted = |of: &[(usize, f64)]| {
+            let sum = |axis: usize| of.iter().map(|&(k, w)| w * corners[k][axis]).sum();
+            [sum(0), sum(1)]
+        };
+        match point.place() {
+            Place::Vertex(v) => corners[corner(v)],
+            Place::Edge(h, [tail, head]) => weighted(&[
+                (corner(self.mesh.tail(h)), tail),
+                (corner(self.mesh.head(h)), head),
+            ]),
+            Place::Face(_, [u, v, w]) => weighted(&[(0, u), (1, v), (2, w)]),
+        }
+    }
+}
+
+/// Crossings of an edge, in the direction of its half-edge with the lower number.
+struct EdgeCrossings {
+    first: usize,
+    at: Vec<f64>,
+}
+
+/// Follows the isoline of one level.
+struct Tracer<'a> {
+    field: &'a Field,
+    level: f64,
+    edges: HashMap<HalfEdgeId, EdgeCrossings>,
+    /// The edge of each crossing.
+    edge_of: Vec<HalfEdgeId>,
+    /// How each crossing goes on in the face that it enters; none at the boundary.
+    links: Vec<Option<Link>>,
+    lines: Vec<Line>,
+    gap: f64,
+}
+
+impl Tracer<'_> {
+    fn trace_faces(&mut self) {
+        let field = self.field;
+        let mesh = &field.refined.mesh;
+        for face in mesh.faces() {
+            let halves = [0, 1, 2].map(|k| face.half_edge(k));
+            let near = mesh.face_vertices(face).map(|v| field.distances[v.index()]);
+            let size = halves.map(|h| mesh.length(h)).into_iter().fold(0.0, f64::max);
+            let near = near.iter().any(|d| (d - self.level).abs() <= size);
+            if !near {
+                continue;
+            }
+            for h in halves {
+                let h = mesh.twin(h).map_or(h, |twin| twin.min(h));
+                if !self.edges.contains_key(&h) {
+                    let at = field.crossings(h, self.level);
+                    let first = self.edge_of.len();
+                    self.edge_of.resize(first + at.len(), h);
+                    self.edges.insert(h, EdgeCrossings { first, at });
+                }
+            }
+            self.trace_face(face);
+        }
+    }
+
+    /// Links the crossings of the edges of `face` by its arcs.
+    fn trace_face(&mut self, face: FaceId) {
+        let mesh = &self.field.refined.mesh;
+        let sites = self.field.sites(face);
+        let mut joints = face::Joints::default();
+        for k in 0..3 {
+            let h = face.half_edge(k);
+            let l = mesh.length(h);
+            let own = mesh.twin(h).map_or(h, |twin| twin.min(h));
+            let crossings = &self.edges[&own];
+            let count = crossings.at.len();
+            let mut is_near = self.field.distances[mesh.tail(h).index()] < self.level;
+            let k = k as usize;
+            let (from, to) = (sites.corners[k], sites.corners[(k + 1) % 3]);
+            for i in 0..count {
+                let (i, x) = if own == h {
+                    (i, crossings.at[i])
+                } else {
+                    let i = count - 1 - i;
+                    (i, l - crossings.at[i])
+                };
+                let t = x / l;
+                let at = plane::add(plane::scale(from, 1.0 - t), plane::scale(to, t));
+                // Nearer points are on the left of the line.
+                joints.cross(crossings.first + i, at, is_near);
+                is_near = !is_near;
+            }
+        }
+        let found = sites.arcs(self.level);
+        if found.is_empty() && joints.is_empty() {
+            return;
+        }
+        for arc in &found {
+            let site = &sites.sites[arc.site];
+            let radius = site.radius(self.level);
+            joints.arc([arc.from, arc.to].map(|angle| site.at(angle, radius)));
+        }
+        let (links, loops, gap) = joints.connect();
+        self.gap = self.gap.max(gap);
+        for (entry, mut link) in links {
+            self.finish(face, &sites, &found, &mut link);
+            if self.links.len() <= entry {
+                self.links.resize_with(entry + 1, || None);
+            }
+            self.links[entry] = Some(link);
+        }
+        for mut link in loops {
+            self.finish(face, &sites, &found, &mut link);
+            self.add(link.arcs, true, true);
+        }
+    }
+
+    /// Makes arcs of the numbers of `link`.
+    fn finish(&self, face: FaceId, sites: &FaceSites, found: &[SiteArc], link: &mut Link) {
+        let ends = link.ends.drain(..);
+        link.arcs = ends
+            .map(|(i, ends)| {
+                let centre = sites.sites[found[i].site].centre;
+                self.field.arc(face, ends, centre)
+            })
+            .collect();
+        // A face without height, or a corner cut off by rounding.
+        if let Some([from, to]) = link.straight {
+            let middle = plane::scale(plane::add(from, to), 0.5);
+            if let Some(i) = sites.nearest(middle) {
+                let centre = sites.sites[i].centre;
+                link.arcs.push(self.field.arc(face, [from, to], centre));
+            }
+        }
+    }
+
+    /// Adds a line, unless it is a speck.
+    fn add(&mut self, arcs: Vec<Arc>, closed: bool, crosses_one_edge: bool) {
+        let mut arcs = arc::joined(arcs, closed);
+        // What is left of faces without height.
+        if arcs.iter().any(Arc::has_length) {
+            arcs.retain(Arc::has_length);
+        } else {
+            arcs.truncate(1);
+        }
+        let line = Line { closed, arcs };
+        let is_speck = closed && crosses_one_edge && line.length() <= SPECK * self.level;
+        if !is_speck && !line.arcs.is_empty() {
+            self.lines.push(line);
+        }
+    }
+
+    /// Joins the links of all faces: first the lines that start at the boundary.
+    fn join(&mut self) {
+        let count = self.edge_of.len();
+        self.links.resize_with(count, || None);
+        let mut has_start = vec![false; count];
+        for link in self.links.iter().flatten() {
+            if let Some(exit) = link.exit {
+                has_start[exit] = true;
+            }
+        }
+        let starts = (0..count).filter(|&i| !has_start[i]);
+        let order: Vec<usize> = starts.chain(0..count).collect();
+        for start in order {
+            let mut arcs = Vec::new();
+            let mut at = start;
+            let mut closed = false;
+            let mut crosses_one_edge = true;
+            while let Some(link) = self.links[at].take() {
+                arcs.extend(link.arcs);
+                let Some(exit) = link.exit else {
+                    break;
+                };
+                at = exit;
+                closed = at == start;
+                crosses_one_edge &= self.edge_of[at] == self.edge_of[start];
+            }
+            self.add(arcs, closed, crosses_one_edge);
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! From where the points of a face are reached.
+
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
+use geobench_window::Window;
+
+use crate::plane::{Point, add, cross, dot, norm, scale, sub, turned};
+
+/// How far beside its cone a site still counts, as the sine of an angle: rounding parts windows
+/// that touch, and a path that bends by so little is longer by less than 1e-20 of its length.
+const BESIDE: f64 = 1e-10;
+
+/// By how much two distances of a point must differ, relatively, to be told apart.
+const ROUNDING: f64 = 1e-13;
+
+/// The height of a face, as a fraction of its size and of distances, that is lost in rounding.
+const FLAT: f64 = 1e-13;
+
+/// A (pseudo-)source as the points of a face see it, unfolded into the plane of the face: the
+/// centre of circles, in a cone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Site {
+    pub(crate) centre: Point,
+    /// The distance of the (pseudo-)source.
+    sigma: f64,
+    /// Directions of the right and the left side of the cone, of length 1.
+    right: Point,
+    left: Point,
+    /// The angle from the right to the left side.
+    angle: f64,
+    /// How near the part of the face in the cone comes to the centre.
+    nearest: f64,
+}
+
+/// A part of the circle around a site, by angles from the right side of its cone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SiteArc {
+    pub(crate) site: usize,
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+}
+
+/// A face in the plane, and all sites that reach it.
+pub(crate) struct FaceSites {
+    pub(crate) corners: [Point; 3],
+    pub(crate) sites: Vec<Site>,
+    /// The longest side.
+    pub(crate) size: f64,
+}
+
+/// The corners of `face` in the frame of its first half-edge.
+pub(crate) fn corners(mesh: &Mesh, face: FaceId) -> [Point; 3] {
+    let h = face.half_edge(0);
+    [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)]
+}
+
+impl Site {
+    /// The cone of an angle from `centre` between two vectors; `None` without an angle.
+    fn new(
+        centre: Point,
+        sigma: f64,
+        sides: [Point; 2],
+        angle: f64,
+        nearest: f64,
+    ) -> Option<Self> {
+        let [right, left] = sides.map(|way| scale(way, 1.0 / norm(way)));
+        (angle > 0.0).then_some(Self {
+            centre,
+            sigma,
+            right,
+            left,
+            angle,
+            nearest,
+        })
+    }
+
+    /// The point at an angle from the right side, on the circle of `radius`.
+    pub(crate) fn at(&self, angle: f64, radius: f64) -> Point {
+        let (sin, cos) = angle.sin_cos();
+        let way = add(scale(self.right, cos), scale(turned(self.right), sin));
+        add(self.centre, scale(way, radius))
+    }
+
+    /// The angle from the right side at which `x` is seen.
+    fn angle_of(&self, x: Point) -> f64 {
+        let way = sub(x, self.centre);
+        cross(self.right, way).atan2(dot(self.right, way))
+    }
+
+    /// The radius of its circle at distance `level`; not positive if there is none.
+    pub(crate) fn radius(&self, level: f64) -> f64 {
+        level - self.sigma
+    }
+
+    /// The length of its path to `x`.
+    fn distance(&self, x: Point) -> f64 {
+        self.sigma + norm(sub(x, self.centre))
+    }
+
+    /// Whether `x` is in the cone, or beside it by rounding.
+    fn sees(&self, x: Point) -> bool {
+        let way = sub(x, self.centre);
+        let slack = -BESIDE * norm(way);
+        cross(self.right, way) >= slack && cross(way, self.left) >= slack
+    }
+
+    /// The points of its circle of `radius` on a line through `through`.
+    fn meets_line(&self, radius: f64, through: Point, direction: Point) -> [Option<Point>; 2] {
+        let normal = turned(direction);
+        let height = dot(normal, sub(through, self.centre));
+        let half = radius * radius - height * height;
+        if half.is_nan() || half < 0.0 {
+            return [None; 2];
+        }
+        let foot = add(self.centre, scale(normal, height));
+        let half = half.sqrt();
+        [half, -half].map(|t| Some(add(foot, scale(direction, t))))
+    }
+
+    /// The points of its circle of `radius` on that of `other`.
+    fn meets_circle(&self, radius: f64, other: &Self, its_radius: f64) -> [Option<Point>; 2] {
+        let way = sub(other.centre, self.centre);
+        let apart = norm(way);
+        let along = (apart * apart + (radius - its_radius) * (radius + its_radius)) / (2.0 * apart);
+        let half = (radius - along) * (radius + along);
+        // NaN where both have the same centre.
+        if half.is_nan() || half < 0.0 {
+            return [None; 2];
+        }
+        let unit = scale(way, 1.0 / apart);
+        let foot = add(self.centre, scale(unit, along));
+        let half = half.sqrt();
+        [half, -half].map(|t| Some(add(foot, scale(turned(unit), t))))
+    }
+
+    /// The part of the segment from `from` in `direction`, of length `l`, that is in the cone, as a
+    /// window in the frame of the segment.
+    pub(crate) fn window(&self, from: Point, direction: Point, l: f64) -> Option<Window> {
+        let centre = sub(self.centre, from);
+        let (mut b0, mut b1) = (0.0_f64, l);
+        let start = sub(from, self.centre);
+        // Where `value + x * slope` is positive.
+        for (value, slope) in [
+            (cross(self.right, start), cross(self.right, direction)),
+            (cross(start, self.left), cross(direction, self.left)),
+        ] {
+            let zero = -value / slope;
+            if slope > 0.0 {
+                b0 = b0.max(zero);
+            } else if slope < 0.0 {
+                b1 = b1.min(zero);
+            } else if value < 0.0 {
+                return None;
+            }
+        }
+        (b0 < b1).then_some(Window {
+            b0,
+            b1,
+            px: dot(centre, direction),
+            py: cross(direction, centre),
+            sigma: self.sigma,
+        })
+    }
+}
+
+impl FaceSites {
+    /// The windows that enter `face`, and its vertices.
+    pub(crate) fn new<W: Iterator<Item = Window>>(
+        mesh: &Mesh,
+        distances: &[f64],
+        windows: impl Fn(HalfEdgeId) -> W,
+        face: FaceId,
+    ) -> Self {
+        let corners = corners(mesh, face);
+        let mut sites = Vec::new();
+        for (k, v) in mesh.face_vertices(face).into_iter().enumerate() {
+            let sides = [1, 2].map(|i| sub(corners[(k + i) % 3], corners[k]));
+            let angle = cross(sides[0], sides[1]).atan2(dot(sides[0], sides[1]));
+            sites.extend(Site::new(corners[k], distances[v.index()], sides, angle, 0.0));
+        }
+        for k in 0..3 {
+            let h = face.half_edge(k);
+            if mesh.twin(h).is_none() {
+                continue;
+            }
+            let [origin, end] = [0, 1].map(|i| corners[(k as usize + i) % 3]);
+            let u = scale(sub(end, origin), 1.0 / mesh.length(h));
+            let turn = |x: f64, y: f64| add(scale(u, x), scale(turned(u), y));
+            for w in windows(h) {
+                let centre = add(origin, turn(w.px, w.py));
+                let sides = [w.b1, w.b0].map(|x| turn(x - w.px, -w.py));
+                // In the frame of the edge, for an image that lies on it but for a part of what
+                // the turn rounds; half a turn if it lies within the window.
+                let height = -w.py + 0.0;
+                let opposite = (w.b1 - w.px) * (w.b0 - w.px) + w.py * w.py;
+                let angle = (height * (w.b1 - w.b0)).atan2(opposite);
+                let nearest = (w.nearest_abscissa() - w.px).hypot(w.py);
+                sites.extend(Site::new(centre, w.sigma, sides, angle, nearest));
+            }
+        }
+        let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+        Self {
+            corners,
+            sites,
+            size: lengths.into_iter().fold(0.0, f64::max),
+        }
+    }
+
+    fn is_inside(&self, x: Point) -> bool {
+        let [a, b, c] = self.corners;
+        let left = |from: Point, to: Point| cross(sub(to, from), sub(x, from)) >= 0.0;
+        left(a, b) && left(b, c) && left(c, a)
+    }
+
+    /// Whether site `i`, of which `x` is at distance `level`, is the nearest one there: the first of
+    /// several equally near.
+    fn is_nearest(&self, i: usize, x: Point, level: f64, slack: f64) -> bool {
+        let rivals = self.sites.iter().enumerate();
+        let mut rivals = rivals.filter(|&(j, _)| j != i);
+        !rivals.any(|(j, rival)| {
+            let margin = if j < i { slack } else { -slack };
+            rival.distance(x) < level + margin && rival.sees(x)
+        })
+    }
+
+    /// Whether the face is so thin that rounding decides what is inside.
+    fn is_flat(&self, level: f64) -> bool {
+        let [a, b, c] = self.corners;
+        let height = cross(sub(b, a), sub(c, a)) / self.size;
+        height < FLAT * (self.size + level)
+    }
+
+    /// The site that is nearest to `x`; `None` if none sees it.
+    pub(crate) fn nearest(&self, x: Point) -> Option<usize> {
+        let seen = self.sites.iter().enumerate().filter(|(_, s)| s.sees(x));
+        let nearest = seen.min_by(|a, b| a.1.distance(x).total_cmp(&b.1.distance(x)));
+        nearest.map(|(i, _)| i)
+    }
+
+    /// The arcs of circles at distance `level` inside the face; none in a face without height, which
+    /// a line crosses from one point to the same one. O(k² + a k) for k sites and a pieces
+    /// into which others cut their circles.
+    pub(crate) fn arcs(&self, level: f64) -> Vec<SiteArc> {
+        let mut arcs: Vec<SiteArc> = Vec::new();
+        if self.is_flat(level) {
+            return arcs;
+        }
+        let slack = ROUNDING * (level + self.size);
+        let mut cuts = Vec::new();
+        for (i, site) in self.sites.iter().enumerate() {
+            let radius = site.radius(level);
+            let farthest = self.corners.map(|c| norm(sub(c, site.centre)));
+            // Not if it is NaN either.
+            if !(radius > 0.0) || radius < site.nearest || farthest.iter().all(|&d| d < radius) {
+                continue;
+            }
+            self.cuts(i, level, slack, &mut cuts);
+            for pair in cuts.windows(2) {
+                let [from, to] = [pair[0], pair[1]];
+                let middle = site.at(f64::midpoint(from, to), radius);
+                if !self.is_inside(middle) || !self.is_nearest(i, middle, level, slack) {
+                    continue;
+                }
+                match arcs.last_mut() {
+                    Some(last) if last.site == i && last.to == from => last.to = to,
+                    _ => arcs.push(SiteArc { site: i, from, to }),
+                }
+            }
+        }
+        arcs
+    }
+
+    /// The angles, in order, at which the circle of site `i` at distance `level` may come to an end:
+    /// at the sides of its cone, at those of the face, at circles of others and at the sides of
+    /// their cones.
+    fn cuts(&self, i: usize, level: f64, slack: f64, cuts: &mut Vec<f64>) {
+        let site = &self.sites[i];
+        let radius = site.radius(level);
+        cuts.clear();
+        cuts.extend([0.0, site.angle]);
+        let mut cut = |x: Point| {
+            let angle = site.angle_of(x);
+            if angle > 0.0 && angle < site.angle {
+                cuts.push(angle);
+            }
+        };
+        for k in 0..3 {
+            let [from, to] = [self.corners[k], self.corners[(k + 1) % 3]];
+            let way = sub(to, from);
+            let direction = scale(way, 1.0 / norm(way));
+            let found = site.meets_line(radius, from, direction);
+            found.into_iter().flatten().for_each(&mut cut);
+        }
+        for (j, other) in self.sites.iter().enumerate() {
+            let its_radius = other.radius(level);
+            if j == i || its_radius.is_nan() || its_radius <= 0.0 || its_radius < other.nearest {
+                continue;
+            }
+            let circle = site.meets_circle(radius, other, its_radius);
+            let circle = circle.into_iter().flatten().filter(|&x| other.sees(x));
+            circle.for_each(&mut cut);
+            for side in [other.right, other.left] {
+                let found = site.meets_line(radius, other.centre, side);
+                let found = found.into_iter().flatten();
+                let hides = |x: &Point| {
+                    dot(sub(*x, other.centre), side) >= 0.0 && other.distance(*x) < level + slack
+                };
+                found.filter(hides).for_each(&mut cut);
+            }
+        }
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup();
+    }
+}

@@ -12,6 +12,10 @@ const BESIDE: f64 = 1e-11;
 /// By how much a path may differ from its distance, relatively.
 const TOLERANCE: f64 = 5e-13;
 
+/// The height of a face over an edge, in lengths of that, below which unfolding it moves vertices too
+/// far.
+const THIN: f64 = 1e-7;
+
 /// Why a path was lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -63,8 +67,29 @@ pub struct Paths {
     mesh: Mesh,
     distances: Vec<f64>,
     origins: Origins,
-    /// The apex of each half-edge, if many paths are to be traced.
-    apexes: Vec<[f64; 2]>,
+    /// All half-edges as paths cross them, if many paths are to be traced.
+    steps: Vec<Step>,
+}
+
+/// A half-edge across which a path enters a face. What it needs is in one place, since paths go
+/// through memory at random.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    /// The apex in the frame of the half-edge, in lengths of that.
+    apex: [f64; 2],
+    tail: VertexId,
+    twin: Option<HalfEdgeId>,
+}
+
+impl Step {
+    fn new(mesh: &Mesh, h: HalfEdgeId, apex: [f64; 2]) -> Self {
+        let l = mesh.length(h);
+        Self {
+            apex: apex.map(|x| x / l),
+            tail: mesh.tail(h),
+            twin: mesh.twin(h),
+        }
+    }
 }
 
 /// For more targets than one in so many half-edges, the shapes of all faces are computed at once.
@@ -84,12 +109,16 @@ impl Paths {
     ) -> Result<Self, SolveError> {
         let (solution, origins) = solver.trace(&sources.into_vertices(), goal)?;
         let few = mesh.half_edge_count() / FEW;
-        let apexes = match goal.vertices() {
+        let steps = |f: FaceId| {
+            let apexes = mesh.apexes(f).into_iter();
+            apexes.zip(0..).map(move |(apex, k)| Step::new(mesh, f.half_edge(k), apex))
+        };
+        let steps = match goal.vertices() {
             Some(targets) if targets.len() <= few => Vec::new(),
-            _ => mesh.faces().flat_map(|f| mesh.apexes(f)).collect(),
+            _ => mesh.faces().flat_map(steps).collect(),
         };
         Ok(Self {
-            apexes,
+            steps,
             mesh: mesh.clone(),
             distances: solution.distances,
             origins,
@@ -140,11 +169,16 @@ impl Paths {
         Err(TraceError::Endless { target })
     }
 
-    /// The apex of `h` in its frame.
     #[inline]
-    fn apex(&self, h: HalfEdgeId) -> [f64; 2] {
-        let known = self.apexes.get(h.index());
-        known.copied().unwrap_or_else(|| self.mesh.apex(h))
+    fn step(&self, h: HalfEdgeId) -> Step {
+        let known = self.steps.get(h.index());
+        known.copied().unwrap_or_else(|| Step::new(&self.mesh, h, self.mesh.apex(h)))
+    }
+
+    #[inline]
+    fn tail(&self, h: HalfEdgeId) -> VertexId {
+        let known = self.steps.get(h.index());
+        known.map_or_else(|| self.mesh.tail(h), |step| step.tail)
     }
 
     /// Follows the straight line from `v`, the apex of `h`, to `image`, in the frame of `h`, up to
@@ -162,6 +196,10 @@ impl Paths {
         path: &mut Path,
     ) -> Result<VertexId, TraceError> {
         let (points, length) = (path.points.len(), path.length);
+        if let Some(found) = self.glide(target, v, h, image, path) {
+            return Ok(found);
+        }
+        path.points.truncate(points);
         let mut line = self.line(target, v, h, image);
         if let Ok(found) = self.walk(h, &mut line, path) {
             return Ok(found);
@@ -185,9 +223,89 @@ impl Paths {
         Err(TraceError::Lost { target, face })
     }
 
+    /// Follows the line from `v`, the apex of `h`, to `image` in a frame of its own, in which it is
+    /// the x-axis, and into which the faces on the way are unfolded. That is all that is needed but
+    /// beside slivers. Returns the vertex in which it ends, or `None` if that is in doubt.
+    #[inline]
+    fn glide(
+        &self,
+        target: VertexId,
+        v: VertexId,
+        h: HalfEdgeId,
+        image: [f64; 2],
+        path: &mut Path,
+    ) -> Option<VertexId> {
+        let distance = self.distances[v.index()];
+        let start = self.mesh.apex(h);
+        let way = sub(image, start);
+        let length = norm(way);
+        let beside = BESIDE * length;
+        let along = way.map(|x| x / length);
+        let turned = |p: [f64; 2]| {
+            let [x, y] = sub(p, start);
+            [along[0] * x + along[1] * y, along[0] * y - along[1] * x]
+        };
+        let meets = |at: [f64; 2], v: VertexId| {
+            let known = self.distances[v.index()];
+            let excess = norm(at) + known - distance;
+            known < distance
+                && at[0] >= 0.0
+                && excess.abs() <= TOLERANCE * self.distances[target.index()]
+        };
+        // The ends of the edge under way, and the vertices there.
+        let mut right = (turned([0.0; 2]), self.tail(h));
+        let mut left = (turned([self.mesh.length(h), 0.0]), self.tail(h.next()));
+        for (at, v) in [right, left] {
+            if at[1].abs() <= beside && meets(at, v) {
+                path.length += norm(at);
+                path.points.push(Point::at_vertex(&self.mesh, v));
+                return Some(v);
+            }
+        }
+        if !(right.0[1] < 0.0 && left.0[1] > 0.0) {
+            return None;
+        }
+        let mut out = h;
+        for _ in 0..self.mesh.face_count() {
+            let (a, b) = (right.0, left.0);
+            let t = a[1] / (a[1] - b[1]);
+            // Beyond the image, past the vertex that it is of.
+            if !(a[0] + t * (b[0] - a[0]) <= length + beside) {
+                return None;
+            }
+            path.points.push(on_edge(out, [right.1, left.1], t));
+            let g = self.step(out).twin?;
+            let [along, across] = self.step(g).apex;
+            if !(across > THIN && across < 1.0 / THIN) {
+                return None;
+            }
+            let edge = sub(a, b);
+            let apex = [
+                b[0] + along * edge[0] - across * edge[1],
+                b[1] + along * edge[1] + across * edge[0],
+            ];
+            let corner = self.tail(g.prev());
+            if apex[1].abs() <= beside && meets(apex, corner) {
+                path.length += norm(apex);
+                path.points.push(Point::at_vertex(&self.mesh, corner));
+                return Some(corner);
+            }
+            if apex[1] > 0.0 {
+                left = (apex, corner);
+                out = g.next();
+            } else if apex[1] < 0.0 {
+                right = (apex, corner);
+                out = g.prev();
+            } else {
+                return None;
+            }
+        }
+        None
+    }
+
     /// The line from `v`, the apex of `h`, to `image`.
     fn line(&self, target: VertexId, v: VertexId, h: HalfEdgeId, image: [f64; 2]) -> Line {
-        let apex = self.apex(h);
+        let apex = self.mesh.apex(h);
         let length = norm(sub(image, apex));
         let distance = self.distances[v.index()];
         Line {
@@ -210,7 +328,7 @@ impl Paths {
     /// passes. If there is none, returns the face in which it ends.
     fn walk(&self, h: HalfEdgeId, line: &mut Line, path: &mut Path) -> Result<VertexId, FaceId> {
         let mesh = &self.mesh;
-        let (apex, l) = (self.apex(h), mesh.length(h));
+        let (apex, l) = (mesh.apex(h), mesh.length(h));
         line.enter(l, apex);
         let ends = [([0.0; 2], mesh.tail(h)), ([l, 0.0], mesh.head(h))];
         for (corner, end) in ends {
@@ -224,7 +342,7 @@ impl Paths {
             && line.is_careful
         {
             // The path may bend at a corner of a face without area behind this edge.
-            let [x, y] = self.apex(g);
+            let [x, y] = mesh.apex(g);
             line.consider([l - x, -y], mesh.apex_vertex(g), self);
         }
         // Not if it is NaN either.
@@ -233,14 +351,14 @@ impl Paths {
         }
         let s = s.clamp(0.0, l);
         line.advance([s, 0.0], path);
-        path.points.push(on_edge(mesh, h, s));
+        path.points.push(on_edge(h, [mesh.tail(h), mesh.head(h)], s / l));
         // About to cross edge `out`, in whose frame everything is.
         let mut out = h;
         for _ in 0..mesh.face_count() {
             let Some(g) = mesh.twin(out) else {
                 return Err(out.face());
             };
-            let (apex, l) = (self.apex(g), mesh.length(g));
+            let (apex, l) = (mesh.apex(g), mesh.length(g));
             line.transform(|[x, y]| [l - x, -y]);
             line.enter(l, apex);
             let corner = mesh.apex_vertex(g);
@@ -278,24 +396,24 @@ impl Paths {
                 [size - x, -y]
             });
             line.here = [line.here[0].clamp(0.0, size), 0.0];
-            path.points.push(on_edge(mesh, exit, line.here[0]));
+            let ends = [mesh.tail(exit), mesh.head(exit)];
+            path.points.push(on_edge(exit, ends, line.here[0] / size));
             out = exit;
         }
         Err(out.face())
     }
 }
 
-/// The point at abscissa `s` of `h`.
-fn on_edge(mesh: &Mesh, h: HalfEdgeId, s: f64) -> Point {
-    let t = s / mesh.length(h);
-    let mut barycentric = [0.0; 3];
-    barycentric[h.corner() as usize] = 1.0 - t;
-    barycentric[h.next().corner() as usize] = t;
+/// The point at the fraction `t` of `h`, which runs between `ends`.
+#[inline]
+fn on_edge(h: HalfEdgeId, ends: [VertexId; 2], t: f64) -> Point {
+    let barycentric = match h.corner() {
+        0 => [1.0 - t, t, 0.0],
+        1 => [0.0, 1.0 - t, t],
+        _ => [t, 0.0, 1.0 - t],
+    };
     Point {
-        place: Place::Edge {
-            ends: [mesh.tail(h), mesh.head(h)],
-            t,
-        },
+        place: Place::Edge { ends, t },
         face: Some(h.face()),
         barycentric,
     }

@@ -88,6 +88,8 @@ pub(super) enum Command {
     Distance(Box<DistanceOptions>),
     /// Trace shortest paths over the surface
     Path(PathOptions),
+    /// Write the points at given distances: arcs of circles, as lines or as a picture
+    Isolines(IsolinesOptions),
     /// Write the Voronoi diagram of several sources: cells, their borders, the dual triangulation
     Voronoi(VoronoiOptions),
     /// Prove distances right, or say where they are not
@@ -423,8 +425,9 @@ pub(super) struct PathOptions {
     #[arg(value_name = "MODEL")]
     pub(super) model: String,
 
-    /// The source: a vertex number, first, a list of numbers or random:N[,seed=S]; from several
-    /// sources a path starts at the nearest
+    /// The source: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
+    /// at:X,Y,Z or a list of these; may be repeated. From several sources a path starts at the
+    /// nearest
     #[arg(
         long,
         value_name = "SRC",
@@ -433,14 +436,14 @@ pub(super) struct PathOptions {
     )]
     pub(super) source: Vec<SourceSpec>,
 
-    /// The targets, in the same form; the search ends when all are reached
+    /// The targets, in the same forms; the search ends when all are reached
     #[arg(
         long,
         value_name = "DST",
         required_unless_present = "all_targets",
         allow_negative_numbers = true
     )]
-    pub(super) target: Vec<SourceSpec>,
+    pub(super) target: Vec<TargetSpec>,
 
     /// Paths to all vertices
     #[arg(long, conflicts_with = "target")]
@@ -453,9 +456,63 @@ pub(super) struct PathOptions {
     #[command(flatten)]
     pub(super) reading: ReadingOptions,
 
-    /// File to write, by its ending: .json, .csv, .obj, .ply or .vtk
+    /// File to write, by its ending: .json, .csv, .obj, .ply, .vtk, or a picture of the model with
+    /// the paths, .svg or .png
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
+
+    /// No summary
+    #[arg(long)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+#[command(
+    after_help = MODELS_HELP,
+    group(clap::ArgGroup::new("wanted").required(true).args(["every", "levels"])),
+)]
+pub(super) struct IsolinesOptions {
+    /// The model
+    #[arg(value_name = "MODEL")]
+    pub(super) model: String,
+
+    /// The source: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
+    /// at:X,Y,Z or a list of these; may be repeated. From several sources the distance is that from
+    /// the nearest
+    #[arg(
+        long,
+        value_name = "SRC",
+        required = true,
+        allow_negative_numbers = true
+    )]
+    pub(super) source: Vec<SourceSpec>,
+
+    /// Isolines at all multiples of this distance
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = positive_distance)]
+    pub(super) every: Option<f64>,
+
+    /// Isolines at these distances, separated by commas
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        value_parser = positive_distance
+    )]
+    pub(super) levels: Vec<f64>,
+
+    /// How far the chords of lines may be from their arcs, in .obj, .ply, .vtk, .svg and .png
+    /// [default: a ten thousandth of the size of the model]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = positive_distance)]
+    pub(super) tolerance: Option<f64>,
+
+    #[command(flatten)]
+    pub(super) reading: ReadingOptions,
+
+    /// File to write, by its ending: .json has the arcs; .obj, .ply and .vtk lines; .svg and .png a
+    /// picture of the model
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
 
     /// No summary
     #[arg(long)]
@@ -905,6 +962,14 @@ fn radius(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(radius) if radius >= 0.0 && radius.is_finite() => Ok(radius),
         _ => Err("give a distance of 0 or more".to_owned()),
+    }
+}
+
+/// A distance above 0.
+fn positive_distance(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(distance) if distance > 0.0 && distance.is_finite() => Ok(distance),
+        _ => Err("give a distance above 0".to_owned()),
     }
 }
 

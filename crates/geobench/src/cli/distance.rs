@@ -6,17 +6,17 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
-use geobench_mesh::{Mesh, Refined, SurfacePoint, VertexId};
+use geobench_mesh::{Mesh, VertexId};
 use geobench_window::{Goal, Solver, precision};
 use rayon::ThreadPoolBuilder;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::Verdict;
 use super::args::DistanceOptions;
+use super::points::{Points, WantedTarget};
 use super::terminal;
 use crate::exec::expected::file_word;
 use crate::exec::model;
-use crate::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
 use crate::registry::Selection;
 use crate::schema::SourceLabel;
 use crate::table::distance_formats::{DistanceField, DistanceMatrix, FieldFormat, MatrixFormat};
@@ -53,7 +53,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         );
     }
     let loaded = model.load_within(options.reading)?;
-    let points = Points::new(&loaded.mesh, options, wanted.as_deref(), &model.path)?;
+    let points = Points::new(&loaded.mesh, &options.source, wanted.as_deref(), &model.path)?;
     if !options.quiet {
         for note in &points.notes {
             terminal::print(&format!("{note}\n"))?;
@@ -82,9 +82,6 @@ enum Form {
     Field(FieldFormat),
     Matrix(MatrixFormat),
 }
-
-/// A target, and its line if it is from a file.
-type WantedTarget = (TargetSpec, Option<String>);
 
 /// The targets of the options and of the file; `None` for all vertices.
 fn wanted_targets(options: &DistanceOptions) -> anyhow::Result<Option<Vec<WantedTarget>>> {
@@ -116,61 +113,6 @@ fn wanted_targets(options: &DistanceOptions) -> anyhow::Result<Option<Vec<Wanted
         return Ok(None);
     }
     Ok(Some(all))
-}
-
-/// Sources and targets as vertices of a refined mesh.
-struct Points {
-    refined: Refined,
-    sources: Vec<(SourceLabel, VertexId)>,
-    /// `None` for all vertices of the model.
-    targets: Option<(Vec<SourceLabel>, Vec<VertexId>)>,
-    /// What the user should know about their places.
-    notes: Vec<String>,
-}
-
-impl Points {
-    fn new(
-        mesh: &Mesh,
-        options: &DistanceOptions,
-        wanted: Option<&[WantedTarget]>,
-        model: &str,
-    ) -> anyhow::Result<Self> {
-        let vertices = mesh.vertex_count();
-        let mut locator = Locator::new(mesh);
-        let mut notes = Vec::new();
-        let mut places: Vec<SurfacePoint> = Vec::new();
-        let mut locate = |points: Vec<PointSpec>| -> anyhow::Result<Vec<SourceLabel>> {
-            for &point in &points {
-                let found = locator.locate(point)?;
-                notes.extend(found.note());
-                places.push(found.point);
-            }
-            Ok(points.iter().map(PointSpec::label).collect())
-        };
-        let sources = SourceSpec::of_all(options.source.iter().cloned())?;
-        let sources = sources.points(vertices).map_err(anyhow::Error::new);
-        let sources = sources.and_then(&mut locate);
-        let sources = sources.with_context(|| model.to_owned())?;
-        let mut labels = Vec::new();
-        for (target, place) in wanted.into_iter().flatten() {
-            let found = target.points(vertices).map_err(anyhow::Error::new);
-            let found = found.and_then(&mut locate);
-            let place = || place.clone().unwrap_or_else(|| model.to_owned());
-            labels.extend(found.with_context(place)?);
-        }
-        let refined = mesh.with_points(&places)?;
-        let (from, to) = refined.vertices.split_at(sources.len());
-        Ok(Self {
-            sources: sources.into_iter().zip(from.iter().copied()).collect(),
-            targets: wanted.is_some().then(|| (labels, to.to_vec())),
-            notes,
-            refined,
-        })
-    }
-
-    fn labels(&self) -> Option<&[SourceLabel]> {
-        self.targets.as_ref().map(|(labels, _)| &labels[..])
-    }
 }
 
 /// One distance field and its file.

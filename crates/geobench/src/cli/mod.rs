@@ -11,8 +11,10 @@ mod generate;
 mod history;
 mod info;
 mod isolation;
+mod isolines;
 mod merge;
 mod path;
+mod points;
 mod pool;
 mod progress;
 mod report;
@@ -94,6 +96,7 @@ fn command() -> ExitCode {
         Command::Claims(options) => claims::claims(&options, terminal),
         Command::Distance(options) => distance::distance(&options),
         Command::Path(options) => path::path(&options),
+        Command::Isolines(options) => isolines::isolines(&options),
         Command::Voronoi(options) => voronoi::voronoi(&options),
         Command::Certify(options) => certify::certify(&options),
         Command::Gen(options) => generate::generate(&options),

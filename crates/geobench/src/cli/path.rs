@@ -1,19 +1,22 @@
 //! `geobench path`.
 
 use std::fmt::Write;
+use std::path::Path as FilePath;
 
 use anyhow::{Context, bail};
-use geobench_mesh::VertexId;
-use geobench_paths::{Path, Paths};
+use geobench_mesh::{Mesh, VertexId};
+use geobench_paths::{Path, Paths, Place, Point};
 use geobench_window::{Goal, precision};
 
 use super::Verdict;
 use super::args::PathOptions;
+use super::points::{Points, WantedTarget};
 use super::terminal;
 use crate::exec::model;
-use crate::exec::source::SourceSpec;
+use crate::report::Scene;
+use crate::schema::SourceLabel;
 use crate::table::output::OutputFile;
-use crate::table::path_formats::{PathFormat, PathSet, source_of};
+use crate::table::path_formats::{FoundPath, PathFormat, PathSet};
 
 /// The most paths of which the summary has a line each.
 const LINES: usize = 20;
@@ -39,39 +42,45 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     };
     let loaded = model.load_within(options.reading)?;
     let mesh = &loaded.mesh;
-    let vertices = |specs: &[SourceSpec], what: &str| -> anyhow::Result<Vec<VertexId>> {
-        let mut all = Vec::new();
-        for spec in specs {
-            let found = spec.vertices(mesh.vertex_count());
-            all.extend(found.with_context(|| format!("{}: --{what}", model.path))?);
+    let wanted: Option<Vec<WantedTarget>> = (!options.all_targets)
+        .then(|| options.target.iter().map(|t| (t.clone(), None)).collect());
+    let points = Points::new(mesh, &options.source, wanted.as_deref(), &model.path)?;
+    if !options.quiet {
+        for note in &points.notes {
+            terminal::print(&format!("{note}\n"))?;
         }
-        Ok(all)
+    }
+    let sources: Vec<VertexId> = points.sources.iter().map(|(_, vertex)| *vertex).collect();
+    let refined = &points.refined.mesh;
+    let (targets, goal) = match &points.targets {
+        None => {
+            let label = |v: VertexId| (SourceLabel::Vertex(v.raw()), v);
+            (mesh.vertices().map(label).collect(), Goal::everything())
+        }
+        Some((labels, vertices)) => {
+            let goal = Goal::targets(vertices.iter().copied());
+            let targets = labels.iter().cloned().zip(vertices.iter().copied());
+            (targets.collect::<Vec<_>>(), goal)
+        }
     };
-    let sources = vertices(&options.source, "source")?;
-    let (targets, goal) = if options.all_targets {
-        (mesh.vertices().collect(), Goal::everything())
-    } else {
-        let targets = vertices(&options.target, "target")?;
-        let goal = Goal::targets(targets.iter().copied());
-        (targets, goal)
-    };
-    let mut solver = options.algo.build(mesh);
-    let paths = Paths::find(solver.as_mut(), mesh, &sources, &goal)
+    let mut solver = options.algo.build(refined);
+    let paths = Paths::find(solver.as_mut(), refined, &sources, &goal)
         .with_context(|| options.algo.label().to_owned())?;
-    if let Some(doubt) = precision::doubt(mesh, paths.distances()) {
+    if let Some(doubt) = precision::doubt(refined, paths.distances()) {
         terminal::warning(&format!("{}: {doubt}", model.name));
     }
     let mut verdict = Verdict::Passed;
     let mut totals = Totals::default();
-    let mut found: Vec<(VertexId, Option<Path>)> = Vec::new();
+    let mut found: Vec<FoundPath> = Vec::new();
     // Those of all vertices may take gigabytes.
     let keeps_all = output.is_some() || targets.len() <= LINES;
-    for target in targets {
-        match paths.to(target) {
+    for (target, vertex) in targets {
+        match paths.to(vertex) {
             Ok(path) => {
-                totals.add(target, path.as_ref());
+                let path = path.map(|path| points.told(mesh, path));
+                totals.add(&target, path.as_ref());
                 if keeps_all {
-                    found.push((target, path));
+                    found.push(FoundPath { target, path });
                 }
             }
             Err(lost) => {
@@ -87,12 +96,42 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
             mesh,
             paths: &found,
         };
-        output.write(&format.render(&set)?)?;
+        let contents = if format.is_picture() {
+            // Colours need the distances of all vertices.
+            let distances = solver.solve(&sources)?.distances;
+            let lines = found.iter().filter_map(|found| found.path.as_ref());
+            let lines: Vec<_> = lines.map(|(_, path)| path.polyline(mesh)).collect();
+            let scene = Scene {
+                mesh,
+                distances: &distances,
+                sources: &points.positions(mesh),
+                isolines: &[],
+                paths: &lines,
+            };
+            scene.draw(format == PathFormat::Png, &model.name, "Shortest paths")?
+        } else {
+            format.render(&set)?
+        };
+        output.write(&contents)?;
     }
-    if !options.quiet {
+    if !options.quiet && options.output.as_deref() != Some(FilePath::new("-")) {
         terminal::print(&totals.summary(&found))?;
     }
     Ok(verdict)
+}
+
+impl Points {
+    /// `path` of the refined mesh in points of `mesh`, and the source from which it comes.
+    fn told(&self, mesh: &Mesh, path: Path) -> (SourceLabel, Path) {
+        let start = path.points.first().and_then(Point::vertex);
+        let source = self.sources.iter().find(|(_, vertex)| Some(*vertex) == start);
+        // Every path starts at a source.
+        let label = source.map_or(SourceLabel::Other(String::new()), |(label, _)| label.clone());
+        if self.refined.mesh.vertex_count() == mesh.vertex_count() {
+            return (label, path);
+        }
+        (label, path.of_original(mesh, &self.refined, &self.places))
+    }
 }
 
 /// What is told of many paths.
@@ -101,29 +140,29 @@ struct Totals {
     paths: usize,
     unreachable: usize,
     edges: usize,
-    longest: Option<(VertexId, f64)>,
+    longest: Option<(SourceLabel, f64)>,
 }
 
 impl Totals {
-    fn add(&mut self, target: VertexId, path: Option<&Path>) {
+    fn add(&mut self, target: &SourceLabel, path: Option<&(SourceLabel, Path)>) {
         self.paths += 1;
-        let Some(path) = path else {
+        let Some((_, path)) = path else {
             self.unreachable += 1;
             return;
         };
         self.edges += path.edges().count();
-        if self.longest.is_none_or(|(_, length)| path.length > length) {
-            self.longest = Some((target, path.length));
+        if self.longest.as_ref().is_none_or(|(_, length)| path.length > *length) {
+            self.longest = Some((target.clone(), path.length));
         }
     }
 
     /// A line for each of `paths`, or one for all if they are many.
-    fn summary(&self, paths: &[(VertexId, Option<Path>)]) -> String {
+    fn summary(&self, paths: &[FoundPath]) -> String {
         if self.paths <= LINES {
             return lines(paths);
         }
-        let longest = self.longest.map_or_else(String::new, |(v, length)| {
-            format!(", the longest to vertex {v} of length {length}")
+        let longest = self.longest.as_ref().map_or_else(String::new, |(target, length)| {
+            format!(", the longest to {} of length {length}", named(target))
         });
         format!(
             "{} paths, {} unreachable, {} edges crossed{longest}\n",
@@ -132,19 +171,30 @@ impl Totals {
     }
 }
 
-fn lines(paths: &[(VertexId, Option<Path>)]) -> String {
+fn named(label: &SourceLabel) -> String {
+    match label {
+        SourceLabel::Vertex(vertex) => format!("vertex {vertex}"),
+        SourceLabel::Other(text) => text.clone(),
+    }
+}
+
+fn lines(paths: &[FoundPath]) -> String {
     let mut text = String::new();
-    for (target, path) in paths {
-        let _ = match path {
-            None => writeln!(text, "vertex {target}: unreachable"),
-            Some(path) => {
-                let source = source_of(path).map_or(u32::MAX, VertexId::raw);
-                let bends = path.vertices().count().saturating_sub(2);
+    for found in paths {
+        let target = &found.target;
+        let _ = match &found.path {
+            None => writeln!(text, "{}: unreachable", named(target)),
+            Some((source, path)) => {
+                // The ends may be vertices or not.
+                let inner = path.points.get(1..path.points.len().saturating_sub(1));
+                let inner = inner.unwrap_or_default().iter();
                 writeln!(
                     text,
-                    "vertex {source} to {target}: length {}, {} edges crossed, {bends} vertices passed",
+                    "{} to {target}: length {}, {} edges crossed, {} vertices passed",
+                    named(source),
                     path.length,
-                    path.edges().count(),
+                    inner.clone().filter(|p| matches!(p.place, Place::Edge { .. })).count(),
+                    inner.filter(|p| p.vertex().is_some()).count(),
                 )
             }
         };

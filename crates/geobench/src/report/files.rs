@@ -101,7 +101,7 @@ fn texs(document: &Document) -> Vec<(String, Vec<u8>)> {
     for plot in document.plots() {
         files.push((format!("{}.tex", plot.id), tex::plot(plot).into_bytes()));
         if let Chart::Picture(picture) = &plot.chart {
-            files.push((format!("{}.png", plot.id), picture.png().to_vec()));
+            files.push((format!("{}.png", plot.id), picture.png()));
         }
     }
     files

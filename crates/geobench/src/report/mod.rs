@@ -43,6 +43,7 @@ use document::{Block, Document, Link, Section, slug};
 pub use files::{Form, write_files};
 pub use html::page;
 pub use papers::Tables;
+pub(crate) use picture::Scene;
 pub use picture::plot::{PictureError, Wanted};
 pub use trend::page as trend_page;
 

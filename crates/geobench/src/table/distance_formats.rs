@@ -88,7 +88,7 @@ impl MatrixFormat {
 }
 
 /// A source or target in a CSV file: in quotes if it has commas.
-fn csv_word(label: &SourceLabel) -> String {
+pub(crate) fn csv_word(label: &SourceLabel) -> String {
     match label {
         SourceLabel::Vertex(vertex) => vertex.to_string(),
         SourceLabel::Other(text) => format!("\"{text}\""),

@@ -16,12 +16,14 @@ mod exports;
 pub(crate) mod figures;
 pub(crate) mod group;
 mod history;
+pub mod isoline_formats;
 pub(crate) mod html;
 pub(crate) mod latex;
 pub(crate) mod markdown;
 mod model;
 pub mod output;
 pub mod path_formats;
+mod polylines;
 pub(crate) mod results;
 pub(crate) mod terminal;
 #[cfg(test)]

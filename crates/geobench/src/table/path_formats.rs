@@ -7,7 +7,10 @@ use geobench_mesh::{FaceId, Mesh, VertexId};
 use geobench_paths::Path;
 use serde::Serialize;
 
+use super::distance_formats::csv_word;
+use super::polylines::Polylines;
 use super::{UnknownEnding, of_ending};
+use crate::schema::SourceLabel;
 
 /// Paths to some vertices, and where they come from.
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +21,18 @@ pub struct PathSet<'a> {
     pub algorithm: &'a str,
     /// The mesh.
     pub mesh: &'a Mesh,
-    /// The targets, each with its path; none if no path leads there.
-    pub paths: &'a [(VertexId, Option<Path>)],
+    /// The paths.
+    pub paths: &'a [FoundPath],
+}
+
+/// What was found for a target.
+#[derive(Clone, Debug)]
+pub struct FoundPath {
+    /// The target.
+    pub target: SourceLabel,
+    /// The source from which the path comes and the path, in points of the mesh; `None` if no path
+    /// leads to the target.
+    pub path: Option<(SourceLabel, Path)>,
 }
 
 /// A form in which paths can be written.
@@ -35,14 +48,20 @@ pub enum PathFormat {
     Ply,
     /// Legacy VTK (text): lines, with the length of each.
     Vtk,
+    /// A picture of the model with the paths.
+    Svg,
+    /// The same in pixels.
+    Png,
 }
 
-const ENDINGS: [(&str, PathFormat); 5] = [
+const ENDINGS: [(&str, PathFormat); 7] = [
     ("csv", PathFormat::Csv),
     ("json", PathFormat::Json),
     ("obj", PathFormat::Obj),
     ("ply", PathFormat::Ply),
     ("vtk", PathFormat::Vtk),
+    ("svg", PathFormat::Svg),
+    ("png", PathFormat::Png),
 ];
 
 impl PathFormat {
@@ -55,7 +74,12 @@ impl PathFormat {
         of_ending(path, "paths", &ENDINGS)
     }
 
-    /// The contents of a file in this form.
+    /// Whether it is a picture, which `report` draws.
+    pub const fn is_picture(self) -> bool {
+        matches!(self, Self::Svg | Self::Png)
+    }
+
+    /// The contents of a file in this form; those of a picture are its lines.
     ///
     /// # Errors
     ///
@@ -67,9 +91,9 @@ impl PathFormat {
         Ok(match self {
             Self::Csv => csv(set).into_bytes(),
             Self::Json => json(set)?,
-            Self::Obj => obj(set).into_bytes(),
-            Self::Ply => ply(set).into_bytes(),
-            Self::Vtk => vtk(set).into_bytes(),
+            Self::Obj => set.polylines().obj().into_bytes(),
+            Self::Ply => set.polylines().ply().into_bytes(),
+            Self::Vtk | Self::Svg | Self::Png => set.polylines().vtk().into_bytes(),
         })
     }
 }
@@ -77,35 +101,33 @@ impl PathFormat {
 impl PathSet<'_> {
     /// The paths that there are.
     fn found(&self) -> impl Iterator<Item = &Path> {
-        self.paths.iter().filter_map(|(_, path)| path.as_ref())
+        let found = self.paths.iter().filter_map(|found| found.path.as_ref());
+        found.map(|(_, path)| path)
     }
 
-    fn title(&self) -> String {
-        let title = format!("shortest paths by {}, model {}", self.algorithm, self.model);
-        let shown = |c: char| if c.is_ascii_graphic() { c } else { ' ' };
-        title.chars().map(shown).take(200).collect()
+    fn polylines(&self) -> Polylines {
+        Polylines {
+            title: format!("shortest paths by {}, model {}", self.algorithm, self.model),
+            lines: self.found().map(|path| path.polyline(self.mesh)).collect(),
+            value: "length",
+            values: self.found().map(|path| path.length).collect(),
+        }
     }
-}
-
-/// The vertex in which `path` starts.
-pub fn source_of(path: &Path) -> Option<VertexId> {
-    path.points.first()?.vertex()
 }
 
 fn csv(set: &PathSet<'_>) -> String {
     let mut text = "path,source,target,x,y,z,vertex,face,u,v,w\n".to_owned();
     let number = |id: Option<u32>| id.map_or_else(String::new, |id| id.to_string());
-    for (i, (target, path)) in set.paths.iter().enumerate() {
-        let Some(path) = path else {
+    for (i, found) in set.paths.iter().enumerate() {
+        let Some((source, path)) = &found.path else {
             continue;
         };
-        let source = number(source_of(path).map(VertexId::raw));
+        let [source, target] = [source, &found.target].map(csv_word);
         for point in &path.points {
             let [x, y, z] = point.position(set.mesh).unwrap_or_default();
             let [u, v, w] = point.barycentric;
             let vertex = number(point.vertex().map(VertexId::raw));
             let face = number(point.face.map(FaceId::raw));
-            let target = target.raw();
             let place = format!("{x},{y},{z},{vertex},{face},{u},{v},{w}");
             let _ = writeln!(text, "{i},{source},{target},{place}"); // A string takes all.
         }
@@ -118,13 +140,13 @@ struct Document<'a> {
     schema: &'static str,
     model: &'a str,
     algorithm: &'a str,
-    paths: Vec<PathRecord>,
+    paths: Vec<PathRecord<'a>>,
 }
 
 #[derive(Serialize)]
-struct PathRecord {
-    source: Option<u32>,
-    target: u32,
+struct PathRecord<'a> {
+    source: Option<&'a SourceLabel>,
+    target: &'a SourceLabel,
     length: Option<f64>,
     points: Vec<PointRecord>,
     edges: Vec<(u32, u32, f64)>,
@@ -139,13 +161,14 @@ struct PointRecord {
 }
 
 fn json(set: &PathSet<'_>) -> anyhow::Result<Vec<u8>> {
-    let record = |(target, path): &(VertexId, Option<Path>)| {
+    fn record<'a>(set: &PathSet<'a>, found: &'a FoundPath) -> PathRecord<'a> {
+        let path = found.path.as_ref().map(|(_, path)| path);
         let points = path.iter().flat_map(|path| &path.points);
-        let edges = path.iter().flat_map(Path::edges);
+        let edges = path.iter().flat_map(|path| path.edges());
         PathRecord {
-            source: path.as_ref().and_then(source_of).map(VertexId::raw),
-            target: target.raw(),
-            length: path.as_ref().map(|path| path.length),
+            source: found.path.as_ref().map(|(source, _)| source),
+            target: &found.target,
+            length: path.map(|path| path.length),
             points: points
                 .map(|point| PointRecord {
                     position: point.position(set.mesh),
@@ -156,86 +179,14 @@ fn json(set: &PathSet<'_>) -> anyhow::Result<Vec<u8>> {
                 .collect(),
             edges: edges.map(|([a, b], t)| (a.raw(), b.raw(), t)).collect(),
         }
-    };
+    }
     let document = Document {
         schema: "geobench-path/1",
         model: set.model,
         algorithm: set.algorithm,
-        paths: set.paths.iter().map(record).collect(),
+        paths: set.paths.iter().map(|found| record(set, found)).collect(),
     };
     let mut bytes = serde_json::to_vec(&document)?;
     bytes.push(b'\n');
     Ok(bytes)
-}
-
-fn obj(set: &PathSet<'_>) -> String {
-    let mut text = format!("# {}\n", set.title());
-    let mut next = 1;
-    for path in set.found() {
-        let line = path.polyline(set.mesh);
-        for [x, y, z] in &line {
-            let _ = writeln!(text, "v {x} {y} {z}");
-        }
-        text.push('l');
-        for number in next..next + line.len() {
-            let _ = write!(text, " {number}");
-        }
-        text.push('\n');
-        next += line.len();
-    }
-    text
-}
-
-fn ply(set: &PathSet<'_>) -> String {
-    let lines: Vec<Vec<[f64; 3]>> = set.found().map(|path| path.polyline(set.mesh)).collect();
-    let vertices: usize = lines.iter().map(Vec::len).sum();
-    let edges: usize = lines.iter().map(|line| line.len() - 1).sum();
-    let mut text = format!(
-        "ply\nformat ascii 1.0\ncomment {}\nelement vertex {vertices}\nproperty double x\n\
-         property double y\nproperty double z\nelement edge {edges}\nproperty int vertex1\n\
-         property int vertex2\nend_header\n",
-        set.title()
-    );
-    for [x, y, z] in lines.iter().flatten() {
-        let _ = writeln!(text, "{x} {y} {z}");
-    }
-    let mut next = 0;
-    for line in &lines {
-        for a in next..next + line.len() - 1 {
-            let _ = writeln!(text, "{a} {}", a + 1);
-        }
-        next += line.len();
-    }
-    text
-}
-
-fn vtk(set: &PathSet<'_>) -> String {
-    let lines: Vec<Vec<[f64; 3]>> = set.found().map(|path| path.polyline(set.mesh)).collect();
-    let points: usize = lines.iter().map(Vec::len).sum();
-    let mut text = format!(
-        "# vtk DataFile Version 3.0\n{}\nASCII\nDATASET POLYDATA\nPOINTS {points} double\n",
-        set.title()
-    );
-    for [x, y, z] in lines.iter().flatten() {
-        let _ = writeln!(text, "{x} {y} {z}");
-    }
-    let _ = writeln!(text, "LINES {} {}", lines.len(), lines.len() + points);
-    let mut next = 0;
-    for line in &lines {
-        let _ = write!(text, "{}", line.len());
-        for number in next..next + line.len() {
-            let _ = write!(text, " {number}");
-        }
-        text.push('\n');
-        next += line.len();
-    }
-    let _ = writeln!(
-        text,
-        "CELL_DATA {}\nSCALARS length double 1\nLOOKUP_TABLE default",
-        lines.len()
-    );
-    for path in set.found() {
-        let _ = writeln!(text, "{}", path.length);
-    }
-    text
 }

@@ -10,11 +10,10 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use geobench_mesh::{Mesh, VertexId};
 
-use super::chart::nice;
+use super::chart::{Chart, nice};
 use super::svg::{Svg, px, width_of};
-use crate::exec::model::LoadedModel;
 use crate::table::distance_formats;
-use raster::Camera;
+use raster::{Camera, Image, Ink};
 
 /// Width and height of the picture in the units of the drawing.
 const SIZE: [f64; 2] = [480.0, 400.0];
@@ -25,64 +24,135 @@ const DENSITY: f64 = 1.5;
 /// Approximate number of isolines.
 const ISOLINES: f64 = 24.0;
 
+/// Half the width of isolines and of paths, in units.
+const ISOLINE: f64 = 0.45;
+const PATH: f64 = 1.1;
+
+/// The colours of isolines and of paths.
+const ISOLINE_COLOUR: [u8; 3] = [24, 24, 30];
+const PATH_COLOUR: [u8; 3] = [214, 40, 57];
+
+/// What a picture of a model shows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scene<'a> {
+    pub(crate) mesh: &'a Mesh,
+    /// The distances of all vertices, by which the surface is coloured; more are ignored.
+    pub(crate) distances: &'a [f64],
+    /// Points of the surface that are marked; the first one is shown if possible.
+    pub(crate) sources: &'a [[f64; 3]],
+    /// Lines on the surface.
+    pub(crate) isolines: &'a [Vec<[f64; 3]>],
+    /// Others, drawn thicker.
+    pub(crate) paths: &'a [Vec<[f64; 3]>],
+}
+
+impl Scene<'_> {
+    /// The picture as a file: in pixels, or SVG with the lines as vectors and the distances below.
+    ///
+    /// # Errors
+    ///
+    /// When the mesh has no coordinates or no faces.
+    pub(crate) fn draw(&self, png: bool, model: &str, what: &str) -> anyhow::Result<Vec<u8>> {
+        let Some(picture) = Picture::new(self, f64::INFINITY) else {
+            anyhow::bail!("{model}: a mesh without coordinates or faces cannot be drawn");
+        };
+        if png {
+            return Ok(picture.png());
+        }
+        let title = format!("{what} on {model}");
+        let chart = Chart::Picture(picture);
+        Ok(chart.draw("picture", &title, "", true).into_bytes())
+    }
+}
+
 /// A model coloured by distance.
 #[derive(Clone, Debug)]
 pub(crate) struct Picture {
-    png: Vec<u8>,
-    /// The place of the source, if visible.
-    source: Option<[f64; 2]>,
+    /// The surface without lines.
+    image: Image,
+    /// The places of the sources that are visible.
+    sources: Vec<[f64; 2]>,
+    /// The visible parts of lines.
+    isolines: Vec<Vec<[f64; 2]>>,
+    paths: Vec<Vec<[f64; 2]>>,
     /// The distance at the bright end of the ramp.
     farthest: f64,
-    /// The distance between isolines.
-    step: f64,
 }
 
 impl Picture {
-    fn draw_model(model: &LoadedModel, distances: &[f64], source: VertexId) -> Option<Self> {
-        let mesh: &Mesh = &model.mesh;
+    /// Draws a scene, with isolines every `step` as the colours of vertices have them; `None` if the
+    /// mesh has no coordinates or no faces.
+    fn new(scene: &Scene<'_>, step: f64) -> Option<Self> {
+        let mesh = scene.mesh;
         if mesh.positions().len() != mesh.vertex_count() || mesh.face_count() == 0 {
             return None;
         }
-        let farthest = distances
-            .iter()
-            .copied()
-            .filter(|d| d.is_finite())
-            .fold(0.0, f64::max);
-        let step = step(farthest, ISOLINES);
+        let distances = scene.distances.get(..mesh.vertex_count())?;
+        let finite = distances.iter().copied().filter(|d| d.is_finite());
+        let farthest = finite.fold(0.0, f64::max);
         let size = SIZE.map(|s| (s * DENSITY) as usize);
-        let camera = Camera::choose(mesh, source, size);
-        let image = raster::render(mesh, distances, &camera, farthest, step);
-        let seen = image
-            .sees(mesh.positions()[source.index()], &camera)
-            .map(|at| at.map(|x| x / DENSITY));
+        let first = scene.sources.first().copied().unwrap_or_default();
+        let camera = Camera::choose(mesh, nearest_vertex(mesh, first), size);
+        let mut image = raster::render(mesh, distances, &camera, farthest, step);
+        let units = |at: [f64; 2]| at.map(|x| x / DENSITY);
+        let visible = |lines: &[Vec<[f64; 3]>]| -> Vec<Vec<[f64; 2]>> {
+            let parts = lines.iter().flat_map(|line| image.visible(line, &camera));
+            parts.map(|part| part.into_iter().map(units).collect()).collect()
+        };
+        let (isolines, paths) = (visible(scene.isolines), visible(scene.paths));
+        let seen = scene.sources.iter().filter_map(|&at| image.sees(at, &camera));
+        let sources = seen.map(units).collect();
+        image.forget_samples();
         Some(Self {
-            png: image.png(),
-            source: seen,
+            image,
+            sources,
+            isolines,
+            paths,
             farthest,
-            step,
         })
     }
 
-    /// The picture alone, as a PNG file.
-    pub(crate) fn png(&self) -> &[u8] {
-        &self.png
+    /// The picture with its lines and sources but without a scale, as a PNG file.
+    pub(crate) fn png(&self) -> Vec<u8> {
+        let mut image = self.image.clone();
+        let pixels = |line: &Vec<[f64; 2]>| line.iter().map(|at| at.map(|x| x * DENSITY)).collect();
+        let inks = [
+            (&self.isolines, ISOLINE, ISOLINE_COLOUR),
+            (&self.paths, PATH + 0.9, [255; 3]),
+            (&self.paths, PATH, PATH_COLOUR),
+        ];
+        for (lines, half_width, colour) in inks {
+            let lines: Vec<Vec<[f64; 2]>> = lines.iter().map(pixels).collect();
+            let half_width = half_width * DENSITY;
+            image.draw(&lines, Ink { half_width, colour });
+        }
+        for (radius, colour) in [(5.0, [0; 3]), (3.6, [255; 3])] {
+            let dots: Vec<Vec<[f64; 2]>> = self.sources.iter().map(|&at| pixels(&vec![at, at])).collect();
+            let half_width = radius * DENSITY;
+            image.draw(&dots, Ink { half_width, colour });
+        }
+        image.png()
     }
 
     /// Draws it and returns width and height.
     pub(crate) fn draw(&self, svg: &mut Svg) -> [f64; 2] {
         let [width, height] = SIZE;
-        let data = format!("data:image/png;base64,{}", STANDARD.encode(&self.png));
+        let data = format!("data:image/png;base64,{}", STANDARD.encode(self.image.png()));
         svg.leaf(
             "image",
             &[("href", data), ("width", px(width)), ("height", px(height))],
         );
-        if let Some([x, y]) = self.source {
+        let white = [255; 3];
+        draw_lines(svg, &self.isolines, ISOLINE, ISOLINE_COLOUR);
+        draw_lines(svg, &self.paths, PATH + 0.9, white);
+        draw_lines(svg, &self.paths, PATH, PATH_COLOUR);
+        for [x, y] in &self.sources {
             for (radius, colour) in [(5.0, "#000"), (3.6, "#fff")] {
                 svg.leaf(
                     "circle",
                     &[
-                        ("cx", px(x)),
-                        ("cy", px(y)),
+                        ("cx", px(*x)),
+                        ("cy", px(*y)),
                         ("r", px(radius)),
                         ("fill", colour.to_owned()),
                     ],
@@ -141,6 +211,32 @@ impl Picture {
     }
 }
 
+/// Draws lines of a colour.
+fn draw_lines(svg: &mut Svg, lines: &[Vec<[f64; 2]>], half_width: f64, [r, g, b]: [u8; 3]) {
+    for line in lines {
+        let points = line.iter().map(|[x, y]| format!("{x:.2},{y:.2}"));
+        let attributes = [
+            ("points", points.collect::<Vec<_>>().join(" ")),
+            ("fill", "none".to_owned()),
+            ("stroke", format!("#{r:02x}{g:02x}{b:02x}")),
+            ("stroke-width", format!("{:.1}", 2.0 * half_width)),
+            ("stroke-linejoin", "round".to_owned()),
+        ];
+        svg.leaf("polyline", &attributes);
+    }
+}
+
+/// The vertex of a face that is nearest to a point in space.
+fn nearest_vertex(mesh: &Mesh, to: [f64; 3]) -> VertexId {
+    let apart = |v: &VertexId| {
+        let p = mesh.positions()[v.index()];
+        (0..3).map(|k| (p[k] - to[k]).powi(2)).sum::<f64>()
+    };
+    let used = mesh.vertices().filter(|&v| !mesh.outgoing(v).is_empty());
+    let nearest = used.min_by(|a, b| apart(a).total_cmp(&apart(b)));
+    nearest.unwrap_or(VertexId::new(0))
+}
+
 /// A round distance, about [`ISOLINES`] of which make up the farthest.
 fn step(farthest: f64, parts: f64) -> f64 {
     if farthest <= 0.0 {
@@ -177,12 +273,22 @@ mod tests {
             .solve(&[vertex])
             .unwrap()
             .distances;
-        let picture = Picture::draw_model(&model, &distances, vertex).unwrap();
-        assert!(picture.source.is_some());
-        assert!(picture.png.starts_with(b"\x89PNG"));
+        let mesh = &model.mesh;
+        let middle = |v: [f64; 3]| v.map(|x| 0.5 * x);
+        let scene = Scene {
+            mesh,
+            distances: &distances,
+            sources: &mesh.positions()[..1],
+            isolines: &[mesh.positions()[..2].to_vec()],
+            // Inside the sphere, where nothing can be seen.
+            paths: &[mesh.positions()[..2].iter().copied().map(middle).collect()],
+        };
+        let picture = Picture::new(&scene, 0.2).unwrap();
+        assert_eq!(picture.sources.len(), 1);
+        assert_eq!((picture.isolines.len(), picture.paths.len()), (1, 0));
+        assert!(picture.png().starts_with(b"\x89PNG"));
         assert!((picture.farthest - std::f64::consts::PI).abs() < 0.05);
-        assert_eq!(picture.step, 0.2);
-        let again = Picture::draw_model(&model, &distances, vertex).unwrap();
-        assert_eq!(picture.png, again.png, "the same picture every time");
+        let again = Picture::new(&scene, 0.2).unwrap();
+        assert_eq!(picture.png(), again.png(), "the same picture every time");
     }
 }

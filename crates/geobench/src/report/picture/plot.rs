@@ -1,18 +1,27 @@
 //! The choice of the model for the picture, and its distances.
 
-use geobench_mesh::VertexId;
+use geobench_isolines::Field;
+use geobench_mesh::{Mesh, VertexId};
+use geobench_paths::Paths;
+use geobench_vtp::VtpFast;
+use geobench_window::Goal;
 
-use super::{Picture, short};
+use super::{ISOLINES, Picture, Scene, short, step};
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::{self, ModelRef};
 use crate::measure::number::grouped;
-use crate::registry;
 use crate::report::chart::Chart;
 use crate::report::document::{Plot, slug};
 use crate::schema::ResultFile;
 
 /// Most faces of a model that is drawn by default.
 const MOST_FACES: u64 = 1_000_000;
+
+/// Most faces of a model with exact isolines, which take about a second there.
+const MOST_FACES_WITH_WINDOWS: usize = 60_000;
+
+/// Shortest paths drawn.
+const PATHS: usize = 5;
 
 /// The choice of the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -162,30 +171,85 @@ fn of_model(
     if source as usize >= loaded.mesh.vertex_count() || loaded.mesh.outgoing(vertex).is_empty() {
         return Err(no_source());
     }
-    let solver = registry::select_one("vtp").map_err(|error| unloadable(error.to_string()))?;
-    let distances = solver
-        .build(&loaded.mesh)
-        .solve(&[vertex])
-        .map_err(|error| unloadable(error.to_string()))?
-        .distances;
-    let picture = Picture::draw_model(&loaded, &distances, vertex)
+    let mesh = &loaded.mesh;
+    let mut solver = VtpFast::new(mesh);
+    let paths = Paths::find(&mut solver, mesh, vertex, &Goal::everything())
+        .map_err(|error| unloadable(error.to_string()))?;
+    let distances = paths.distances();
+    let finite = distances.iter().copied().filter(|d| d.is_finite());
+    let step = step(finite.fold(0.0, f64::max), ISOLINES);
+    // The exact ones need all windows, which are many; else those of a linear interpolation.
+    let is_exact = loaded.measures.faces <= MOST_FACES_WITH_WINDOWS;
+    let isolines = if is_exact {
+        isolines(mesh, vertex, step)
+    } else {
+        Vec::new()
+    };
+    let far = far_vertices(mesh, distances);
+    let lines = far.iter().filter_map(|&v| Some(paths.to(v).ok()??.polyline(mesh)));
+    let scene = Scene {
+        mesh,
+        distances,
+        sources: mesh.positions().get(vertex.index()..=vertex.index()).unwrap_or_default(),
+        isolines: &isolines,
+        paths: &lines.collect::<Vec<_>>(),
+    };
+    let picture = Picture::new(&scene, if is_exact { f64::INFINITY } else { step })
         .ok_or_else(|| unloadable("it has no coordinates".to_owned()))?;
     Ok(Plot {
         id: format!("{prefix}-picture-{}", slug(name)),
         title: format!("Distances on {name}"),
         caption: format!(
-            "From vertex {source} ({}), an isoline every {} units; {} vertices, {} faces, computed anew by vtp.",
-            if picture.source.is_some() {
-                "white dot"
-            } else {
+            "From vertex {source} ({}), an isoline every {} units{}, and shortest paths to {} far vertices; {} vertices, {} faces, computed anew.",
+            if picture.sources.is_empty() {
                 "on the far side"
+            } else {
+                "white dot"
             },
-            short(picture.step),
+            short(step),
+            if is_exact { "" } else { " between vertices interpolated" },
+            far.len(),
             grouped(loaded.measures.vertices as u64),
             grouped(loaded.measures.faces as u64),
         ),
         chart: Chart::Picture(picture),
     })
+}
+
+/// The exact isolines at multiples of `step`; none if there are any doubts.
+fn isolines(mesh: &Mesh, source: VertexId, step: f64) -> Vec<Vec<[f64; 3]>> {
+    let Ok(field) = Field::new(mesh, &[source.into()]) else {
+        return Vec::new();
+    };
+    let isolines = field.isolines(&field.levels_every(step));
+    let lines = isolines.iter().flat_map(|isoline| &isoline.lines);
+    lines.map(|line| line.polyline(mesh, 0.01 * step)).collect()
+}
+
+/// Some vertices in the farther half, the farthest first, each far from the others in space.
+fn far_vertices(mesh: &Mesh, distances: &[f64]) -> Vec<VertexId> {
+    let reached = mesh.vertices().filter(|v| distances[v.index()].is_finite());
+    let by_distance = |a: &VertexId, b: &VertexId| distances[a.index()].total_cmp(&distances[b.index()]);
+    let Some(farthest) = reached.clone().max_by(by_distance) else {
+        return Vec::new();
+    };
+    let half = 0.5 * distances[farthest.index()];
+    let mut far = vec![farthest];
+    // The square of the distance in space from the nearest one chosen.
+    let mut apart = vec![f64::INFINITY; distances.len()];
+    while far.len() < PATHS {
+        let last = mesh.positions()[far[far.len() - 1].index()];
+        for (apart, p) in apart.iter_mut().zip(mesh.positions()) {
+            *apart = apart.min((0..3).map(|k| (p[k] - last[k]).powi(2)).sum());
+        }
+        let others = reached.clone().filter(|v| distances[v.index()] > half);
+        let next = others.max_by(|a, b| apart[a.index()].total_cmp(&apart[b.index()]));
+        match next {
+            Some(v) if apart[v.index()] > 0.0 => far.push(v),
+            _ => break,
+        }
+    }
+    far
 }
 
 #[cfg(test)]

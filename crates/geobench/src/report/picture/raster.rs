@@ -243,6 +243,11 @@ impl Image {
         bytes
     }
 
+    /// Frees what only [`sees`](Self::sees) needs.
+    pub(super) fn forget_samples(&mut self) {
+        self.samples = Vec::new();
+    }
+
     /// The pixel of a point of the surface, unless the point is hidden.
     pub(super) fn sees(&self, position: [f64; 3], camera: &Camera) -> Option<[f64; 2]> {
         let view = camera.enlarged(SAMPLES);
@@ -256,6 +261,86 @@ impl Image {
         // The sample's middle may be a little nearer than the point itself.
         let slack = width.max(height) as f64 * 0.01;
         (depth > front - slack).then(|| [x, y].map(|t| t / SAMPLES as f64))
+    }
+}
+
+/// How far from the line its middle is covered fully, in pixels: half its width.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ink {
+    pub(super) half_width: f64,
+    pub(super) colour: [u8; 3],
+}
+
+impl Image {
+    /// The parts of a line on the surface that can be seen, in pixels.
+    pub(super) fn visible(&self, line: &[[f64; 3]], camera: &Camera) -> Vec<Vec<[f64; 2]>> {
+        let mut parts = Vec::new();
+        let mut part: Vec<[f64; 2]> = Vec::new();
+        let mut end = |part: &mut Vec<[f64; 2]>| {
+            let part = std::mem::take(part);
+            if part.len() > 1 {
+                parts.push(part);
+            }
+        };
+        for pair in line.windows(2) {
+            let [a, b] = [pair[0], pair[1]].map(|p| camera.project(p));
+            let steps = ((b[0] - a[0]).hypot(b[1] - a[1]) * 2.0).ceil().max(1.0);
+            for i in 0..=steps as u32 {
+                let t = f64::from(i) / steps;
+                let at = std::array::from_fn(|k| pair[0][k] + t * (pair[1][k] - pair[0][k]));
+                let Some(seen) = self.sees(at, camera) else {
+                    end(&mut part);
+                    continue;
+                };
+                // A point for each pixel is enough.
+                let is_new = part.last().is_none_or(|last| {
+                    let moved = (seen[0] - last[0]).hypot(seen[1] - last[1]);
+                    moved > 0.3 && (moved > 1.0 || i == 0 || f64::from(i) == steps)
+                });
+                if is_new {
+                    part.push(seen);
+                }
+            }
+        }
+        end(&mut part);
+        parts
+    }
+
+    /// Draws lines, in pixels, over the picture.
+    pub(super) fn draw(&mut self, lines: &[Vec<[f64; 2]>], ink: Ink) {
+        let [width, height] = self.size;
+        let mut cover = vec![0.0_f64; width * height];
+        let reach = ink.half_width + 1.0;
+        for [a, b] in lines.iter().flat_map(|line| line.windows(2).map(|w| [w[0], w[1]])) {
+            let range = |k: usize, size: usize| {
+                let low = (a[k].min(b[k]) - reach).floor().max(0.0) as usize;
+                let high = (a[k].max(b[k]) + reach).ceil().max(0.0) as usize;
+                low..high.min(size)
+            };
+            let along = [b[0] - a[0], b[1] - a[1]];
+            let size = along[0] * along[0] + along[1] * along[1];
+            for row in range(1, height) {
+                for column in range(0, width) {
+                    let way = [column as f64 + 0.5 - a[0], row as f64 + 0.5 - a[1]];
+                    let t = (way[0] * along[0] + way[1] * along[1]) / size.max(1e-300);
+                    let t = t.clamp(0.0, 1.0);
+                    let off = (way[0] - t * along[0]).hypot(way[1] - t * along[1]);
+                    let share = (ink.half_width + 0.5 - off).clamp(0.0, 1.0);
+                    let cover = &mut cover[column + width * row];
+                    *cover = cover.max(share);
+                }
+            }
+        }
+        for (pixel, share) in self.pixels.iter_mut().zip(cover) {
+            if share > 0.0 {
+                for k in 0..3 {
+                    pixel[k] = level(
+                        f64::from(pixel[k]) * (1.0 - share) + f64::from(ink.colour[k]) * share,
+                    );
+                }
+                pixel[3] = pixel[3].max(level(255.0 * share));
+            }
+        }
     }
 }
 

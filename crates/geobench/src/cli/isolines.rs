@@ -1,0 +1,139 @@
+//! `geobench isolines`.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use anyhow::{Context, bail};
+use geobench_isolines::{Field, Isoline};
+use geobench_mesh::Mesh;
+use geobench_window::precision;
+
+use super::Verdict;
+use super::args::IsolinesOptions;
+use super::points::Points;
+use super::terminal;
+use crate::exec::model;
+use crate::report::Scene;
+use crate::schema::SourceLabel;
+use crate::table::isoline_formats::{IsolineFormat, IsolineSet};
+use crate::table::output::OutputFile;
+
+/// The most levels of which the summary has a line each.
+const LINES: usize = 20;
+
+/// The most levels of one run.
+const MOST_LEVELS: f64 = 10_000.0;
+
+/// The gap in a line, as a part of its distance, of which the user is told.
+const GAP: f64 = 1e-6;
+
+/// The default of `--tolerance`, as a part of the size of the model.
+const TOLERANCE: f64 = 1e-4;
+
+pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
+    let format = IsolineFormat::of_path(&options.output)?;
+    let output = OutputFile::prepare(&options.output)?;
+    let models = model::collect(std::slice::from_ref(&options.model))?;
+    let [model] = &models[..] else {
+        bail!(
+            "{}: holds {} models; name one of them",
+            options.model,
+            models.len()
+        );
+    };
+    let loaded = model.load_within(options.reading)?;
+    let mesh = &loaded.mesh;
+    let points = Points::new(mesh, &options.source, None, &model.path)?;
+    let is_quiet = options.quiet || options.output == Path::new("-");
+    if !is_quiet {
+        for note in &points.notes {
+            terminal::print(&format!("{note}\n"))?;
+        }
+    }
+    let field = Field::new(mesh, &points.places).with_context(|| model.path.clone())?;
+    if let Some(doubt) = precision::doubt(mesh, field.distances()) {
+        terminal::warning(&format!("{}: {doubt}", model.name));
+    }
+    let finite = field.distances().iter().copied().filter(|d| d.is_finite());
+    let farthest = finite.fold(0.0, f64::max);
+    let levels = match options.every {
+        Some(every) if farthest / every > MOST_LEVELS => bail!(
+            "--every {every} asks for {:.0} isolines, more than {MOST_LEVELS}: the farthest vertex is at {farthest}",
+            farthest / every
+        ),
+        Some(every) => field.levels_every(every),
+        None => options.levels.clone(),
+    };
+    let isolines = field.isolines(&levels);
+    for isoline in &isolines {
+        if isoline.gap > GAP * isoline.distance {
+            terminal::warning(&format!(
+                "{}: the isoline at {} has a gap of {:.1e}, beside faces with no area",
+                model.name, isoline.distance, isoline.gap
+            ));
+        }
+    }
+    let labels: Vec<SourceLabel> = points.sources.iter().map(|(l, _)| l.clone()).collect();
+    let set = IsolineSet {
+        model: &model.name,
+        sources: &labels,
+        mesh,
+        isolines: &isolines,
+        tolerance: options.tolerance.unwrap_or_else(|| TOLERANCE * size(mesh)),
+    };
+    let contents = if format.is_picture() {
+        let lines = isolines.iter().flat_map(|isoline| &isoline.lines);
+        let lines: Vec<_> = lines.map(|line| line.polyline(mesh, set.tolerance)).collect();
+        let scene = Scene {
+            mesh,
+            distances: field.distances(),
+            sources: &points.positions(mesh),
+            isolines: &lines,
+            paths: &[],
+        };
+        scene.draw(format == IsolineFormat::Png, &model.name, "Isolines")?
+    } else {
+        format.render(&set)?
+    };
+    output.write(&contents)?;
+    if !is_quiet {
+        terminal::print(&summary(&options.output, &isolines, farthest))?;
+    }
+    Ok(Verdict::Passed)
+}
+
+/// The diagonal of the box around `mesh`.
+fn size(mesh: &Mesh) -> f64 {
+    let extent = |k: usize| {
+        let along = mesh.positions().iter().map(|p| p[k]);
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        (high - low).max(0.0)
+    };
+    extent(0).hypot(extent(1)).hypot(extent(2))
+}
+
+fn summary(path: &Path, isolines: &[Isoline], farthest: f64) -> String {
+    let lines: usize = isolines.iter().map(|isoline| isoline.lines.len()).sum();
+    let all = isolines.iter().flat_map(|isoline| &isoline.lines);
+    let arcs: usize = all.map(|line| line.arcs.len()).sum();
+    let mut text = format!(
+        "{}: {} isolines, {lines} lines, {arcs} arcs; the farthest vertex is at {farthest}\n",
+        path.display(),
+        isolines.len()
+    );
+    if isolines.len() <= LINES {
+        for isoline in isolines {
+            let closed = isoline.lines.iter().filter(|line| line.closed).count();
+            let _ = writeln!(
+                text,
+                "distance {}: {closed} loops, {} open lines, length {}",
+                isoline.distance,
+                isoline.lines.len() - closed,
+                isoline.length()
+            );
+        }
+    }
+    text
+}

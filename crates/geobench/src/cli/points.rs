@@ -1,0 +1,81 @@
+//! Sources and targets of a command, found on a mesh.
+
+use anyhow::Context;
+use geobench_mesh::{Mesh, Refined, SurfacePoint, VertexId};
+
+use crate::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
+use crate::schema::SourceLabel;
+
+/// A target, and its line if it is from a file.
+pub(super) type WantedTarget = (TargetSpec, Option<String>);
+
+/// Sources and targets as vertices of a refined mesh.
+pub(super) struct Points {
+    pub(super) refined: Refined,
+    /// The places of all, in the order of `refined.vertices`.
+    pub(super) places: Vec<SurfacePoint>,
+    pub(super) sources: Vec<(SourceLabel, VertexId)>,
+    /// `None` for all vertices of the model.
+    pub(super) targets: Option<(Vec<SourceLabel>, Vec<VertexId>)>,
+    /// What the user should know about their places.
+    pub(super) notes: Vec<String>,
+}
+
+impl Points {
+    /// Finds the points; `wanted` are the targets, `None` for all vertices. `model` names the mesh in
+    /// messages.
+    ///
+    /// # Errors
+    ///
+    /// When one does not exist, or a source is named twice.
+    pub(super) fn new(
+        mesh: &Mesh,
+        sources: &[SourceSpec],
+        wanted: Option<&[WantedTarget]>,
+        model: &str,
+    ) -> anyhow::Result<Self> {
+        let vertices = mesh.vertex_count();
+        let mut locator = Locator::new(mesh);
+        let mut notes = Vec::new();
+        let mut places: Vec<SurfacePoint> = Vec::new();
+        let mut locate = |points: Vec<PointSpec>| -> anyhow::Result<Vec<SourceLabel>> {
+            for &point in &points {
+                let found = locator.locate(point)?;
+                notes.extend(found.note());
+                places.push(found.point);
+            }
+            Ok(points.iter().map(PointSpec::label).collect())
+        };
+        let sources = SourceSpec::of_all(sources.iter().cloned())?;
+        let sources = sources.points(vertices).map_err(anyhow::Error::new);
+        let sources = sources.and_then(&mut locate);
+        let sources = sources.with_context(|| model.to_owned())?;
+        let mut labels = Vec::new();
+        for (target, place) in wanted.into_iter().flatten() {
+            let found = target.points(vertices).map_err(anyhow::Error::new);
+            let found = found.and_then(&mut locate);
+            let place = || place.clone().unwrap_or_else(|| model.to_owned());
+            labels.extend(found.with_context(place)?);
+        }
+        let refined = mesh.with_points(&places)?;
+        let (from, to) = refined.vertices.split_at(sources.len());
+        Ok(Self {
+            sources: sources.into_iter().zip(from.iter().copied()).collect(),
+            targets: wanted.is_some().then(|| (labels, to.to_vec())),
+            notes,
+            places,
+            refined,
+        })
+    }
+
+    /// The names of the targets.
+    pub(super) fn labels(&self) -> Option<&[SourceLabel]> {
+        self.targets.as_ref().map(|(labels, _)| &labels[..])
+    }
+
+    /// Where the sources are in space; empty for a mesh without positions.
+    pub(super) fn positions(&self, mesh: &Mesh) -> Vec<[f64; 3]> {
+        let places = self.places.iter().take(self.sources.len());
+        places.filter_map(|place| mesh.position_of(place)).collect()
+    }
+}

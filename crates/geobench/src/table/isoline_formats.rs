@@ -1,0 +1,174 @@
+//! Isolines, as files for other programs.
+
+use std::path::Path;
+
+use geobench_isolines::{Isoline, Line};
+use geobench_mesh::Mesh;
+use serde::Serialize;
+
+use super::polylines::Polylines;
+use super::{UnknownEnding, of_ending};
+use crate::schema::SourceLabel;
+
+/// The isolines of a field.
+#[derive(Clone, Copy, Debug)]
+pub struct IsolineSet<'a> {
+    /// Name of the model.
+    pub model: &'a str,
+    /// The sources.
+    pub sources: &'a [SourceLabel],
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// The isolines.
+    pub isolines: &'a [Isoline],
+    /// How far chords may be from their arcs, where arcs cannot be written.
+    pub tolerance: f64,
+}
+
+/// A form in which isolines can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IsolineFormat {
+    /// Arcs of circles, in the planes of their faces.
+    Json,
+    /// Wavefront OBJ: polylines.
+    Obj,
+    /// PLY (text): vertices and edges.
+    Ply,
+    /// Legacy VTK (text): lines, with the distance of each.
+    Vtk,
+    /// A picture of the model with the isolines.
+    Svg,
+    /// The same in pixels.
+    Png,
+}
+
+const ENDINGS: [(&str, IsolineFormat); 6] = [
+    ("json", IsolineFormat::Json),
+    ("obj", IsolineFormat::Obj),
+    ("ply", IsolineFormat::Ply),
+    ("vtk", IsolineFormat::Vtk),
+    ("svg", IsolineFormat::Svg),
+    ("png", IsolineFormat::Png),
+];
+
+impl IsolineFormat {
+    /// The form for the ending of `path`, in any letter case.
+    ///
+    /// # Errors
+    ///
+    /// When no form has this ending.
+    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
+        of_ending(path, "isolines", &ENDINGS)
+    }
+
+    /// Whether it is a picture, which `report` draws.
+    pub const fn is_picture(self) -> bool {
+        matches!(self, Self::Svg | Self::Png)
+    }
+
+    /// The contents of a file in this form; those of a picture are its lines.
+    ///
+    /// # Errors
+    ///
+    /// When the mesh has no coordinates.
+    pub fn render(self, set: &IsolineSet<'_>) -> anyhow::Result<Vec<u8>> {
+        if set.mesh.positions().len() != set.mesh.vertex_count() {
+            anyhow::bail!("{}: the mesh has no coordinates to write", set.model);
+        }
+        Ok(match self {
+            Self::Json => json(set)?,
+            Self::Obj => set.polylines().obj().into_bytes(),
+            Self::Ply => set.polylines().ply().into_bytes(),
+            Self::Vtk | Self::Svg | Self::Png => set.polylines().vtk().into_bytes(),
+        })
+    }
+}
+
+impl IsolineSet<'_> {
+    /// The lines with their distances.
+    fn lines(&self) -> impl Iterator<Item = (f64, &Line)> {
+        let isolines = self.isolines.iter();
+        isolines.flat_map(|isoline| isoline.lines.iter().map(|line| (isoline.distance, line)))
+    }
+
+    fn polylines(&self) -> Polylines {
+        let lines = self.lines();
+        Polylines {
+            title: format!("isolines of the geodesic distance, model {}", self.model),
+            lines: lines.map(|(_, line)| line.polyline(self.mesh, self.tolerance)).collect(),
+            value: "distance",
+            values: self.lines().map(|(distance, _)| distance).collect(),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: &'static str,
+    model: &'a str,
+    sources: &'a [SourceLabel],
+    levels: Vec<LevelRecord>,
+}
+
+#[derive(Serialize)]
+struct LevelRecord {
+    distance: f64,
+    length: f64,
+    loops: Vec<LineRecord>,
+}
+
+#[derive(Serialize)]
+struct LineRecord {
+    closed: bool,
+    length: f64,
+    arcs: Vec<ArcRecord>,
+}
+
+#[derive(Serialize)]
+struct ArcRecord {
+    face: u32,
+    from: Option<[f64; 3]>,
+    to: Option<[f64; 3]>,
+    /// In the plane of the face.
+    centre: [f64; 2],
+    radius: f64,
+    /// Barycentric coordinates of both ends.
+    barycentric: [[f64; 3]; 2],
+}
+
+fn json(set: &IsolineSet<'_>) -> anyhow::Result<Vec<u8>> {
+    let mesh = set.mesh;
+    let line = |line: &Line| LineRecord {
+        closed: line.closed,
+        length: line.length(),
+        arcs: line
+            .arcs
+            .iter()
+            .map(|arc| {
+                let [from, to] = arc.ends.map(|end| arc.position(mesh, end));
+                ArcRecord {
+                    face: arc.face.raw(),
+                    from,
+                    to,
+                    centre: arc.centre,
+                    radius: arc.radius,
+                    barycentric: arc.ends.map(|end| arc.barycentric(mesh, end)),
+                }
+            })
+            .collect(),
+    };
+    let level = |isoline: &Isoline| LevelRecord {
+        distance: isoline.distance,
+        length: isoline.length(),
+        loops: isoline.lines.iter().map(line).collect(),
+    };
+    let document = Document {
+        schema: "geobench-isolines/1",
+        model: set.model,
+        sources: set.sources,
+        levels: set.isolines.iter().map(level).collect(),
+    };
+    let mut bytes = serde_json::to_vec(&document)?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}

@@ -1,0 +1,102 @@
+//! Lines in space, as files for other programs.
+
+use std::fmt::Write;
+
+/// Lines, and a number of each.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Polylines {
+    /// What they are, for a comment.
+    pub(crate) title: String,
+    /// Their points.
+    pub(crate) lines: Vec<Vec<[f64; 3]>>,
+    /// The name of the number.
+    pub(crate) value: &'static str,
+    /// The number of each line.
+    pub(crate) values: Vec<f64>,
+}
+
+impl Polylines {
+    /// Without characters that files may not have, and not too long.
+    fn title(&self) -> String {
+        let shown = |c: char| if c.is_ascii_graphic() { c } else { ' ' };
+        self.title.chars().map(shown).take(200).collect()
+    }
+
+    /// Number of all points.
+    fn points(&self) -> usize {
+        self.lines.iter().map(Vec::len).sum()
+    }
+
+    /// Wavefront OBJ.
+    pub(crate) fn obj(&self) -> String {
+        let mut text = format!("# {}\n", self.title());
+        let mut next = 1;
+        for line in &self.lines {
+            for [x, y, z] in line {
+                let _ = writeln!(text, "v {x} {y} {z}"); // A string takes all.
+            }
+            text.push('l');
+            for number in next..next + line.len() {
+                let _ = write!(text, " {number}");
+            }
+            text.push('\n');
+            next += line.len();
+        }
+        text
+    }
+
+    /// PLY (text): vertices and edges.
+    pub(crate) fn ply(&self) -> String {
+        let edges: usize = self.lines.iter().map(|line| line.len().saturating_sub(1)).sum();
+        let mut text = format!(
+            "ply\nformat ascii 1.0\ncomment {}\nelement vertex {}\nproperty double x\n\
+             property double y\nproperty double z\nelement edge {edges}\nproperty int vertex1\n\
+             property int vertex2\nend_header\n",
+            self.title(),
+            self.points()
+        );
+        for [x, y, z] in self.lines.iter().flatten() {
+            let _ = writeln!(text, "{x} {y} {z}");
+        }
+        let mut next = 0;
+        for line in &self.lines {
+            for a in next..(next + line.len()).saturating_sub(1) {
+                let _ = writeln!(text, "{a} {}", a + 1);
+            }
+            next += line.len();
+        }
+        text
+    }
+
+    /// Legacy VTK (text): lines with their numbers.
+    pub(crate) fn vtk(&self) -> String {
+        let points = self.points();
+        let mut text = format!(
+            "# vtk DataFile Version 3.0\n{}\nASCII\nDATASET POLYDATA\nPOINTS {points} double\n",
+            self.title()
+        );
+        for [x, y, z] in self.lines.iter().flatten() {
+            let _ = writeln!(text, "{x} {y} {z}");
+        }
+        let count = self.lines.len();
+        let _ = writeln!(text, "LINES {count} {}", count + points);
+        let mut next = 0;
+        for line in &self.lines {
+            let _ = write!(text, "{}", line.len());
+            for number in next..next + line.len() {
+                let _ = write!(text, " {number}");
+            }
+            text.push('\n');
+            next += line.len();
+        }
+        let _ = writeln!(
+            text,
+            "CELL_DATA {count}\nSCALARS {} double 1\nLOOKUP_TABLE default",
+            self.value
+        );
+        for value in &self.values {
+            let _ = writeln!(text, "{value}");
+        }
+        text
+    }
+}

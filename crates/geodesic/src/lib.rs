@@ -27,6 +27,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! [`Distances::isolines`] gives the points at given distances, as arcs of circles in faces:
+//!
+//! ```
+//! use geodesic::{Distances, Mesh};
+//!
+//! let mesh = Mesh::generate("sphere,subdiv=3")?;
+//! let isolines = mesh.isolines(0, &[0.5, 1.5])?;
+//! let equator = &isolines[1].lines[0];
+//! assert!(equator.closed && (equator.length() - 6.2).abs() < 0.1);
+//! // Chords at most a thousandth from the arcs.
+//! let line: Vec<[f64; 3]> = equator.polyline(&mesh, 1e-3);
+//! assert_eq!(line.first(), line.last());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! For more than one question keep a solver. It is set up once for a mesh, owns what it needs, and
 //! answers for one source after another, or for the nearest of several:
 //!
@@ -83,10 +98,12 @@
 //! * [`VtpFast`], the fastest solver, and [`Pvtp`], the same on several threads.
 //! * [`solvers`]: all of them, under the names of the papers.
 //! * [`Paths`]: the shortest paths to many vertices, of one run of any solver.
-//! * [`Diagram`]: geodesic Voronoi diagrams. [`Certificate`]: proofs of distances.
+//! * [`Diagram`]: geodesic Voronoi diagrams. [`Certificate`]: proofs of distances. [`Field`]: the
+//!   distance of all points of a surface, for isolines.
 //! * [`Solver`]: what they have in common. It also counts windows and samples phases.
-//! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`], [`paths`], [`voronoi`],
-//!   [`certify`]: the crates behind this one, with the parts from which solvers are made.
+//! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`], [`paths`], [`isolines`],
+//!   [`voronoi`], [`certify`]: the crates behind this one, with the parts from which solvers are
+//!   made.
 //!
 //! # What to expect
 //!
@@ -106,6 +123,7 @@ mod certificate;
 pub use geobench_certify as certify;
 pub use geobench_fwp as fwp;
 pub use geobench_ich as ich;
+pub use geobench_isolines as isolines;
 pub use geobench_mesh as mesh;
 pub use geobench_mmp as mmp;
 pub use geobench_paths as paths;
@@ -114,6 +132,7 @@ pub use geobench_vtp as vtp;
 pub use geobench_window as window;
 
 pub use certificate::{Certificate, CertificateError, Comparison};
+pub use geobench_isolines::{Arc, Field, FieldError, Isoline, Line};
 pub use geobench_mesh::{
     InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,
     TriangleSoup, VertexId, generate, io,
@@ -191,7 +210,7 @@ points!(&[P; N], P: Copy + Into<SurfacePoint>, const N: usize);
 points!(&[P], P: Copy + Into<SurfacePoint>);
 points!(&Vec<P>, P: Copy + Into<SurfacePoint>);
 
-/// Distances and paths on a mesh without a solver to keep.
+/// Distances, paths and isolines on a mesh without a solver to keep.
 pub trait Distances {
     /// Length of the shortest path over the surface from the nearest of `sources`, a vertex,
     /// another point or several, to every vertex; infinite where no path leads.
@@ -224,6 +243,22 @@ pub trait Distances {
         sources: impl Points,
         target: impl Into<SurfacePoint>,
     ) -> Result<Option<Path>, PathError>;
+
+    /// The points at each of `levels` from the nearest of `sources`, a vertex, another point or
+    /// several; a level that is not positive, or farther than all points, has no lines.
+    ///
+    /// It keeps all windows of MMP, which takes several times as long and much more memory than
+    /// distances of vertices: about a gigabyte for 300,000 faces. For more levels later keep a
+    /// [`Field`].
+    ///
+    /// # Errors
+    ///
+    /// When there is no source, or one that is not on the mesh.
+    fn isolines(
+        &self,
+        sources: impl Points,
+        levels: &[f64],
+    ) -> Result<Vec<Isoline>, FieldError>;
 }
 
 impl Distances for Mesh {
@@ -268,5 +303,13 @@ fn not_on_the_mesh(error: PointError) -> SolveError {
             SolveError::NoSuchVertex { vertex, vertices }
         }
         _ => SolveError::NoSuchPoint,
+    }
+
+    fn isolines(
+        &self,
+        sources: impl Points,
+        levels: &[f64],
+    ) -> Result<Vec<Isoline>, FieldError> {
+        Ok(Field::new(self, &sources.into_points())?.isolines(levels))
     }
 }

@@ -13,6 +13,7 @@ mod history;
 mod info;
 mod instructions;
 mod isolation;
+mod isolines;
 mod merge;
 mod outside;
 mod path;

@@ -53,6 +53,73 @@ fn json_has_points_edges_and_lengths() {
 }
 
 #[test]
+fn paths_join_any_points_by_every_exact_algorithm() {
+    let sandbox = Sandbox::new();
+    sandbox.write("strip.off", STRIP);
+    // From (0.25, 0.5) in face 1 to (3.5, 1) on an edge.
+    let points = "--source face:1,0.25,0.25,0.5 --source edge:10-12,0.5 --target edge:8-9,0.5 \
+        --target at:3.5,0.25,2 --target edge:11-12,0.5 --target face:1,0.25,0.25,0.5";
+    let algorithms = sandbox.succeed("algos exact --format json");
+    let algorithms: serde_json::Value = serde_json::from_str(&algorithms).unwrap();
+    let names = algorithms.as_array().unwrap().iter().map(|a| a["name"].as_str().unwrap());
+    let mut count = 0;
+    for name in names {
+        let said = sandbox.succeed(&format!("path strip.off {points} --algo {name} -o p.json"));
+        assert!(said.starts_with("at:3.5,0.25,2 is 2 from the surface; "), "{name}: {said}");
+        let paths = &sandbox.json("p.json")["paths"];
+        for (i, target, ends, length) in [
+            (0, "edge:8-9,0.5", [[0.25, 0.75], [3.5, 1.0]], 3.25_f64.hypot(0.25)),
+            (1, "at:3.5,0.25,2", [[0.25, 0.75], [3.5, 0.25]], 3.25_f64.hypot(0.5)),
+            (2, "edge:11-12,0.5", [[9.0, 0.5], [9.5, 0.5]], 0.5),
+            (3, "face:1,0.25,0.25,0.5", [[0.25, 0.75], [0.25, 0.75]], 0.0),
+        ] {
+            let path = &paths[i];
+            assert_eq!(path["target"], target, "{name}");
+            let source = ["face:1,0.25,0.25,0.5", "edge:10-12,0.5"][usize::from(i == 2)];
+            assert_eq!(path["source"], source, "{name}");
+            let found = path["length"].as_f64().unwrap();
+            assert!((found - length).abs() <= 1e-12 * length, "{name}: {path}");
+            let points = path["points"].as_array().unwrap();
+            for (point, end) in [(&points[0], ends[0]), (&points[points.len() - 1], ends[1])] {
+                for k in 0..2 {
+                    let x = point["position"][k].as_f64().unwrap();
+                    assert!((x - end[k]).abs() < 1e-14, "{name}: {point} for {end:?}");
+                }
+                assert!(point["face"].as_u64().unwrap() < 9, "{name}: {point}");
+                assert_eq!(point["vertex"], json!(null));
+            }
+            // All others on edges of the model.
+            assert!(path["edges"].as_array().unwrap().len() + 2 >= points.len());
+        }
+        count += 1;
+    }
+    assert!(count > 15, "{count} exact algorithms");
+}
+
+#[test]
+fn names_with_commas_are_in_quotes() {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed("path square.off --source edge:0-1,0.5 --target edge:2-3,0.5 -o p.csv");
+    let text = sandbox.read("p.csv");
+    assert!(
+        text.contains("\n0,\"edge:0-1,0.5\",\"edge:2-3,0.5\",0.5,0,0,,"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_picture_shows_the_paths() {
+    let sandbox = Sandbox::new();
+    let command = "path gen:sphere,subdiv=2 --source 0 --target random:5";
+    sandbox.succeed(&format!("{command} -o p.svg"));
+    let svg = sandbox.read("p.svg");
+    assert!(svg.starts_with("<svg ") && svg.contains("data:image/png;base64,"));
+    assert!(svg.contains("<polyline ") && svg.contains("Shortest paths on sphere"));
+    sandbox.succeed(&format!("{command} -o p.png"));
+    assert!(sandbox.bytes("p.png").starts_with(b"\x89PNG"));
+}
+
+#[test]
 fn every_form_is_written() {
     let sandbox = Sandbox::with_square();
     for (file, start, end) in [
@@ -109,6 +176,15 @@ fn wrong_input_is_named() {
             "path square.off --source 9 --target 1",
             "vertex 9 does not exist: the model has 4 vertices",
         ),
+        (
+            "path square.off --source 1 --target face:9,1,0,0",
+            "face:9,1,0,0: face 9 does not exist: the mesh has 2 faces",
+        ),
+        (
+            "path square.off --source edge:1-3,0.5 --target 1",
+            "edge:1-3,0.5: no edge joins the vertices 1 and 3",
+        ),
+        ("path square.off --source 1,1 --target 2", "source vertex 1 is named twice"),
         ("path square.off --source 1", "--target <DST>"),
         ("path square.off --target 1", "--source <SRC>"),
         (

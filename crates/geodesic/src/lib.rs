@@ -254,11 +254,7 @@ pub trait Distances {
     /// # Errors
     ///
     /// When there is no source, or one that is not on the mesh.
-    fn isolines(
-        &self,
-        sources: impl Points,
-        levels: &[f64],
-    ) -> Result<Vec<Isoline>, FieldError>;
+    fn isolines(&self, sources: impl Points, levels: &[f64]) -> Result<Vec<Isoline>, FieldError>;
 }
 
 impl Distances for Mesh {
@@ -305,11 +301,7 @@ fn not_on_the_mesh(error: PointError) -> SolveError {
         _ => SolveError::NoSuchPoint,
     }
 
-    fn isolines(
-        &self,
-        sources: impl Points,
-        levels: &[f64],
-    ) -> Result<Vec<Isoline>, FieldError> {
+    fn isolines(&self, sources: impl Points, levels: &[f64]) -> Result<Vec<Isoline>, FieldError> {
         Ok(Field::new(self, &sources.into_points())?.isolines(levels))
     }
 }

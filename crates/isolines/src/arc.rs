@@ -70,8 +70,8 @@ impl Arc {
         let parts = (angle / chord).ceil().max(1.0);
         let mut points = vec![self.ends[0]];
         let from = sub(self.ends[0], self.centre);
-        for i in 1..parts as u32 {
-            let (sin, cos) = (angle * f64::from(i) / parts).sin_cos();
+        for i in (1_u32..).map(f64::from).take_while(|&i| i < parts) {
+            let (sin, cos) = (angle * i / parts).sin_cos();
             let way = [cos * from[0] - sin * from[1], sin * from[0] + cos * from[1]];
             points.push(add(self.centre, way));
         }
@@ -134,7 +134,10 @@ impl Arc {
 pub(crate) fn joined(arcs: Vec<Arc>, closed: bool) -> Vec<Arc> {
     let mut all: Vec<Arc> = Vec::with_capacity(arcs.len());
     for arc in arcs {
-        match all.last_mut().and_then(|last| Some((last.with(&arc)?, last))) {
+        match all
+            .last_mut()
+            .and_then(|last| Some((last.with(&arc)?, last)))
+        {
             Some((both, last)) => *last = both,
             None => all.push(arc),
         }

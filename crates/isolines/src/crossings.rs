@@ -20,8 +20,7 @@ impl Part {
     fn of(w: Window, level: f64) -> Option<Self> {
         let radius = level - w.sigma;
         let half = radius * radius - w.py * w.py;
-        // Not if it is NaN either.
-        if !(radius > 0.0 && half > 0.0) {
+        if radius.is_nan() || half.is_nan() || radius <= 0.0 || half <= 0.0 {
             return None;
         }
         let half = half.sqrt();
@@ -117,7 +116,10 @@ mod tests {
         assert_eq!(crossings([w].into_iter(), far, 10.0, 5.0), [1.0, 9.0]);
         assert_eq!(crossings([w].into_iter(), far, 10.0, 3.0), []);
         // Two windows that touch, parted by rounding.
-        let two = [window(0.0, 5.0, 5.0, -3.0), window(5.0 + 1e-12, 10.0, 5.0, -3.0)];
+        let two = [
+            window(0.0, 5.0, 5.0, -3.0),
+            window(5.0 + 1e-12, 10.0, 5.0, -3.0),
+        ];
         assert_eq!(crossings(two.into_iter(), far, 10.0, 5.0), [1.0, 9.0]);
     }
 

@@ -118,7 +118,9 @@ impl Line {
             let on_arc = arc.points(tolerance).into_iter().skip(skip);
             points.extend(on_arc.filter_map(|at| arc.position(mesh, at)));
         }
-        if self.closed && let Some(&first) = points.first() {
+        if self.closed
+            && let Some(&first) = points.first()
+        {
             let last = points.len() - 1;
             if last > 0 {
                 points[last] = first;
@@ -146,9 +148,17 @@ impl Field {
         let refined = mesh.with_points(sources)?;
         let mut solver = mmp(&refined.mesh);
         let distances = solver.solve(&refined.vertices)?.distances;
-        let mut sorted: Vec<f64> = distances.iter().copied().filter(|d| d.is_finite()).collect();
+        let mut sorted: Vec<f64> = distances
+            .iter()
+            .copied()
+            .filter(|d| d.is_finite())
+            .collect();
         sorted.sort_by(f64::total_cmp);
-        let points = refined.vertices.iter().copied().zip(sources.iter().copied());
+        let points = refined
+            .vertices
+            .iter()
+            .copied()
+            .zip(sources.iter().copied());
         let added = points.filter(|(v, _)| v.index() >= mesh.vertex_count());
         Ok(Self {
             mesh: mesh.clone(),
@@ -175,7 +185,7 @@ impl Field {
     pub fn levels_every(&self, step: f64) -> Vec<f64> {
         let farthest = self.sorted.last().copied().unwrap_or(0.0);
         let mut levels = Vec::new();
-        if !(step > 0.0) {
+        if step.is_nan() || step <= 0.0 {
             return levels;
         }
         for k in 1..=MOST_LEVELS {
@@ -255,22 +265,19 @@ impl Field {
         if ends.iter().all(|d| (d - level).abs() > l) {
             return Vec::new();
         }
-        match mesh.twin(h) {
-            Some(twin) => {
-                let beyond = self.windows(twin).map(|w| w.reversed(l));
-                crossings(self.windows(h).chain(beyond), ends, l, level)
-            }
-            None => {
-                let sites = self.sites(h.face());
-                let k = h.corner() as usize;
-                let [from, to] = [sites.corners[k], sites.corners[(k + 1) % 3]];
-                let direction = plane::scale(sub(to, from), 1.0 / l);
-                // Its ends are given as distances.
-                let seen = sites.sites.iter().filter(|s| s.centre != from && s.centre != to);
-                let seen = seen.filter_map(|site| site.window(from, direction, l));
-                crossings(seen, ends, l, level)
-            }
+        if let Some(twin) = mesh.twin(h) {
+            let beyond = self.windows(twin).map(|w| w.reversed(l));
+            return crossings(self.windows(h).chain(beyond), ends, l, level);
         }
+        let sites = self.sites(h.face());
+        let k = h.corner() as usize;
+        let [from, to] = [sites.corners[k], sites.corners[(k + 1) % 3]];
+        let direction = plane::scale(sub(to, from), 1.0 / l);
+        // Its ends are given as distances.
+        let seen = sites.sites.iter();
+        let seen = seen.filter(|site| site.centre != from && site.centre != to);
+        let seen = seen.filter_map(|site| site.window(from, direction, l));
+        crossings(seen, ends, l, level)
     }
 
     /// A circle of a face of the refined mesh, as an arc of the face of the mesh that holds it.
@@ -350,7 +357,10 @@ impl Tracer<'_> {
         for face in mesh.faces() {
             let halves = [0, 1, 2].map(|k| face.half_edge(k));
             let near = mesh.face_vertices(face).map(|v| field.distances[v.index()]);
-            let size = halves.map(|h| mesh.length(h)).into_iter().fold(0.0, f64::max);
+            let size = halves
+                .map(|h| mesh.length(h))
+                .into_iter()
+                .fold(0.0, f64::max);
             let near = near.iter().any(|d| (d - self.level).abs() <= size);
             if !near {
                 continue;

@@ -55,13 +55,7 @@ pub(crate) fn corners(mesh: &Mesh, face: FaceId) -> [Point; 3] {
 
 impl Site {
     /// The cone of an angle from `centre` between two vectors; `None` without an angle.
-    fn new(
-        centre: Point,
-        sigma: f64,
-        sides: [Point; 2],
-        angle: f64,
-        nearest: f64,
-    ) -> Option<Self> {
+    fn new(centre: Point, sigma: f64, sides: [Point; 2], angle: f64, nearest: f64) -> Option<Self> {
         let [right, left] = sides.map(|way| scale(way, 1.0 / norm(way)));
         (angle > 0.0).then_some(Self {
             centre,
@@ -175,7 +169,13 @@ impl FaceSites {
         for (k, v) in mesh.face_vertices(face).into_iter().enumerate() {
             let sides = [1, 2].map(|i| sub(corners[(k + i) % 3], corners[k]));
             let angle = cross(sides[0], sides[1]).atan2(dot(sides[0], sides[1]));
-            sites.extend(Site::new(corners[k], distances[v.index()], sides, angle, 0.0));
+            sites.extend(Site::new(
+                corners[k],
+                distances[v.index()],
+                sides,
+                angle,
+                0.0,
+            ));
         }
         for k in 0..3 {
             let h = face.half_edge(k);
@@ -249,8 +249,11 @@ impl FaceSites {
         for (i, site) in self.sites.iter().enumerate() {
             let radius = site.radius(level);
             let farthest = self.corners.map(|c| norm(sub(c, site.centre)));
-            // Not if it is NaN either.
-            if !(radius > 0.0) || radius < site.nearest || farthest.iter().all(|&d| d < radius) {
+            if radius.is_nan()
+                || radius <= 0.0
+                || radius < site.nearest
+                || farthest.iter().all(|&d| d < radius)
+            {
                 continue;
             }
             self.cuts(i, level, slack, &mut cuts);

@@ -30,10 +30,9 @@ fn square(n: usize, seed: u64) -> Mesh {
     for y in 0..=n {
         for x in 0..=n {
             let mut at = [x as f64, y as f64, 0.0];
-            for k in 0..2 {
-                if ![0.0, n as f64].contains(&at[k]) && x % n > 0 && y % n > 0 {
-                    at[k] += 0.4 * (random.unit() - 0.5);
-                }
+            if x % n > 0 && y % n > 0 {
+                at[0] += 0.4 * (random.unit() - 0.5);
+                at[1] += 0.4 * (random.unit() - 0.5);
             }
             positions.push(at);
         }
@@ -57,7 +56,11 @@ fn isolines_of_a_plane_are_circles() {
             let isoline = field.isoline(r);
             assert_eq!((isoline.lines.len(), closed(&isoline)), (1, 1), "{r}");
             let off = isoline.length() - 2.0 * PI * r;
-            assert!(off.abs() < 1e-10 * r + 1e-14, "{r}: {off:e}, gap {:e}", isoline.gap);
+            assert!(
+                off.abs() < 1e-10 * r + 1e-14,
+                "{r}: {off:e}, gap {:e}",
+                isoline.gap
+            );
             let line = isoline.lines[0].polyline(&mesh, 1e-6);
             assert_eq!(line.first(), line.last());
             for p in line {
@@ -80,14 +83,22 @@ fn isolines_end_at_the_boundary() {
             let isoline = field.isoline(r * step);
             assert_eq!((isoline.lines.len(), closed(&isoline)), (1, 0), "{r}");
             let off = isoline.length() - PI / 2.0 * r * step;
-            assert!(off.abs() < 1e-9 * step, "{r}: {off:e}, gap {:e}", isoline.gap);
+            assert!(
+                off.abs() < 1e-9 * step,
+                "{r}: {off:e}, gap {:e}",
+                isoline.gap
+            );
         }
         for r in [11.0_f64, 12.0, 14.0] {
             let isoline = field.isoline(r * step);
             assert_eq!((isoline.lines.len(), closed(&isoline)), (1, 0), "{r}");
             let expected = (PI / 2.0 - 2.0 * (10.0 / r).acos()) * r * step;
             let off = isoline.length() - expected;
-            assert!(off.abs() < 1e-9 * step, "{r}: {off:e}, gap {:e}", isoline.gap);
+            assert!(
+                off.abs() < 1e-9 * step,
+                "{r}: {off:e}, gap {:e}",
+                isoline.gap
+            );
         }
         assert_eq!(field.isoline(14.2 * step).lines, []);
         let levels = field.levels_every(2.0 * step);
@@ -110,7 +121,11 @@ fn cone(angle: f64, sectors: usize, rings: usize) -> Mesh {
     let mut lengths = Vec::new();
     // By rings and whether the sectors differ, so that both faces of an edge have the same bits.
     let length = |(r, s): (usize, usize), (q, t): (usize, usize)| {
-        let turn = if s == t || r == 0 || q == 0 { 1.0 } else { step.cos() };
+        let turn = if s == t || r == 0 || q == 0 {
+            1.0
+        } else {
+            step.cos()
+        };
         let (near, far) = (r.min(q) as f64, r.max(q) as f64);
         if turn == 1.0 {
             far - near
@@ -165,10 +180,8 @@ fn isolines_of_a_cone_have_the_length_of_its_angle() {
 
 /// The length of the isoline at `r` around a point at distance `d` of the tip of a cone.
 fn length_around(d: f64, angle: f64, r: f64) -> f64 {
-    if r <= d {
-        if angle / 2.0 >= PI / 2.0 || r <= d * (angle / 2.0).sin() {
-            return 2.0 * PI * r;
-        }
+    if r <= d && (angle >= PI || r <= d * (angle / 2.0).sin()) {
+        return 2.0 * PI * r;
     }
     if angle >= 2.0 * PI {
         // A full circle, without nothing but the direction of the tip, and an arc around that.
@@ -275,7 +288,12 @@ fn isolines_of_a_cylinder_pass_the_cut_locus() {
 
 /// The distances of some points of `lines` from `sources`, each by another solver on a mesh that has
 /// it as a vertex.
-fn distances_along(mesh: &Mesh, sources: &[SurfacePoint], lines: &[Line], every: usize) -> Vec<f64> {
+fn distances_along(
+    mesh: &Mesh,
+    sources: &[SurfacePoint],
+    lines: &[Line],
+    every: usize,
+) -> Vec<f64> {
     let mut found = Vec::new();
     for (i, arc) in lines.iter().flat_map(|line| &line.arcs).enumerate() {
         if i % every == 0 {
@@ -308,7 +326,10 @@ fn faults(
     let field = Field::new(mesh, sources).unwrap();
     let finite = field.distances().iter().copied().filter(|d| d.is_finite());
     let farthest = finite.fold(0.0, f64::max);
-    let longest = mesh.half_edges().map(|h| mesh.length(h)).fold(0.0, f64::max);
+    let longest = mesh
+        .half_edges()
+        .map(|h| mesh.length(h))
+        .fold(0.0, f64::max);
     let has_boundary = mesh.vertices().any(|v| mesh.is_boundary(v));
     let mut faults = Vec::new();
     for k in 1..=levels {
@@ -331,7 +352,10 @@ fn faults(
         let worst = found.iter().map(|d| (d - r).abs()).fold(0.0, f64::max);
         if worst > 1e-9 * r + 1e-12 * longest {
             let ratio = longest / r;
-            fault(format!("a point is off by {:e}, longest {ratio:e}", worst / r));
+            fault(format!(
+                "a point is off by {:e}, longest {ratio:e}",
+                worst / r
+            ));
         }
     }
     faults
@@ -385,7 +409,9 @@ fn sources_lie_anywhere() {
         let [a, b, c] = [random.unit(), random.unit(), random.unit()];
         let sum = a + b + c;
         if random.below(2) == 0 {
-            return mesh.point_in_face(face, [a / sum, b / sum, c / sum]).unwrap();
+            return mesh
+                .point_in_face(face, [a / sum, b / sum, c / sum])
+                .unwrap();
         }
         let [from, to, _] = mesh.face_vertices(face);
         mesh.point_on_edge([from, to], a).unwrap()
@@ -393,7 +419,13 @@ fn sources_lie_anywhere() {
     let mut all = Vec::new();
     for count in [1, 2, 5] {
         let sources: Vec<SurfacePoint> = (0..count).map(|_| point()).collect();
-        all.extend(faults(&format!("{count} sources"), &mesh, &sources, 6, 1e-10));
+        all.extend(faults(
+            &format!("{count} sources"),
+            &mesh,
+            &sources,
+            6,
+            1e-10,
+        ));
     }
     report(&all);
     // Within one face, as many circles as sources.
@@ -402,5 +434,10 @@ fn sources_lie_anywhere() {
     let isoline = Field::new(&mesh, &sources).unwrap().isoline(1e-3);
     assert_eq!((isoline.lines.len(), closed(&isoline)), (3, 3));
     assert!((isoline.length() - 6e-3 * PI).abs() < 1e-13);
-    assert!(isoline.lines.iter().all(|line| line.arcs.iter().all(|arc| arc.face.raw() == 9)));
+    assert!(
+        isoline
+            .lines
+            .iter()
+            .all(|line| line.arcs.iter().all(|arc| arc.face.raw() == 9))
+    );
 }

@@ -111,7 +111,9 @@ impl Paths {
         let few = mesh.half_edge_count() / FEW;
         let steps = |f: FaceId| {
             let apexes = mesh.apexes(f).into_iter();
-            apexes.zip(0..).map(move |(apex, k)| Step::new(mesh, f.half_edge(k), apex))
+            apexes
+                .zip(0..)
+                .map(move |(apex, k)| Step::new(mesh, f.half_edge(k), apex))
         };
         let steps = match goal.vertices() {
             Some(targets) if targets.len() <= few => Vec::new(),
@@ -172,7 +174,9 @@ impl Paths {
     #[inline]
     fn step(&self, h: HalfEdgeId) -> Step {
         let known = self.steps.get(h.index());
-        known.copied().unwrap_or_else(|| Step::new(&self.mesh, h, self.mesh.apex(h)))
+        known
+            .copied()
+            .unwrap_or_else(|| Step::new(&self.mesh, h, self.mesh.apex(h)))
     }
 
     #[inline]
@@ -270,7 +274,8 @@ impl Paths {
             let (a, b) = (right.0, left.0);
             let t = a[1] / (a[1] - b[1]);
             // Beyond the image, past the vertex that it is of.
-            if !(a[0] + t * (b[0] - a[0]) <= length + beside) {
+            let x = a[0] + t * (b[0] - a[0]);
+            if x.is_nan() || x > length + beside {
                 return None;
             }
             path.points.push(on_edge(out, [right.1, left.1], t));
@@ -351,7 +356,8 @@ impl Paths {
         }
         let s = s.clamp(0.0, l);
         line.advance([s, 0.0], path);
-        path.points.push(on_edge(h, [mesh.tail(h), mesh.head(h)], s / l));
+        path.points
+            .push(on_edge(h, [mesh.tail(h), mesh.head(h)], s / l));
         // About to cross edge `out`, in whose frame everything is.
         let mut out = h;
         for _ in 0..mesh.face_count() {

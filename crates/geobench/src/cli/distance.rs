@@ -53,7 +53,12 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         );
     }
     let loaded = model.load_within(options.reading)?;
-    let points = Points::new(&loaded.mesh, &options.source, wanted.as_deref(), &model.path)?;
+    let points = Points::new(
+        &loaded.mesh,
+        &options.source,
+        wanted.as_deref(),
+        &model.path,
+    )?;
     if !options.quiet {
         for note in &points.notes {
             terminal::print(&format!("{note}\n"))?;

@@ -83,7 +83,9 @@ pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     };
     let contents = if format.is_picture() {
         let lines = isolines.iter().flat_map(|isoline| &isoline.lines);
-        let lines: Vec<_> = lines.map(|line| line.polyline(mesh, set.tolerance)).collect();
+        let lines: Vec<_> = lines
+            .map(|line| line.polyline(mesh, set.tolerance))
+            .collect();
         let scene = Scene {
             mesh,
             distances: field.distances(),

@@ -42,8 +42,8 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     };
     let loaded = model.load_within(options.reading)?;
     let mesh = &loaded.mesh;
-    let wanted: Option<Vec<WantedTarget>> = (!options.all_targets)
-        .then(|| options.target.iter().map(|t| (t.clone(), None)).collect());
+    let wanted: Option<Vec<WantedTarget>> =
+        (!options.all_targets).then(|| options.target.iter().map(|t| (t.clone(), None)).collect());
     let points = Points::new(mesh, &options.source, wanted.as_deref(), &model.path)?;
     if !options.quiet {
         for note in &points.notes {
@@ -124,9 +124,14 @@ impl Points {
     /// `path` of the refined mesh in points of `mesh`, and the source from which it comes.
     fn told(&self, mesh: &Mesh, path: Path) -> (SourceLabel, Path) {
         let start = path.points.first().and_then(Point::vertex);
-        let source = self.sources.iter().find(|(_, vertex)| Some(*vertex) == start);
+        let source = self
+            .sources
+            .iter()
+            .find(|(_, vertex)| Some(*vertex) == start);
         // Every path starts at a source.
-        let label = source.map_or(SourceLabel::Other(String::new()), |(label, _)| label.clone());
+        let label = source.map_or(SourceLabel::Other(String::new()), |(label, _)| {
+            label.clone()
+        });
         if self.refined.mesh.vertex_count() == mesh.vertex_count() {
             return (label, path);
         }
@@ -151,7 +156,11 @@ impl Totals {
             return;
         };
         self.edges += path.edges().count();
-        if self.longest.as_ref().is_none_or(|(_, length)| path.length > *length) {
+        if self
+            .longest
+            .as_ref()
+            .is_none_or(|(_, length)| path.length > *length)
+        {
             self.longest = Some((target.clone(), path.length));
         }
     }
@@ -161,9 +170,12 @@ impl Totals {
         if self.paths <= LINES {
             return lines(paths);
         }
-        let longest = self.longest.as_ref().map_or_else(String::new, |(target, length)| {
-            format!(", the longest to {} of length {length}", named(target))
-        });
+        let longest = self
+            .longest
+            .as_ref()
+            .map_or_else(String::new, |(target, length)| {
+                format!(", the longest to {} of length {length}", named(target))
+            });
         format!(
             "{} paths, {} unreachable, {} edges crossed{longest}\n",
             self.paths, self.unreachable, self.edges
@@ -193,7 +205,10 @@ fn lines(paths: &[FoundPath]) -> String {
                     "{} to {target}: length {}, {} edges crossed, {} vertices passed",
                     named(source),
                     path.length,
-                    inner.clone().filter(|p| matches!(p.place, Place::Edge { .. })).count(),
+                    inner
+                        .clone()
+                        .filter(|p| matches!(p.place, Place::Edge { .. }))
+                        .count(),
                     inner.filter(|p| p.vertex().is_some()).count(),
                 )
             }

@@ -95,7 +95,9 @@ impl IsolineSet<'_> {
         let lines = self.lines();
         Polylines {
             title: format!("isolines of the geodesic distance, model {}", self.model),
-            lines: lines.map(|(_, line)| line.polyline(self.mesh, self.tolerance)).collect(),
+            lines: lines
+                .map(|(_, line)| line.polyline(self.mesh, self.tolerance))
+                .collect(),
             value: "distance",
             values: self.lines().map(|(distance, _)| distance).collect(),
         }

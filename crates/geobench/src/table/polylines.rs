@@ -47,7 +47,11 @@ impl Polylines {
 
     /// PLY (text): vertices and edges.
     pub(crate) fn ply(&self) -> String {
-        let edges: usize = self.lines.iter().map(|line| line.len().saturating_sub(1)).sum();
+        let edges: usize = self
+            .lines
+            .iter()
+            .map(|line| line.len().saturating_sub(1))
+            .sum();
         let mut text = format!(
             "ply\nformat ascii 1.0\ncomment {}\nelement vertex {}\nproperty double x\n\
              property double y\nproperty double z\nelement edge {edges}\nproperty int vertex1\n\

@@ -21,7 +21,10 @@ fn json_has_arcs_of_circles() {
         said.contains("distance 1.5: 1 loops, 0 open lines, length 9.42477796076"),
         "{said}"
     );
-    assert!(said.contains("distance 2.5: 0 loops, 4 open lines"), "{said}");
+    assert!(
+        said.contains("distance 2.5: 0 loops, 4 open lines"),
+        "{said}"
+    );
     let file = sandbox.json("i.json");
     assert_eq!(file["schema"], "geobench-isolines/1");
     assert_eq!(file["sources"][0], "at:2,2,0");
@@ -42,9 +45,15 @@ fn json_has_arcs_of_circles() {
             for arc in arcs {
                 for end in ["from", "to"] {
                     let [x, y, z] = position(arc, end);
-                    assert!(((x - 2.0).hypot(y - 2.0) - r).abs() < 1e-14 && z == 0.0, "{arc}");
+                    assert!(
+                        ((x - 2.0).hypot(y - 2.0) - r).abs() < 1e-14 && z == 0.0,
+                        "{arc}"
+                    );
                 }
-                assert_eq!(arc["radius"].as_f64().map(|x| (x - r).abs() < 1e-14), Some(true));
+                assert_eq!(
+                    arc["radius"].as_f64().map(|x| (x - r).abs() < 1e-14),
+                    Some(true)
+                );
                 assert!(arc["face"].as_u64().unwrap() < 4);
             }
             length += line["length"].as_f64().unwrap();
@@ -90,8 +99,14 @@ fn every_form_is_written() {
     sandbox.write("square.off", SQUARE);
     for (file, start) in [
         ("i.ply", "ply\nformat ascii 1.0\n"),
-        ("i.vtk", "# vtk DataFile Version 3.0\nisolines of the geodesic distance"),
-        ("i.OBJ", "# isolines of the geodesic distance, model square\n"),
+        (
+            "i.vtk",
+            "# vtk DataFile Version 3.0\nisolines of the geodesic distance",
+        ),
+        (
+            "i.OBJ",
+            "# isolines of the geodesic distance, model square\n",
+        ),
         ("i.svg", "<svg "),
     ] {
         let command = format!("isolines square.off --source 4 --source 1 --every 0.5 -o {file}");
@@ -111,13 +126,22 @@ fn wrong_input_is_named() {
     for (arguments, message) in [
         ("--every 1 -o i.json", "--source <SRC>"),
         ("--source 0 -o i.json", "--every"),
-        ("--source 0 --every 1 --levels 2 -o i.json", "cannot be used with"),
+        (
+            "--source 0 --every 1 --levels 2 -o i.json",
+            "cannot be used with",
+        ),
         ("--source 0 --every 0 -o i.json", "give a distance above 0"),
-        ("--source 0 --levels 1,-2 -o i.json", "give a distance above 0"),
+        (
+            "--source 0 --levels 1,-2 -o i.json",
+            "give a distance above 0",
+        ),
         ("--source 0 --every 1e-9 -o i.json", "more than 10000"),
         ("--source 9 --every 1 -o i.json", "vertex 9 does not exist"),
         ("--source 0 --every 1", "--output <FILE>"),
-        ("--source 0 --every 1 -o i.gif", ".json, .obj, .ply, .vtk, .svg or .png"),
+        (
+            "--source 0 --every 1 -o i.gif",
+            ".json, .obj, .ply, .vtk, .svg or .png",
+        ),
     ] {
         let outcome = sandbox.call(&format!("isolines square.off {arguments}"));
         assert_eq!(outcome.code, 2, "{arguments}");

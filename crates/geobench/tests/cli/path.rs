@@ -61,15 +61,32 @@ fn paths_join_any_points_by_every_exact_algorithm() {
         --target at:3.5,0.25,2 --target edge:11-12,0.5 --target face:1,0.25,0.25,0.5";
     let algorithms = sandbox.succeed("algos exact --format json");
     let algorithms: serde_json::Value = serde_json::from_str(&algorithms).unwrap();
-    let names = algorithms.as_array().unwrap().iter().map(|a| a["name"].as_str().unwrap());
+    let names = algorithms
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|a| a["name"].as_str().unwrap());
     let mut count = 0;
     for name in names {
         let said = sandbox.succeed(&format!("path strip.off {points} --algo {name} -o p.json"));
-        assert!(said.starts_with("at:3.5,0.25,2 is 2 from the surface; "), "{name}: {said}");
+        assert!(
+            said.starts_with("at:3.5,0.25,2 is 2 from the surface; "),
+            "{name}: {said}"
+        );
         let paths = &sandbox.json("p.json")["paths"];
         for (i, target, ends, length) in [
-            (0, "edge:8-9,0.5", [[0.25, 0.75], [3.5, 1.0]], 3.25_f64.hypot(0.25)),
-            (1, "at:3.5,0.25,2", [[0.25, 0.75], [3.5, 0.25]], 3.25_f64.hypot(0.5)),
+            (
+                0,
+                "edge:8-9,0.5",
+                [[0.25, 0.75], [3.5, 1.0]],
+                3.25_f64.hypot(0.25),
+            ),
+            (
+                1,
+                "at:3.5,0.25,2",
+                [[0.25, 0.75], [3.5, 0.25]],
+                3.25_f64.hypot(0.5),
+            ),
             (2, "edge:11-12,0.5", [[9.0, 0.5], [9.5, 0.5]], 0.5),
             (3, "face:1,0.25,0.25,0.5", [[0.25, 0.75], [0.25, 0.75]], 0.0),
         ] {
@@ -184,7 +201,10 @@ fn wrong_input_is_named() {
             "path square.off --source edge:1-3,0.5 --target 1",
             "edge:1-3,0.5: no edge joins the vertices 1 and 3",
         ),
-        ("path square.off --source 1,1 --target 2", "source vertex 1 is named twice"),
+        (
+            "path square.off --source 1,1 --target 2",
+            "source vertex 1 is named twice",
+        ),
         ("path square.off --source 1", "--target <DST>"),
         ("path square.off --target 1", "--source <SRC>"),
         (

@@ -97,10 +97,15 @@ impl Picture {
         let units = |at: [f64; 2]| at.map(|x| x / DENSITY);
         let visible = |lines: &[Vec<[f64; 3]>]| -> Vec<Vec<[f64; 2]>> {
             let parts = lines.iter().flat_map(|line| image.visible(line, &camera));
-            parts.map(|part| part.into_iter().map(units).collect()).collect()
+            parts
+                .map(|part| part.into_iter().map(units).collect())
+                .collect()
         };
         let (isolines, paths) = (visible(scene.isolines), visible(scene.paths));
-        let seen = scene.sources.iter().filter_map(|&at| image.sees(at, &camera));
+        let seen = scene
+            .sources
+            .iter()
+            .filter_map(|&at| image.sees(at, &camera));
         let sources = seen.map(units).collect();
         image.forget_samples();
         Some(Self {
@@ -127,7 +132,11 @@ impl Picture {
             image.draw(&lines, Ink { half_width, colour });
         }
         for (radius, colour) in [(5.0, [0; 3]), (3.6, [255; 3])] {
-            let dots: Vec<Vec<[f64; 2]>> = self.sources.iter().map(|&at| pixels(&vec![at, at])).collect();
+            let dots: Vec<Vec<[f64; 2]>> = self
+                .sources
+                .iter()
+                .map(|&at| pixels(&vec![at, at]))
+                .collect();
             let half_width = radius * DENSITY;
             image.draw(&dots, Ink { half_width, colour });
         }
@@ -137,7 +146,10 @@ impl Picture {
     /// Draws it and returns width and height.
     pub(crate) fn draw(&self, svg: &mut Svg) -> [f64; 2] {
         let [width, height] = SIZE;
-        let data = format!("data:image/png;base64,{}", STANDARD.encode(self.image.png()));
+        let data = format!(
+            "data:image/png;base64,{}",
+            STANDARD.encode(self.image.png())
+        );
         svg.leaf(
             "image",
             &[("href", data), ("width", px(width)), ("height", px(height))],

@@ -186,11 +186,16 @@ fn of_model(
         Vec::new()
     };
     let far = far_vertices(mesh, distances);
-    let lines = far.iter().filter_map(|&v| Some(paths.to(v).ok()??.polyline(mesh)));
+    let lines = far
+        .iter()
+        .filter_map(|&v| Some(paths.to(v).ok()??.polyline(mesh)));
     let scene = Scene {
         mesh,
         distances,
-        sources: mesh.positions().get(vertex.index()..=vertex.index()).unwrap_or_default(),
+        sources: mesh
+            .positions()
+            .get(vertex.index()..=vertex.index())
+            .unwrap_or_default(),
         isolines: &isolines,
         paths: &lines.collect::<Vec<_>>(),
     };
@@ -207,7 +212,11 @@ fn of_model(
                 "white dot"
             },
             short(step),
-            if is_exact { "" } else { " between vertices interpolated" },
+            if is_exact {
+                ""
+            } else {
+                " between vertices interpolated"
+            },
             far.len(),
             grouped(loaded.measures.vertices as u64),
             grouped(loaded.measures.faces as u64),
@@ -229,7 +238,8 @@ fn isolines(mesh: &Mesh, source: VertexId, step: f64) -> Vec<Vec<[f64; 3]>> {
 /// Some vertices in the farther half, the farthest first, each far from the others in space.
 fn far_vertices(mesh: &Mesh, distances: &[f64]) -> Vec<VertexId> {
     let reached = mesh.vertices().filter(|v| distances[v.index()].is_finite());
-    let by_distance = |a: &VertexId, b: &VertexId| distances[a.index()].total_cmp(&distances[b.index()]);
+    let by_distance =
+        |a: &VertexId, b: &VertexId| distances[a.index()].total_cmp(&distances[b.index()]);
     let Some(farthest) = reached.clone().max_by(by_distance) else {
         return Vec::new();
     };

@@ -311,7 +311,10 @@ impl Image {
         let [width, height] = self.size;
         let mut cover = vec![0.0_f64; width * height];
         let reach = ink.half_width + 1.0;
-        for [a, b] in lines.iter().flat_map(|line| line.windows(2).map(|w| [w[0], w[1]])) {
+        for [a, b] in lines
+            .iter()
+            .flat_map(|line| line.windows(2).map(|w| [w[0], w[1]]))
+        {
             let range = |k: usize, size: usize| {
                 let low = (a[k].min(b[k]) - reach).floor().max(0.0) as usize;
                 let high = (a[k].max(b[k]) + reach).ceil().max(0.0) as usize;
@@ -333,10 +336,8 @@ impl Image {
         }
         for (pixel, share) in self.pixels.iter_mut().zip(cover) {
             if share > 0.0 {
-                for k in 0..3 {
-                    pixel[k] = level(
-                        f64::from(pixel[k]) * (1.0 - share) + f64::from(ink.colour[k]) * share,
-                    );
+                for (part, ink) in pixel.iter_mut().zip(ink.colour) {
+                    *part = level(f64::from(*part) * (1.0 - share) + f64::from(ink) * share);
                 }
                 pixel[3] = pixel[3].max(level(255.0 * share));
             }

@@ -424,7 +424,7 @@ fn sources_lie_anywhere() {
             &mesh,
             &sources,
             6,
-            1e-10,
+            1e-7,
         ));
     }
     report(&all);

@@ -291,6 +291,10 @@ impl Distances for Mesh {
         }
         Ok(path.map(|path| path.of_original(self, &refined, &points)))
     }
+
+    fn isolines(&self, sources: impl Points, levels: &[f64]) -> Result<Vec<Isoline>, FieldError> {
+        Ok(Field::new(self, &sources.into_points())?.isolines(levels))
+    }
 }
 
 fn not_on_the_mesh(error: PointError) -> SolveError {
@@ -299,9 +303,5 @@ fn not_on_the_mesh(error: PointError) -> SolveError {
             SolveError::NoSuchVertex { vertex, vertices }
         }
         _ => SolveError::NoSuchPoint,
-    }
-
-    fn isolines(&self, sources: impl Points, levels: &[f64]) -> Result<Vec<Isoline>, FieldError> {
-        Ok(Field::new(self, &sources.into_points())?.isolines(levels))
     }
 }

@@ -286,14 +286,15 @@ mod tests {
             .unwrap()
             .distances;
         let mesh = &model.mesh;
-        let middle = |v: [f64; 3]| v.map(|x| 0.5 * x);
+        // An edge at the source, and a part of it inside the sphere, where nothing can be seen.
+        let next = mesh.head(mesh.outgoing(vertex)[0]);
+        let edge = [vertex, next].map(|v| mesh.positions()[v.index()]);
         let scene = Scene {
             mesh,
             distances: &distances,
-            sources: &mesh.positions()[..1],
-            isolines: &[mesh.positions()[..2].to_vec()],
-            // Inside the sphere, where nothing can be seen.
-            paths: &[mesh.positions()[..2].iter().copied().map(middle).collect()],
+            sources: &edge[..1],
+            isolines: &[edge.to_vec()],
+            paths: &[edge.map(|at| at.map(|x| 0.5 * x)).to_vec()],
         };
         let picture = Picture::new(&scene, 0.2).unwrap();
         assert_eq!(picture.sources.len(), 1);

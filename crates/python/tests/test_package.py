@@ -13,12 +13,13 @@ import geobench as gb
 PAGE = REPOSITORY / "docs" / "python.md"
 
 
-def test_the_stubs_are_those_of_the_package():
+def test_the_stubs_are_those_of_the_package(tmp_path):
     done = subprocess.run(
         [sys.executable, "-m", "mypy.stubtest", "geobench", "--ignore-missing-stub"],
         capture_output=True,
         text=True,
         check=False,
+        cwd=tmp_path,
     )
     assert done.returncode == 0, done.stdout + done.stderr
 

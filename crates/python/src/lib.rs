@@ -13,6 +13,7 @@ mod bench;
 mod certificate;
 mod errors;
 mod interrupt;
+mod isolines;
 mod mesh;
 mod path;
 mod points;
@@ -44,6 +45,8 @@ fn core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<voronoi::PyArc>()?;
     module.add_class::<voronoi::PyVoronoiVertex>()?;
     module.add_class::<certificate::PyCertificate>()?;
+    module.add_class::<isolines::PyIsoline>()?;
+    module.add_class::<isolines::PyLine>()?;
     module.add_function(wrap_pyfunction!(mesh::read, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::generated, module)?)?;
     module.add_function(wrap_pyfunction!(points::vertex, module)?)?;

@@ -17,6 +17,7 @@ CALLS = {
     "solver": "solver.distance(0)",
     "paths": "mesh.paths(0, range(mesh.n_vertices))",
     "voronoi": "mesh.voronoi(range(0, 90000, 3))",
+    "isolines": "mesh.isolines(0, every=0.1)",
     "certify": "gb.certify(mesh, 0)",
     "run": "gb.run(['mmp', 'vtp'], [mesh], repeat=100)",
 }

@@ -43,6 +43,33 @@ def test_no_path_is_none(square):
     assert [path is None for path in square.paths(0, [4, 2])] == [True, False]
 
 
+def test_isolines_are_at_their_distance(torus):
+    d = torus.distance(0)
+    isolines = torus.isolines(0, every=0.5)
+    assert [line.distance for line in isolines] == [0.5 * k for k in range(1, len(isolines) + 1)]
+    assert len(isolines) >= int(d.max() / 0.5)
+    for isoline in isolines[:3]:
+        assert isoline.length == pytest.approx(sum(line.length for line in isoline.lines))
+        for line in isoline.lines:
+            points = line.points()
+            assert line.closed and (points[0] == points[-1]).all()
+            targets = [gb.at(*p) for p in points[:40]]
+            # Chords are off the arcs by a thousandth of the distance at most.
+            found = torus.distance(0, targets=targets)
+            np.testing.assert_allclose(found, isoline.distance, rtol=2e-3)
+            short = np.linalg.norm(np.diff(line.points(1e-6), axis=0), axis=1).sum()
+            assert short == pytest.approx(line.length, rel=1e-4)
+    (one,) = torus.isolines([0, gb.face(700, 0.2, 0.3, 0.5)], levels=[0.25])
+    assert len(one.lines) == 2
+
+
+def test_a_circle_has_its_length():
+    mesh = gb.generate("grid,n=8")
+    middle = gb.at(*mesh.vertices.mean(axis=0))
+    (isoline,) = mesh.isolines(middle, levels=[1.5])
+    assert isoline.length == pytest.approx(3 * np.pi, rel=1e-12)
+
+
 def test_voronoi_cells_share_the_surface(torus):
     sources = [3, 99, 1024, 700, 1300]
     diagram = torus.voronoi(sources)

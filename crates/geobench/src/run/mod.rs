@@ -2,6 +2,7 @@
 
 pub mod agreement;
 pub mod check;
+#[cfg(feature = "command-line")]
 pub mod cluster;
 mod earlier;
 pub mod journal;

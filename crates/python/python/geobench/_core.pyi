@@ -20,6 +20,8 @@ __all__ = [
     "Arc",
     "VoronoiVertex",
     "Certificate",
+    "Isoline",
+    "IsolineLine",
     "read",
     "generate",
     "vertex",
@@ -94,6 +96,13 @@ class Mesh:
     def paths(
         self, source: _Points, targets: _Points, *, algorithm: str = "vtp-fast"
     ) -> list[Path | None]: ...
+    def isolines(
+        self,
+        source: _Points,
+        *,
+        every: float | None = None,
+        levels: Sequence[float] | NDArray[np.floating[Any]] | None = None,
+    ) -> list[Isoline]: ...
     def voronoi(self, sources: _Points) -> Voronoi: ...
     def write(self, path: _Path) -> None: ...
 
@@ -142,6 +151,25 @@ class Path:
     @property
     def vertices(self) -> NDArray[np.int64]: ...
     def __len__(self, /) -> int: ...
+
+@final
+class Isoline:
+    @property
+    def distance(self) -> float: ...
+    @property
+    def length(self) -> float: ...
+    @property
+    def lines(self) -> list[IsolineLine]: ...
+
+@final
+class IsolineLine:
+    @property
+    def closed(self) -> bool: ...
+    @property
+    def length(self) -> float: ...
+    @property
+    def faces(self) -> list[int]: ...
+    def points(self, tolerance: float | None = None) -> NDArray[np.float64]: ...
 
 @final
 class Voronoi:

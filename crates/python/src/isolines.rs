@@ -1,0 +1,191 @@
+//! Isolines of the distance.
+
+use std::sync::Arc as Shared;
+
+use geodesic::{Field, FieldError, Line, Mesh, Stop, SurfacePoint};
+use numpy::PyArray2;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::errors::unsolved;
+use crate::interrupt;
+use crate::path::triples;
+use crate::points::{Finder, several};
+
+/// The most isolines of one call.
+const MOST_LEVELS: f64 = 10_000.0;
+
+/// How far chords may be from arcs by default, as a part of the distance.
+const TOLERANCE: f64 = 1e-3;
+
+/// The points of a surface at one distance from the nearest of some sources.
+#[pyclass(frozen, module = "geobench", name = "Isoline")]
+pub(crate) struct PyIsoline {
+    /// float: the distance, in units of the mesh.
+    #[pyo3(get)]
+    distance: f64,
+    /// float: the length of all lines, in units of the mesh.
+    #[pyo3(get)]
+    length: f64,
+    /// list of IsolineLine: its loops, and lines between points of the boundary.
+    #[pyo3(get)]
+    lines: Vec<Py<PyLine>>,
+}
+
+#[pymethods]
+impl PyIsoline {
+    fn __repr__(&self) -> String {
+        format!(
+            "<geobench.Isoline at {}: {} lines of length {}>",
+            self.distance,
+            self.lines.len(),
+            self.length
+        )
+    }
+}
+
+/// A connected part of an isoline: arcs of circles, each in a face.
+#[pyclass(frozen, module = "geobench", name = "IsolineLine")]
+pub(crate) struct PyLine {
+    mesh: Mesh,
+    line: Shared<Line>,
+    tolerance: f64,
+}
+
+#[pymethods]
+impl PyLine {
+    /// bool: whether it is a loop.
+    #[getter]
+    fn closed(&self) -> bool {
+        self.line.closed
+    }
+
+    /// float: its length, in units of the mesh.
+    #[getter]
+    fn length(&self) -> f64 {
+        self.line.length()
+    }
+
+    /// list of int: the faces of its arcs, in their order.
+    #[getter]
+    fn faces(&self) -> Vec<u32> {
+        self.line.arcs.iter().map(|arc| arc.face.raw()).collect()
+    }
+
+    /// Positions along it, the first one again at the end of a loop. Nearer points of the surface
+    /// are on its left.
+    ///
+    /// Parameters
+    /// ----------
+    /// tolerance : float, optional
+    ///     How far the chords between them may be from the arcs, in units of the mesh; by default a
+    ///     thousandth of the distance.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray, shape (k, 3), float64
+    #[pyo3(signature = (tolerance = None))]
+    fn points(&self, py: Python<'_>, tolerance: Option<f64>) -> PyResult<Py<PyArray2<f64>>> {
+        let tolerance = tolerance.unwrap_or(self.tolerance);
+        if tolerance.is_nan() || tolerance <= 0.0 {
+            return Err(PyValueError::new_err(format!(
+                "tolerance: {tolerance}, but it is a distance above 0"
+            )));
+        }
+        if self.mesh.positions().is_empty() {
+            return Err(PyValueError::new_err("the mesh has no positions"));
+        }
+        triples(py, &self.line.polyline(&self.mesh, tolerance))
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<geobench.IsolineLine of {} arcs: {}, length {}>",
+            self.line.arcs.len(),
+            if self.line.closed { "a loop" } else { "open" },
+            self.line.length()
+        )
+    }
+}
+
+/// The levels of a call.
+enum Levels {
+    Every(f64),
+    These(Vec<f64>),
+}
+
+fn levels(every: Option<f64>, levels: Option<Vec<f64>>) -> PyResult<Levels> {
+    match (every, levels) {
+        (Some(every), None) if every.is_finite() && every > 0.0 => Ok(Levels::Every(every)),
+        (Some(every), None) => Err(PyValueError::new_err(format!(
+            "every: {every}, but it is a distance above 0, in units of the mesh"
+        ))),
+        (None, Some(levels)) => match levels.iter().find(|l| !l.is_finite() || **l <= 0.0) {
+            Some(level) => Err(PyValueError::new_err(format!(
+                "levels: {level}, but a level is a distance above 0, in units of the mesh"
+            ))),
+            None => Ok(Levels::These(levels)),
+        },
+        _ => Err(PyValueError::new_err("give one of every and levels")),
+    }
+}
+
+/// The isolines of `mesh` around `source`.
+pub(crate) fn isolines(
+    py: Python<'_>,
+    mesh: &Mesh,
+    source: &Bound<'_, PyAny>,
+    every: Option<f64>,
+    given: Option<Vec<f64>>,
+) -> PyResult<Vec<PyIsoline>> {
+    let asked = levels(every, given)?;
+    let mut finder = Finder::new(mesh);
+    let mut points: Vec<SurfacePoint> = Vec::new();
+    for spec in several(source, "source")? {
+        points.push(finder.find(spec, "source")?);
+    }
+    let surface = mesh.clone();
+    let work = move || {
+        let field = Field::new(&surface, &points)?;
+        let levels = match asked {
+            Levels::These(levels) => levels,
+            Levels::Every(every) => {
+                let finite = field.distances().iter().filter(|d| d.is_finite());
+                let farthest = finite.fold(0.0_f64, |greatest, &d| greatest.max(d));
+                if farthest / every > MOST_LEVELS {
+                    return Ok(Err(farthest / every));
+                }
+                field.levels_every(every)
+            }
+        };
+        Ok(Ok(field.isolines(&levels)))
+    };
+    let found = interrupt::call(py, mesh.face_count(), &Stop::default(), work)?;
+    let found = found.map_err(|error| match error {
+        FieldError::Solve(error) => unsolved(error),
+        other => PyValueError::new_err(format!("source: {other}")),
+    })?;
+    let found = found.map_err(|count| {
+        PyValueError::new_err(format!(
+            "every: {} asks for {count:.0} isolines, more than {MOST_LEVELS}",
+            every.unwrap_or_default()
+        ))
+    })?;
+    let of_python = |isoline: geodesic::Isoline| {
+        let (distance, length) = (isoline.distance, isoline.length());
+        let lines = isoline.lines.into_iter().map(|line| {
+            let line = PyLine {
+                mesh: mesh.clone(),
+                line: Shared::new(line),
+                tolerance: TOLERANCE * distance,
+            };
+            Py::new(py, line)
+        });
+        Ok(PyIsoline {
+            distance,
+            length,
+            lines: lines.collect::<PyResult<_>>()?,
+        })
+    };
+    found.into_iter().map(of_python).collect()
+}

@@ -103,6 +103,11 @@ pub const FEWEST_FOR_FIT: usize = 3;
 /// The e for which y = c x^e fits `points` best, in least squares on logarithms; none of fewer
 /// than [`FEWEST_FOR_FIT`] points, of points in one place or of numbers that are not positive.
 pub fn exponent_of_growth(points: impl Iterator<Item = [f64; 2]>) -> Option<f64> {
+    power_law(points).map(|[_, exponent]| exponent)
+}
+
+/// The c and the e of the same fit.
+pub fn power_law(points: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 2]> {
     let points: Vec<[f64; 2]> = points.map(|point| point.map(libm::log)).collect();
     let count = points.len();
     let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / count as f64;
@@ -110,7 +115,8 @@ pub fn exponent_of_growth(points: impl Iterator<Item = [f64; 2]>) -> Option<f64>
     let spread: f64 = points.iter().map(|[x, _]| (x - mx) * (x - mx)).sum();
     let shared: f64 = points.iter().map(|[x, y]| (x - mx) * (y - my)).sum();
     let exponent = shared / spread;
-    (count >= FEWEST_FOR_FIT && exponent.is_finite()).then_some(exponent)
+    let factor = libm::exp(my - exponent * mx);
+    (count >= FEWEST_FOR_FIT && exponent.is_finite()).then_some([factor, exponent])
 }
 
 /// Resamples of the bootstrap.

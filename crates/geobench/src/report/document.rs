@@ -24,6 +24,10 @@ pub(crate) struct Section {
 /// An item of a section.
 #[derive(Clone, Debug)]
 pub(crate) enum Block {
+    /// The outcome in a sentence for each group.
+    Headlines(Vec<String>),
+    /// What makes the times doubtful.
+    Warnings(Vec<String>),
     /// A paragraph.
     Text(String),
     /// Names and values.
@@ -32,6 +36,8 @@ pub(crate) enum Block {
     Heading(String),
     /// A table.
     Table(Table),
+    /// A table with a column for each algorithm, which pages show with a row for each.
+    Figures(Table),
     /// Plots, side by side if there is room.
     Plots(Vec<Plot>),
     /// Remarks, one by one.
@@ -73,7 +79,7 @@ impl Document {
     /// Every table, in order.
     pub(crate) fn tables(&self) -> impl Iterator<Item = &Table> {
         self.blocks().filter_map(|block| match block {
-            Block::Table(table) => Some(table),
+            Block::Table(table) | Block::Figures(table) => Some(table),
             _ => None,
         })
     }

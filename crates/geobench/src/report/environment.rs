@@ -75,8 +75,12 @@ fn others(result: &ResultFile) -> Vec<(String, String)> {
         return facts;
     };
     for name in ["isolation", "conditions"] {
-        if let Some(value) = fields.get(name) {
-            flatten(name, value, &mut facts);
+        if let Some(mut value) = fields.get(name).cloned() {
+            // They stand at the top of the report.
+            if let Some(fields) = value.as_object_mut() {
+                fields.remove("warnings");
+            }
+            flatten(name, &value, &mut facts);
         }
     }
     facts
@@ -160,9 +164,6 @@ pub(crate) fn summary(result: &ResultFile) -> String {
     .collect();
     if !failed.is_empty() {
         text += &format!(" The others: {}.", failed.join(", "));
-    }
-    if result.tool.profile != "release" {
-        text += " This was not a release build: its times mean little.";
     }
     text
 }

@@ -1,13 +1,36 @@
-//! A report as one self-contained page, without network and scripts.
+//! A report as one self-contained page, without network. Without scripts it shows everything; the
+//! scripts in `assets` add filters, sorting, values on hover and the model in 3D.
 
 use std::fmt::Write;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use sha2::{Digest, Sha256};
+
 use super::Report;
-use super::chart;
+use super::chart::{self, Chart};
 use super::document::{Block, Document, Plot, Section};
+use super::tables::by_algorithm;
 use crate::table::{self, escape::xml as escape};
 
-const STYLE: &str = include_str!("page.css");
+const STYLE: &str = include_str!("assets/page.css");
+
+/// The scripts, in the order in which they run.
+const SCRIPTS: &str = concat!(
+    include_str!("assets/charts.js"),
+    include_str!("assets/tables.js"),
+    include_str!("assets/surface.js"),
+    include_str!("assets/explore.js"),
+);
+
+/// What the page may do: run this one script, show its own style and images in the page. Nothing
+/// may be loaded, and no other script runs, even if a name should slip through unescaped.
+fn policy() -> String {
+    let hash = STANDARD.encode(Sha256::digest(SCRIPTS));
+    format!(
+        "default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src 'sha256-{hash}'"
+    )
+}
 
 /// The page.
 pub fn page(report: &Report) -> String {
@@ -18,6 +41,10 @@ pub fn page(report: &Report) -> String {
     html += "<meta name=\"color-scheme\" content=\"light dark\">\n";
     // Browsers request an icon unless the page has one.
     html += "<link rel=\"icon\" href=\"data:,\">\n";
+    html += &format!(
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n",
+        policy()
+    );
     html += &format!("<title>{}</title>\n", escape(&document.title));
     html += &format!(
         "<style>\n{}{STYLE}</style>\n</head>\n<body>\n",
@@ -34,7 +61,9 @@ pub fn page(report: &Report) -> String {
     }
     html += "</main>\n<footer><p>Made by <code>geobench report</code> ";
     html += env!("CARGO_PKG_VERSION");
-    html += ".</p></footer>\n</body>\n</html>\n";
+    html += ".</p></footer>\n";
+    html += &format!("<script>{SCRIPTS}</script>\n");
+    html += "</body>\n</html>\n";
     html
 }
 
@@ -69,6 +98,21 @@ fn section(html: &mut String, section: &Section) {
 
 fn write_block(html: &mut String, block: &Block) {
     match block {
+        Block::Headlines(texts) => {
+            for text in texts {
+                line(
+                    html,
+                    format_args!("<p class=\"headline\">{}</p>", escape(text)),
+                );
+            }
+        }
+        Block::Warnings(texts) => {
+            html.push_str("<ul class=\"warnings\" aria-label=\"Warnings\">\n");
+            for text in texts {
+                line(html, format_args!("<li>{}</li>", escape(text)));
+            }
+            html.push_str("</ul>\n");
+        }
         Block::Text(text) => line(html, format_args!("<p>{}</p>", escape(text))),
         Block::Heading(text) => line(html, format_args!("<h4>{}</h4>", escape(text))),
         Block::Facts(facts) => {
@@ -82,6 +126,7 @@ fn write_block(html: &mut String, block: &Block) {
             html.push_str("</dl>\n");
         }
         Block::Table(table) => table::html::table(html, table),
+        Block::Figures(table) => table::html::table(html, &by_algorithm(table)),
         Block::Plots(plots) => {
             html.push_str("<div class=\"plots\">\n");
             for plot in plots {
@@ -123,13 +168,27 @@ fn write_plot(html: &mut String, plot: &Plot) {
     line(
         html,
         format_args!(
-            "<figure id=\"{}\">\n<figcaption><b>{}</b> {}</figcaption>\n{}</figure>",
+            "<figure id=\"{}\">\n<figcaption><b>{}</b> {}</figcaption>\n{}{}</figure>",
             plot.id,
             escape(&plot.title),
             escape(&plot.caption),
-            plot.draw(false)
+            plot.draw(false),
+            data(plot)
         ),
     );
+}
+
+/// What the scripts draw a plot from.
+fn data(plot: &Plot) -> String {
+    let json = match &plot.chart {
+        Chart::Picture(picture) => picture.surface_json(),
+        chart => serde_json::to_string(chart).ok(),
+    };
+    // No text in it ends the element or starts a comment.
+    let json = json.map(|json| json.replace('<', "\\u003c"));
+    json.map_or_else(String::new, |json| {
+        format!("<script type=\"application/json\">{json}</script>\n")
+    })
 }
 
 fn line(html: &mut String, text: std::fmt::Arguments<'_>) {

@@ -17,6 +17,7 @@ pub mod claims;
 mod document;
 mod environment;
 mod files;
+mod headline;
 mod html;
 mod papers;
 mod picture;
@@ -199,7 +200,20 @@ fn of_result(
     options: &Options,
 ) -> Vec<Section> {
     let name = stem(&input.path);
-    let mut head = vec![Block::Text(environment::summary(result))];
+    let groups = results::groups(result);
+    let mut head = Vec::new();
+    let headlines: Vec<String> = groups
+        .iter()
+        .filter_map(|group| named(group, groups.len()))
+        .collect();
+    if !headlines.is_empty() {
+        head.push(Block::Headlines(headlines));
+    }
+    let warnings = headline::warnings(result);
+    if !warnings.is_empty() {
+        head.push(Block::Warnings(warnings));
+    }
+    head.push(Block::Text(environment::summary(result)));
     head.push(Block::Links(raw_numbers(input)));
     head.extend(picture.map(|plot| Block::Plots(vec![plot])));
     let mut all = vec![Section {
@@ -210,7 +224,7 @@ fn of_result(
     }];
     let styles = algorithms(&result.cells);
     let tables = options.tables.of(&result.command);
-    for (i, group) in results::groups(result).iter().enumerate() {
+    for (i, group) in groups.iter().enumerate() {
         let record = group.record;
         let id = match record.name.as_deref().map(slug) {
             Some(slug) if !slug.is_empty() => format!("{prefix}g{}-{slug}", i + 1),
@@ -227,7 +241,10 @@ fn of_result(
             blocks.extend(papers::compare(group, table, setting, &prefix));
         }
         all.push(Section {
-            heading: record.name.clone().unwrap_or_else(|| "Figures".to_owned()),
+            heading: record
+                .name
+                .clone()
+                .unwrap_or_else(|| "Time, work and memory".to_owned()),
             top: false,
             blocks,
             id,
@@ -252,6 +269,15 @@ fn of_result(
     all
 }
 
+/// The headline of a group, under its name if there are several.
+fn named(group: &Group<'_>, groups: usize) -> Option<String> {
+    let text = headline::headline(group)?;
+    Some(match &group.record.name {
+        Some(name) if groups > 1 => format!("{name}: {text}"),
+        _ => text,
+    })
+}
+
 fn of_group(group: &Group<'_>, setting: Setting<'_>) -> Vec<Block> {
     let mut blocks = Vec::new();
     if let Some(shows) = &group.record.shows {
@@ -269,7 +295,7 @@ fn of_group(group: &Group<'_>, setting: Setting<'_>) -> Vec<Block> {
     }
     let table = tables::figures(&format!("{}-table", setting.prefix), group);
     let notes = tables::notes(&table);
-    blocks.push(Block::Table(table));
+    blocks.push(Block::Figures(table));
     if !notes.is_empty() {
         blocks.push(Block::Notes(notes));
     }

@@ -1,6 +1,8 @@
 //! The plots of a group.
 
-use super::chart::{Axis, Band, Bar, BarGroup, Bars, Chart, Dots, Lane, Lines, Point, Series};
+use super::chart::{
+    Axis, Band, Bar, BarGroup, Bars, Chart, Dots, Lane, LinePoint, Lines, MOST_LANES, Point, Series,
+};
 use super::document::{Plot, slug};
 use super::{Setting, scaling};
 use crate::schema::{Cell, ModelRecord, Phases, Status, WavefrontRecord};
@@ -14,13 +16,16 @@ pub(crate) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
     plots.extend(setting.base.and_then(|base| ratios(group, setting, base)));
     plots.extend(scaling::plots(group, setting));
     plots.extend(phases(group, setting));
-    plots.extend(course_plots(group, setting));
+    plots.extend(wavefronts(group, setting));
     for figure in figures(&group.record.rows) {
         // Times and phases have plots of their own.
         if figure.key != "time" && !figure.key.starts_with("phase_") {
             plots.extend(values(group, setting, figure));
         }
     }
+    plots.extend(spread(group, setting));
+    plots.extend(quantiles(group, setting));
+    plots.extend(errors(group, setting));
     plots
 }
 
@@ -44,11 +49,14 @@ fn bands(
         let point = found.map(|value| Point {
             style: setting.style(algorithm),
             name: (*algorithm).to_owned(),
+            model: Some(model.to_owned()),
             value,
             hollow: false,
         });
         (point.is_some() || absent.is_some()).then(|| Lane {
             label: (*algorithm).to_owned(),
+            algorithm: Some((*algorithm).to_owned()),
+            samples: Vec::new(),
             points: point.into_iter().collect(),
             absent,
         })
@@ -171,7 +179,7 @@ fn phases(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
     }
     (!groups.is_empty()).then(|| Plot {
         id: format!("{}-phases", setting.prefix),
-        title: "Where the time goes".to_owned(),
+        title: "Time by phase".to_owned(),
         caption:
             "Shares by sampling, of runs apart from the timed ones; of several sources the first."
                 .to_owned(),
@@ -186,62 +194,210 @@ fn phases(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
     })
 }
 
-/// A plot of one quantity of wavefronts over another.
-struct CourseView {
-    key: &'static str,
-    title: &'static str,
-    x: &'static str,
-    y: &'static str,
-    caption: &'static str,
-    /// Place and value of a sample, given the number of windows that the whole run propagated.
-    point: fn(&WavefrontRecord, f64) -> Option<(f64, f64)>,
-}
-
-const COURSE_VIEWS: [CourseView; 3] = [
-    CourseView {
-        key: "windows",
-        title: "Windows on the wavefront against distance",
-        x: "Mean distance of the wavefront from the source",
-        y: "Windows on the wavefront",
-        caption: "Sampled at even intervals of propagated windows.",
-        point: |sample, _| Some((sample.distance, sample.windows as f64)),
-    },
-    CourseView {
-        key: "deviation",
-        title: "Deviation of the wavefront",
-        x: "Share of the run's windows propagated",
-        y: "Standard deviation of distances",
-        caption: "Of the least distances of the windows that wait, in the units of the mesh; the less, the better \
-                  the order of the distances is kept.",
-        point: |sample, parents| Some((sample.parents as f64 / parents, sample.deviation)),
-    },
-    CourseView {
-        key: "k",
-        title: "K and the wavefront",
-        x: "Share of the run's windows propagated",
-        y: "Windows",
-        caption: "How many windows a round was told to take (filled), and how many waited (outlines).",
-        point: |sample, parents| Some((sample.parents as f64 / parents, sample.k? as f64)),
-    },
-];
-
-/// The plots of the wavefronts that the group holds, model by model.
-pub(crate) fn course_plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
-    let mut plots = Vec::new();
-    for (number, model) in group.models.iter().enumerate() {
-        for view in &COURSE_VIEWS {
-            plots.extend(course_plot(group, setting, number, model, view));
-        }
+/// The samples of each cell relative to their median: how far single runs lie from the figure.
+fn spread(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
+    let relative = |cell: &&Cell| -> Vec<f64> {
+        let median = cell.time.median.filter(|median| *median > 0.0);
+        let samples = cell.time.samples.iter();
+        median.map_or_else(Vec::new, |median| samples.map(|s| s / median).collect())
+    };
+    let lane = |model: &str, algorithm: &&str| {
+        let cells = group.of(model, algorithm);
+        let samples: Vec<f64> = cells.iter().flat_map(relative).collect();
+        (samples.len() >= FEWEST_FOR_SPREAD).then(|| Lane {
+            label: (*algorithm).to_owned(),
+            algorithm: Some((*algorithm).to_owned()),
+            points: vec![Point {
+                style: setting.style(algorithm),
+                name: (*algorithm).to_owned(),
+                model: Some(model.to_owned()),
+                value: Value {
+                    value: 1.0,
+                    interval: match &cells[..] {
+                        [cell] => cell
+                            .time
+                            .ci95
+                            .zip(cell.time.median)
+                            .map(|(ends, median)| ends.map(|end| end / median)),
+                        _ => None,
+                    },
+                },
+                hollow: true,
+            }],
+            samples,
+            absent: None,
+        })
+    };
+    let bands: Vec<Band> = group
+        .models
+        .iter()
+        .map(|model| Band {
+            title: model.name.clone(),
+            lanes: group
+                .algorithms
+                .iter()
+                .filter_map(|name| lane(&model.name, name))
+                .collect(),
+        })
+        .filter(|band| !band.lanes.is_empty())
+        .collect();
+    // With more, the lanes of a model would be merged, and its samples with them.
+    let lanes: usize = bands.iter().map(|band| band.lanes.len()).sum();
+    if bands.is_empty() || lanes > MOST_LANES {
+        return None;
     }
-    plots
+    Some(Plot {
+        id: format!("{}-samples", setting.prefix),
+        title: "Spread of the samples".to_owned(),
+        caption: "Every timed run as a dot, relative to the median of its cell. Outlines are the \
+                  medians, whiskers their 95 % intervals. Linear scale."
+            .to_owned(),
+        chart: Chart::Dots(Dots {
+            axis: Axis {
+                label: "Time of a run / median of the cell".to_owned(),
+                log: false,
+            },
+            reference: Some(1.0),
+            bands,
+            legend: Vec::new(),
+        }),
+    })
 }
 
-fn course_plot(
+/// Fewest samples whose spread is drawn.
+const FEWEST_FOR_SPREAD: usize = 3;
+
+/// Fewest cells of an algorithm that make a quantile plot.
+const FEWEST_FOR_QUANTILES: usize = 3;
+
+/// For each algorithm the times of its cells, sorted: how many it solves within a time.
+fn quantiles(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
+    let series = |name: &&str| {
+        let solved = group.cells.iter().filter(|cell| {
+            cell.algorithm == **name && cell.status == Status::Ok && cell.time.median.is_some()
+        });
+        let mut times: Vec<(f64, &Cell)> = solved
+            .filter_map(|cell| Some((cell.time.median?, *cell)))
+            .collect();
+        times.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let points = times.iter().enumerate().map(|(i, (time, cell))| LinePoint {
+            x: (i + 1) as f64,
+            value: (*time).into(),
+            deviation: None,
+            model: cell.model.clone(),
+        });
+        Series {
+            style: setting.style(name),
+            name: (*name).to_owned(),
+            algorithm: (*name).to_owned(),
+            joined: true,
+            hollow: false,
+            points: points.collect(),
+            fit: None,
+        }
+    };
+    let series: Vec<Series> = group.algorithms.iter().map(series).collect();
+    let most = series.iter().map(|series| series.points.len()).max()?;
+    if most < FEWEST_FOR_QUANTILES || series.len() < 2 {
+        return None;
+    }
+    let values = series.iter().flat_map(|s| &s.points).map(|p| p.value.value);
+    let y = Axis::fitting("Time (s)", values);
+    Some(Plot {
+        id: format!("{}-quantiles", setting.prefix),
+        title: "Cells solved within a time".to_owned(),
+        caption: format!(
+            "Quantile plot: the cells of each algorithm, a model and a source each, by increasing \
+             median time. Lower is faster; a line that ends early failed on the rest. {}",
+            y.scale()
+        ),
+        chart: Chart::Lines(Lines {
+            x: Axis {
+                label: "Cells, the fastest first".to_owned(),
+                log: false,
+            },
+            y,
+            reference: None,
+            series: series
+                .into_iter()
+                .filter(|s| !s.points.is_empty())
+                .collect(),
+        }),
+    })
+}
+
+/// The least relative error that is drawn: half a unit in the last place of `f64`.
+const LEAST_ERROR: f64 = f64::EPSILON / 2.0;
+
+/// The largest relative difference from the reference against the time, a point for each cell.
+fn errors(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
+    let point = |cell: &&&Cell| {
+        let check = &cell.check;
+        if check.reference.as_deref() == Some(&cell.algorithm) {
+            return None;
+        }
+        Some(LinePoint {
+            x: cell.time.median.filter(|time| *time > 0.0)?,
+            value: check.max_rel?.max(LEAST_ERROR).into(),
+            deviation: None,
+            model: cell.model.clone(),
+        })
+    };
+    let series = |name: &&str| {
+        let cells = group.cells.iter().filter(|cell| cell.algorithm == **name);
+        let mut points: Vec<LinePoint> = cells.filter_map(|cell| point(&cell)).collect();
+        points.sort_by(|a, b| a.x.total_cmp(&b.x));
+        Series {
+            style: setting.style(name),
+            name: (*name).to_owned(),
+            algorithm: (*name).to_owned(),
+            joined: false,
+            hollow: false,
+            points,
+            fit: None,
+        }
+    };
+    let series: Vec<Series> = group
+        .algorithms
+        .iter()
+        .map(series)
+        .filter(|series| !series.points.is_empty())
+        .collect();
+    let points = || series.iter().flat_map(|series| &series.points);
+    points().next()?;
+    Some(Plot {
+        id: format!("{}-error", setting.prefix),
+        title: "Error against time".to_owned(),
+        caption: "Largest relative difference from the reference of the checks, and median time; \
+                  each point is a model and a source. Differences of less than 1.1e-16, the \
+                  rounding of one operation, are drawn there. Logarithmic scale."
+            .to_owned(),
+        chart: Chart::Lines(Lines {
+            x: Axis::fitting("Time (s)", points().map(|p| p.x)),
+            y: Axis {
+                label: "Largest relative difference".to_owned(),
+                log: true,
+            },
+            reference: None,
+            series,
+        }),
+    })
+}
+
+/// The wavefronts of a run, a plot for each model: windows that wait over their mean distance, with
+/// the deviation of the distances, and K where the queue has rounds.
+fn wavefronts(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
+    let models = group.models.iter().enumerate();
+    models
+        .filter_map(|(number, model)| wavefront(group, setting, number, model))
+        .collect()
+}
+
+fn wavefront(
     group: &Group<'_>,
     setting: Setting<'_>,
     number: usize,
     model: &ModelRecord,
-    view: &CourseView,
 ) -> Option<Plot> {
     let mut series: Vec<Series> = Vec::new();
     for name in &group.algorithms {
@@ -253,37 +409,41 @@ fn course_plot(
         let line = |name: String, hollow, points| Series {
             style: setting.style(&cell.algorithm),
             name,
+            algorithm: cell.algorithm.clone(),
             joined: true,
             hollow,
             points,
+            fit: None,
         };
-        let points = course_points(cell, view.point);
-        if points.is_empty() {
-            continue;
+        let waiting = wavefront_points(cell, |sample| Some(sample.windows as f64));
+        let batches = wavefront_points(cell, |sample| Some(sample.k? as f64));
+        if !waiting.is_empty() {
+            series.push(line((*name).to_owned(), false, waiting));
         }
-        if view.key == "k" {
-            let waiting =
-                |s: &WavefrontRecord, all: f64| Some((s.parents as f64 / all, s.windows as f64));
-            series.push(line(format!("{name}: K"), false, points));
-            let points = course_points(cell, waiting);
-            series.push(line(format!("{name}: waiting"), true, points));
-        } else {
-            series.push(line((*name).to_owned(), false, points));
+        if !batches.is_empty() {
+            let batches = batches.into_iter().map(|point| LinePoint {
+                deviation: None,
+                ..point
+            });
+            series.push(line(format!("{name}: K"), true, batches.collect()));
         }
     }
-    let all = || series.iter().flat_map(|series| &series.points);
-    all().next()?;
-    Some(Plot {
-        id: format!("{}-course-{}-{number}", setting.prefix, slug(view.key)),
-        title: format!("{}: {}", view.title, model.name),
-        caption: view.caption.to_owned(),
+    (!series.is_empty()).then(|| Plot {
+        id: format!("{}-wavefront-{number}", setting.prefix),
+        title: format!("Wavefront: {}", model.name),
+        caption:
+            "Windows that wait in the queue, over their mean distance from the source, sampled \
+                  at even intervals of propagated windows. Horizontal whiskers: standard deviation \
+                  of their distances; the shorter, the better the order of distances is kept. \
+                  Outlines: K, the number of windows that a round was told to take."
+                .to_owned(),
         chart: Chart::Lines(Lines {
             x: Axis {
-                label: view.x.to_owned(),
+                label: "Mean distance of the wavefront from the source".to_owned(),
                 log: false,
             },
             y: Axis {
-                label: view.y.to_owned(),
+                label: "Windows".to_owned(),
                 log: false,
             },
             reference: None,
@@ -292,20 +452,21 @@ fn course_plot(
     })
 }
 
-fn course_points(
+fn wavefront_points(
     cell: &Cell,
-    point: fn(&WavefrontRecord, f64) -> Option<(f64, f64)>,
-) -> Vec<(f64, Value)> {
-    let parents = cell
-        .wavefront
-        .last()
-        .map_or(1.0, |last| last.parents as f64);
+    value: impl Fn(&WavefrontRecord) -> Option<f64>,
+) -> Vec<LinePoint> {
     let points = cell.wavefront.iter().filter_map(|sample| {
-        let (at, value) = point(sample, parents)?;
-        (at.is_finite() && value.is_finite()).then_some((at, value.into()))
+        let value = value(sample)?;
+        sample.distance.is_finite().then(|| LinePoint {
+            x: sample.distance,
+            value: value.into(),
+            deviation: Some(sample.deviation).filter(|d| d.is_finite() && *d > 0.0),
+            model: cell.model.clone(),
+        })
     });
-    let mut points: Vec<(f64, Value)> = points.collect();
+    let mut points: Vec<LinePoint> = points.collect();
     // The mean distance of a wavefront may decrease.
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points.sort_by(|a, b| a.x.total_cmp(&b.x));
     points
 }

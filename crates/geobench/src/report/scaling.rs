@@ -3,10 +3,10 @@
 use geobench_mesh::generate::Spec;
 
 use super::Setting;
-use super::chart::{Axis, Chart, Lines, Series};
+use super::chart::{Axis, Chart, Fit, LinePoint, Lines, Series};
 use super::document::{Plot, slug};
 use crate::measure::number::grouped;
-use crate::measure::statistics::{FEWEST_FOR_FIT, exponent_of_growth};
+use crate::measure::statistics::{FEWEST_FOR_FIT, power_law};
 use crate::schema::ModelRecord;
 use crate::table::figures::time;
 use crate::table::group::{Group, Value, distinct};
@@ -133,12 +133,21 @@ fn against_plots(
         let series = group.algorithms.iter().map(|name| Series {
             style: setting.style(name),
             name: (*name).to_owned(),
+            algorithm: (*name).to_owned(),
             joined,
             hollow: false,
             points: models
                 .iter()
-                .filter_map(|(at, model)| Some((*at, value(&model.name, name)?)))
+                .filter_map(|(at, model)| {
+                    Some(LinePoint {
+                        x: *at,
+                        value: value(&model.name, name)?,
+                        deviation: None,
+                        model: model.name.clone(),
+                    })
+                })
                 .collect(),
+            fit: None,
         });
         series.filter(|series| !series.points.is_empty()).collect()
     };
@@ -162,7 +171,7 @@ fn against_plots(
     let plot = |part: &str, title: &str, label: String, reference, series: Vec<Series>| {
         let y = Axis::fitting(
             &label,
-            series.iter().flat_map(|s| &s.points).map(|(_, v)| v.value),
+            series.iter().flat_map(|s| &s.points).map(|p| p.value.value),
         );
         let growth = match part {
             "time" if joined && against == Against::Faces => growth(&series),
@@ -184,7 +193,12 @@ fn against_plots(
             }),
         })
     };
-    let times = series(&|model, algorithm| group.value(time(), model, algorithm));
+    let mut times = series(&|model, algorithm| group.value(time(), model, algorithm));
+    if joined && against == Against::Faces {
+        for series in &mut times {
+            series.fit = fit(series);
+        }
+    }
     let mut plots = Vec::new();
     plots.extend(plot("time", "Time", "Time (s)".to_owned(), None, times));
     if let Some(base) = setting.base {
@@ -197,22 +211,26 @@ fn against_plots(
     plots
 }
 
+/// The power law of the growth of a series.
+fn fit(series: &Series) -> Option<Fit> {
+    let points = series.points.iter().map(|p| [p.x, p.value.value]);
+    let [factor, exponent] = power_law(points)?;
+    Some(Fit {
+        exponent,
+        factor,
+        ends: [series.points.first()?.x, series.points.last()?.x],
+    })
+}
+
 /// The exponent of the growth of each series with the number of faces, in words.
 fn growth(series: &[Series]) -> String {
-    let grows = |series: &Series| {
-        let points = series.points.iter().map(|(x, value)| [*x, value.value]);
-        Some(format!(
-            "{} {:.2}",
-            series.name,
-            exponent_of_growth(points)?
-        ))
-    };
+    let grows = |series: &Series| Some(format!("{} {:.2}", series.name, series.fit?.exponent));
     let grows: Vec<String> = series.iter().filter_map(grows).collect();
     if grows.is_empty() {
         return String::new();
     }
     format!(
-        " Times grow with the faces to the power (least squares on logarithms): {}.",
+        " Times grow with the faces to the power (dashed; least squares on logarithms): {}.",
         grows.join(", ")
     )
 }

@@ -2,40 +2,159 @@
 
 use crate::measure::number::grouped;
 use crate::schema::{ModelRecord, ResultFile};
-use crate::table::group::Group;
-use crate::table::{Column, Entry, Note, Table, results};
+use crate::table::group::{Group, distinct};
+use crate::table::{Column, Entry, Mark, Note, Part, Table, results};
 
 /// The figures of a group: a part for each model, a column for each algorithm.
 pub(crate) fn figures(id: &str, group: &Group<'_>) -> Table {
     let mut table = Table {
         id: id.to_owned(),
         title: String::new(),
-        caption: "Figures of each algorithm; the best of a row is bold. Columns are algorithms."
+        caption: "Time, work and memory of each algorithm on each model; the best is bold."
             .to_owned(),
         titles: None,
         ..results::table(group)
     };
-    "Figure".clone_into(&mut table.columns[0].head);
+    "Quantity".clone_into(&mut table.columns[0].head);
     for part in table.parts.iter_mut().filter(|part| part.refused) {
         for row in &mut part.rows {
-            "All figures".clone_into(&mut row[0].text);
+            "All".clone_into(&mut row[0].text);
         }
     }
     table
 }
 
-/// The notes of `table`: failures, then checks.
+/// `table` with a row for each algorithm and a column for each quantity: narrow enough for pages,
+/// and rows that can be sorted by a quantity.
+pub(crate) fn by_algorithm(table: &Table) -> Table {
+    let parts = || table.parts.iter();
+    let labels = |part: &Part| -> Vec<String> {
+        let rows = part.rows.iter().filter(|_| !part.refused);
+        rows.map(|row| row[0].text.clone()).collect()
+    };
+    let quantities = distinct(parts().flat_map(labels));
+    let part = |part: &Part| {
+        let row = |(place, column): (usize, &Column)| {
+            let entry = |quantity: &String| {
+                let mut rows = part.rows.iter();
+                let row = rows.find(|row| row[0].text == *quantity);
+                row.map_or_else(Entry::default, |row| row[place].clone())
+            };
+            let name = Entry::new(&column.head);
+            std::iter::once(name)
+                .chain(quantities.iter().map(entry))
+                .collect()
+        };
+        let mut rows: Vec<Vec<Entry>> = table.columns.iter().enumerate().skip(1).map(row).collect();
+        // An algorithm that did not run on the model, or the base of ratios.
+        rows.retain(|row| row[1..].iter().any(|entry| !entry.text.is_empty()));
+        if part.refused {
+            let entry = |i: usize| match i {
+                0 => Entry::new("All"),
+                1 => Entry::marked("refused", Mark::Failed),
+                _ => Entry::default(),
+            };
+            rows = vec![(0..=quantities.len()).map(entry).collect()];
+        }
+        Part {
+            rows,
+            ..part.clone()
+        }
+    };
+    let heads = quantities.iter().map(|quantity| Column::number(quantity));
+    Table {
+        columns: std::iter::once(Column::text("Algorithm"))
+            .chain(heads)
+            .collect(),
+        parts: parts().map(part).collect(),
+        rows_are: "algorithm",
+        ..table.clone()
+    }
+}
+
+/// The notes of `table`, failures first. Notes of several models that differ in numbers alone are
+/// one, with the range of each number.
 pub(crate) fn notes(table: &Table) -> Vec<Note> {
-    let parts = table.parts.iter();
-    let notes = parts.flat_map(|part| part.notes.iter().map(|note| (&part.title, note)));
-    let mut notes: Vec<Note> = notes
-        .map(|(title, note)| Note {
-            text: format!("{title}: {}", note.text),
-            failure: note.failure,
-        })
-        .collect();
-    notes.sort_by_key(|note| !note.failure);
-    notes
+    let notes = || {
+        table
+            .parts
+            .iter()
+            .flat_map(|part| part.notes.iter().map(move |n| (part, n)))
+    };
+    let models = table
+        .parts
+        .iter()
+        .filter(|part| !part.notes.is_empty())
+        .count();
+    let mut texts: Vec<Note> = Vec::new();
+    for (shape, failure) in distinct(notes().map(|(_, note)| (shape(&note.text), note.failure))) {
+        let same = notes().filter(|(_, n)| n.failure == failure && self::shape(&n.text) == shape);
+        let same: Vec<(&Part, &Note)> = same.collect();
+        let titles = distinct(same.iter().map(|(part, _)| part.title.as_str()));
+        if failure || titles.len() < 2 {
+            texts.extend(same.iter().map(|(part, note)| Note {
+                text: format!("{}: {}", part.title, note.text),
+                failure,
+            }));
+            continue;
+        }
+        let on = match titles.len() {
+            all if all == models => format!("all {all} models"),
+            _ => titles.join(", "),
+        };
+        let all: Vec<&str> = same.iter().map(|(_, note)| note.text.as_str()).collect();
+        texts.push(Note::new(format!("{on}: {}", ranges(&all))));
+    }
+    texts.sort_by_key(|note| !note.failure);
+    texts
+}
+
+/// The numbers of a text, and what stands between them: one piece more than numbers. Digits within
+/// a word, as in `ich1`, are no number.
+fn pieces(text: &str) -> (Vec<String>, Vec<&str>) {
+    let (mut between, mut numbers) = (vec![String::new()], Vec::new());
+    for word in text.split_inclusive(' ') {
+        let (bare, end) = word.split_at(word.trim_end_matches([' ', ',', ';', ':']).len());
+        if number(bare).is_some() {
+            numbers.push(bare);
+            between.push(end.to_owned());
+        } else if let Some(last) = between.last_mut() {
+            last.push_str(word);
+        }
+    }
+    (between, numbers)
+}
+
+/// The number that a word is, perhaps with its thousands apart.
+fn number(word: &str) -> Option<f64> {
+    let number: f64 = word.replace(',', "").parse().ok()?;
+    number.is_finite().then_some(number)
+}
+
+/// A text without its numbers.
+fn shape(text: &str) -> String {
+    pieces(text).0.join("#")
+}
+
+/// Texts of one shape as one, with the range of each number.
+fn ranges(texts: &[&str]) -> String {
+    let all: Vec<(Vec<String>, Vec<&str>)> = texts.iter().map(|text| pieces(text)).collect();
+    let Some((between, first)) = all.first() else {
+        return String::new();
+    };
+    let mut text = between[0].clone();
+    for place in 0..first.len() {
+        let number = |text: &&str| number(text).unwrap_or(f64::NAN);
+        let mut found: Vec<&str> = all.iter().map(|(_, numbers)| numbers[place]).collect();
+        found.sort_by(|a, b| number(a).total_cmp(&number(b)));
+        text += found[0];
+        let last = found[found.len() - 1];
+        if last != found[0] {
+            text += &format!(" to {last}");
+        }
+        text += &between[place + 1];
+    }
+    text
 }
 
 /// The properties of the models.
@@ -74,9 +193,38 @@ pub(crate) fn models(id: &str, result: &ResultFile) -> Table {
         id: id.to_owned(),
         caption: "Models: counts as read, g as in the papers (1 for equilateral faces), the start of the hash."
             .to_owned(),
+        rows_are: "model",
         ..Table::new(
             heads.chain([Column::text("File or generator")]).collect(),
             result.models.iter().map(row).collect(),
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_that_differ_become_ranges() {
+        let texts = [
+            "times: 95 % intervals within 2.5 % of the medians of ich1",
+            "times: 95 % intervals within 0.25 % of the medians of ich1",
+        ];
+        assert_eq!(
+            ranges(&["at 1,024 of 9", "at 80 of 9"]),
+            "at 80 to 1,024 of 9"
+        );
+        assert_eq!(shape(texts[0]), shape(texts[1]));
+        assert_eq!(
+            ranges(&texts),
+            "times: 95 % intervals within 0.25 to 2.5 % of the medians of ich1"
+        );
+        assert_ne!(shape("a: 3"), shape("b: 3"));
+        assert_eq!(ranges(&["none"]), "none");
+        assert_eq!(
+            ranges(&["up to 1e-9", "up to 3.0e-12"]),
+            "up to 3.0e-12 to 1e-9"
+        );
     }
 }

@@ -175,12 +175,19 @@ fn lines(chart: &Lines) -> String {
         axis_of('y', &chart.y)
     );
     for series in &chart.series {
-        let coordinates = series.points.iter().map(|(x, value)| {
-            let at = format!("({x},{})", value.value);
-            at + &errors(*value, |error| format!("(0,{error})"))
+        let coordinates = series.points.iter().map(|point| {
+            let at = format!("({},{})", point.x, point.value.value);
+            at + &errors(point.value, |error| format!("(0,{error})"))
         });
-        tex += &addplot(series.style, false, "y", coordinates);
+        tex += &addplot(series.style, series.hollow, "y", coordinates);
         let _ = writeln!(tex, "\\addlegendentry{{{}}}", escape(&series.name));
+        if let Some(fit) = series.fit {
+            let ([from, to], factor, exponent) = (fit.ends, fit.factor, fit.exponent);
+            let _ = writeln!(
+                tex,
+                "\\addplot[dashed, forget plot, domain={from}:{to}] {{{factor} * x^{exponent}}};"
+            );
+        }
     }
     tex + "\\end{axis}\n\\end{tikzpicture}\n"
 }

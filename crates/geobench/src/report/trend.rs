@@ -6,7 +6,7 @@ use crate::history::records::Record;
 use crate::history::trend::{ChangePoint, Series};
 use crate::table::escape::xml as escape;
 
-const STYLE: &str = include_str!("page.css");
+const STYLE: &str = include_str!("assets/page.css");
 
 /// Style of the charts, in the colours of the text.
 const CHARTS: &str = "

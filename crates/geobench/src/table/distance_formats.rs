@@ -322,7 +322,7 @@ fn vtk(field: &DistanceField<'_>) -> Vec<u8> {
 
 /// Nine colours evenly spaced along a ramp from dark blue over green to yellow that grows steadily
 /// lighter, so that it also reads in grey and to most colour-blind people (after "viridis").
-const RAMP: [[u8; 3]; 9] = [
+pub(crate) const RAMP: [[u8; 3]; 9] = [
     [68, 1, 84],
     [71, 44, 122],
     [59, 81, 139],

@@ -15,7 +15,7 @@ pub(crate) struct Group<'r> {
 }
 
 /// A value with its uncertainty.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub(crate) struct Value {
     pub(crate) value: f64,
     /// The ends of its 95 % interval.

@@ -11,9 +11,13 @@ pub(crate) fn table(html: &mut String, table: &Table) {
     // to a string cannot fail.
     let _ = writeln!(
         html,
-        "<p class=\"caption\" id=\"{0}-caption\">{1}</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"{0}-caption\">\n<table id=\"{0}\" aria-labelledby=\"{0}-caption\">",
+        "<p class=\"caption\" id=\"{0}-caption\">{1}</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"{0}-caption\">\n<table id=\"{0}\" aria-labelledby=\"{0}-caption\"{2}>",
         table.id,
-        escape(&table.caption)
+        escape(&table.caption),
+        match table.rows_are {
+            "" => String::new(),
+            rows => format!(" data-rows=\"{rows}\""),
+        }
     );
     html.push_str("<thead>\n");
     let overs = table.overs();
@@ -31,7 +35,12 @@ pub(crate) fn table(html: &mut String, table: &Table) {
     }
     let heads = table.columns.iter().map(|column| {
         let class = if column.numeric { " class=\"n\"" } else { "" };
-        format!("<th scope=\"col\"{class}>{}</th>", escape(&column.head))
+        // A unit stays on the line of its last word.
+        let head = column
+            .head
+            .replace(" (", "\u{a0}(")
+            .replace(" %", "\u{a0}%");
+        format!("<th scope=\"col\"{class}>{}</th>", escape(&head))
     });
     row(html, heads);
     html.push_str("</thead>\n");
@@ -50,7 +59,7 @@ fn body(html: &mut String, table: &Table, part: &Part) {
         };
         let _ = writeln!(
             html,
-            "<tr class=\"part\"><th scope=\"rowgroup\" colspan=\"{}\"><span>{}{details}</span></th></tr>",
+            "<tr class=\"part\"><th scope=\"rowgroup\" colspan=\"{}\"><span><span class=\"of\">{}</span>{details}</span></th></tr>",
             table.columns.len(),
             escape(&part.title)
         );
@@ -76,7 +85,14 @@ fn entry(entry: &Entry, numeric: bool) -> String {
         (_, true) => " class=\"n\"",
         _ => "",
     };
-    let text = escape(&entry.text);
+    // Lines break only before the interval of a value.
+    let text = if numeric {
+        let kept = entry.text.replace(", ", ",\u{a0}");
+        kept.replace(" / ", "\u{a0}/\u{a0}")
+    } else {
+        entry.text.clone()
+    };
+    let text = escape(&text);
     match entry.mark {
         Mark::Best => format!("<td{class}><b>{text}</b></td>"),
         _ => format!("<td{class}>{text}</td>"),

@@ -10,6 +10,8 @@ pub(crate) struct Table {
     /// A description, in one or several lines.
     pub(crate) caption: String,
     pub(crate) columns: Vec<Column>,
+    /// What a row is about, by which pages filter: `algorithm`, `model` or nothing.
+    pub(crate) rows_are: &'static str,
     /// The head of a column for the titles of parts, in forms that set all parts under one head. If
     /// `None`, each title has a row of its own.
     pub(crate) titles: Option<&'static str>,

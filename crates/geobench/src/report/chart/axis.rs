@@ -1,7 +1,12 @@
-//! Axes: they map values to places and choose ticks.
+//! Axes: they map values to places and choose ticks. `assets/charts.js` does the same in the page.
+
+use serde::Serialize;
+
+/// Pixels between the values at the ends and the ends of the axis.
+const MARGIN: f64 = 6.0;
 
 /// The quantity of an axis and its scale.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Axis {
     /// With its unit.
     pub(crate) label: String,
@@ -39,7 +44,12 @@ impl Axis {
 pub(crate) struct Scale {
     log: bool,
     values: [f64; 2],
+    /// The places of `values`.
     places: [f64; 2],
+    /// The ends of the line, a marker's size beyond, so that all markers are inside.
+    ends: [f64; 2],
+    /// The values that are drawn, sorted; the axis has a tick near each cluster of them.
+    drawn: Vec<f64>,
     /// Distance of ticks on a linear scale.
     step: f64,
 }
@@ -53,15 +63,20 @@ impl Scale {
         from_zero: bool,
     ) -> Self {
         let shown = |v: &f64| v.is_finite() && (!axis.log || *v > 0.0);
-        let (mut low, mut high) = values
-            .into_iter()
-            .filter(shown)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-                (low.min(v), high.max(v))
-            });
-        if low > high {
-            (low, high) = (1.0, 10.0);
-        }
+        let mut drawn: Vec<f64> = values.into_iter().filter(shown).collect();
+        drawn.sort_by(f64::total_cmp);
+        let (mut low, mut high) = match drawn[..] {
+            [] => (1.0, 10.0),
+            [low, .., high] => (low, high),
+            [one] => (one, one),
+        };
+        let ends = places;
+        let inset = MARGIN * (ends[1] - ends[0]).signum();
+        // Bars start on the axis.
+        let places = [
+            if from_zero { ends[0] } else { ends[0] + inset },
+            ends[1] - inset,
+        ];
         if axis.log {
             // A little room at both ends, and never less than a factor of two.
             (low, high) = (low / 1.12, high * 1.12);
@@ -73,6 +88,8 @@ impl Scale {
                 log: true,
                 values: [low, high],
                 places,
+                ends,
+                drawn,
                 step: 0.0,
             };
         }
@@ -89,8 +106,14 @@ impl Scale {
         let step = nice((high - low) / 5.0);
         Self {
             log: false,
-            values: [(low / step).floor() * step, (high / step).ceil() * step],
+            // Rounding of a sum of parts must not make the axis a step longer.
+            values: [
+                (low / step + 1e-9).floor() * step,
+                (high / step - 1e-9).ceil() * step,
+            ],
             places,
+            ends,
+            drawn,
             step,
         }
     }
@@ -110,12 +133,12 @@ impl Scale {
 
     /// The start of the axis.
     pub(crate) const fn start(&self) -> f64 {
-        self.places[0]
+        self.ends[0]
     }
 
     /// The end of the axis.
     pub(crate) const fn end(&self) -> f64 {
-        self.places[1]
+        self.ends[1]
     }
 
     /// The place of a value, clamped to the axis.
@@ -156,7 +179,37 @@ impl Scale {
         } else if decades < 2.4 {
             major = times(&[1.0, 2.0, 5.0]);
         }
+        self.add_for_clusters(&mut major);
         (major, minor)
+    }
+
+    /// Adds a tick of two digits for each cluster of values that has none near it, if there is room
+    /// for its label.
+    fn add_for_clusters(&self, ticks: &mut Vec<f64>) {
+        // Labels stand below each other on an upright axis.
+        let room = if self.ends[0] < self.ends[1] {
+            36.0
+        } else {
+            16.0
+        };
+        let place = |value: f64| self.place(value).unwrap_or(f64::INFINITY);
+        let apart = |a: f64, b: f64| (place(a) - place(b)).abs();
+        for cluster in self.drawn.chunk_by(|a, b| apart(*a, *b) <= room) {
+            let (low, high) = (cluster[0], cluster[cluster.len() - 1]);
+            let is_near = |tick: &f64| {
+                (low..=high).contains(tick) || apart(*tick, low).min(apart(*tick, high)) <= room
+            };
+            if ticks.iter().any(is_near) {
+                continue;
+            }
+            let middle = (low * high).sqrt();
+            let digit = libm::exp10(libm::log10(middle).floor() - 1.0);
+            let tick = (middle / digit).round() * digit;
+            if self.place(tick).is_some() && ticks.iter().all(|other| apart(*other, tick) > room) {
+                ticks.push(tick);
+            }
+        }
+        ticks.sort_by(f64::total_cmp);
     }
 }
 
@@ -202,6 +255,24 @@ mod tests {
     }
 
     #[test]
+    fn every_cluster_has_a_tick() {
+        let axis = Axis {
+            label: String::new(),
+            log: true,
+        };
+        let labels = |values: &[f64]| -> Vec<String> {
+            let scale = Scale::new(&axis, values.iter().copied(), [0.0, 400.0], false);
+            scale.ticks().0.into_iter().map(label).collect()
+        };
+        assert_eq!(
+            labels(&[324.0, 325.0, 5120.0, 81_920.0]),
+            ["320", "1000", "5100", "10k", "82k"]
+        );
+        // A cluster that has a tick gets no other one.
+        assert_eq!(labels(&[1.0, 10.0, 1000.0]), ["1", "10", "100", "1000"]);
+    }
+
+    #[test]
     fn ticks_are_round_numbers() {
         assert_eq!(ticks(false, [0.0, 1.0]), "0 0.2 0.4 0.6 0.8 1");
         assert_eq!(ticks(false, [96.0, 104.0]), "96 98 100 102 104");
@@ -236,7 +307,8 @@ mod tests {
         assert!((middle - 50.0).abs() < 1e-9, "{middle}");
         assert_eq!(scale.place(0.0), None);
         assert_eq!(scale.place(1e9), None);
-        assert_eq!(scale.clamped(1e9), 100.0);
+        assert_eq!(scale.clamped(1e9), 100.0 - MARGIN);
+        assert_eq!([scale.start(), scale.end()], [0.0, 100.0]);
         assert!(!Axis::fitting("x", [0.0, 100.0]).log);
         assert!(!Axis::fitting("x", [30.0, 100.0]).log);
     }

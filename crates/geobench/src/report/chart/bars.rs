@@ -1,5 +1,7 @@
 //! Bars made of parts: the time of each algorithm by phase.
 
+use serde::Serialize;
+
 use super::axis::{Axis, Scale};
 use super::{Datum, LINE, WIDTH, axis_below};
 use crate::report::svg::{Svg, fitted, px, width_of};
@@ -8,7 +10,7 @@ use crate::report::svg::{Svg, fitted, px, width_of};
 pub(crate) const PARTS: usize = 3;
 
 /// A chart of bars made of parts.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Bars {
     pub(crate) axis: Axis,
     /// Names of the parts.
@@ -17,14 +19,14 @@ pub(crate) struct Bars {
 }
 
 /// Bars that belong together, such as the algorithms on one model.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Group {
     pub(crate) title: String,
     pub(crate) bars: Vec<Bar>,
 }
 
 /// A bar, or the reason why there is none.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Bar {
     pub(crate) label: String,
     /// Lengths of the parts, in the unit of the axis.

@@ -1,19 +1,23 @@
 //! Points on lanes: one band for each model, one lane for each algorithm. If there are too many
 //! lanes, the algorithms of a band share one.
 
+use serde::Serialize;
+
 use super::axis::{Axis, Scale};
-use super::{Datum, LINE, Point, WIDTH, axis_below, draw_marker, draw_whisker, legend};
-use crate::report::svg::{Svg, fitted, width_of};
+use super::{
+    Datum, LINE, Point, WIDTH, axis_below, draw_marker, draw_whisker, legend, marker_class,
+};
+use crate::report::svg::{Svg, fitted, px, width_of};
 use crate::table::group::distinct;
 
 /// Most lanes of a chart. With more, the algorithms of a band share one.
-const MOST_LANES: usize = 64;
+pub(crate) const MOST_LANES: usize = 64;
 
 /// Greatest width of the names of lanes.
 const WIDEST_NAME: f64 = 165.0;
 
 /// A chart of points on lanes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Dots {
     pub(crate) axis: Axis,
     /// A value marked by a line, such as 1 in a chart of ratios.
@@ -24,17 +28,21 @@ pub(crate) struct Dots {
 }
 
 /// A group of lanes, such as the algorithms on one model.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Band {
     pub(crate) title: String,
     pub(crate) lanes: Vec<Lane>,
 }
 
 /// A line of points.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Lane {
     pub(crate) label: String,
+    /// The algorithm, by which the page filters.
+    pub(crate) algorithm: Option<String>,
     pub(crate) points: Vec<Point>,
+    /// Samples, drawn as a strip of small dots behind the points.
+    pub(crate) samples: Vec<f64>,
     /// The text if there is no point.
     pub(crate) absent: Option<String>,
 }
@@ -65,9 +73,11 @@ impl Dots {
             let [low, high] = p.value.interval.unwrap_or([p.value.value; 2]);
             [low, p.value.value, high]
         });
+        let samples = self.bands.iter().flat_map(|band| &band.lanes);
+        let samples = samples.flat_map(|lane| lane.samples.iter().copied());
         let scale = Scale::new(
             &self.axis,
-            values.chain(reference),
+            values.chain(samples).chain(reference),
             [left, WIDTH - 14.0],
             false,
         );
@@ -109,7 +119,9 @@ impl Dots {
                 .collect();
             Lane {
                 label: band.title.clone(),
+                algorithm: None,
                 points: band.lanes.iter().flat_map(|l| l.points.clone()).collect(),
+                samples: Vec::new(),
                 absent: (!absent.is_empty()).then(|| absent.join(", ")),
             }
         });
@@ -141,6 +153,12 @@ impl Dots {
                     interval: point.value.interval,
                     ..Datum::default()
                 }));
+                data.extend(lane.samples.iter().map(|sample| Datum {
+                    of: band.title.clone(),
+                    series: format!("{}: sample", lane.label),
+                    value: Some(*sample),
+                    ..Datum::default()
+                }));
                 data.extend(lane.absent.iter().map(|absent| Datum {
                     of: band.title.clone(),
                     series: lane.label.clone(),
@@ -161,6 +179,9 @@ fn draw_lane(svg: &mut Svg, lane: &Lane, scale: &Scale, y: f64) {
         &fitted(&lane.label, WIDEST_NAME),
     );
     svg.line("lane", [left, y], [right, y]);
+    if let Some(point) = lane.points.first() {
+        draw_samples(svg, &lane.samples, point.style, scale, y);
+    }
     for point in &lane.points {
         let Some(place) = scale.place(point.value.value) else {
             continue;
@@ -187,6 +208,22 @@ fn draw_lane(svg: &mut Svg, lane: &Lane, scale: &Scale, y: f64) {
             left + 4.0
         };
         svg.text([at, y + 3.8], "f", &fitted(absent, right - at));
+    }
+}
+
+/// A strip of small dots, moved up and down so that equal ones do not cover each other.
+fn draw_samples(svg: &mut Svg, samples: &[f64], style: usize, scale: &Scale, y: f64) {
+    // The golden ratio spreads any number of dots evenly.
+    let shift = |i: usize| 9.0 * ((i as f64 * 0.618_034).fract() - 0.5);
+    let places = samples.iter().enumerate();
+    let places = places.filter_map(|(i, value)| Some((scale.place(*value)?, y + shift(i))));
+    let mut path = String::new();
+    for (x, y) in places {
+        path += &format!("M{} {}h0", px(x), px(y));
+    }
+    if !path.is_empty() {
+        let class = format!("sample {}", marker_class(style));
+        svg.leaf("path", &[("class", class), ("d", path)]);
     }
 }
 

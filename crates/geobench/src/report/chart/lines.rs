@@ -1,5 +1,7 @@
 //! Lines over two axes, such as times over the numbers of faces.
 
+use serde::Serialize;
+
 use super::axis::{Axis, Scale};
 use super::{
     Datum, WIDTH, axis_below, draw_marker, draw_ticks, draw_whisker, legend, marker_class,
@@ -14,7 +16,7 @@ const HEIGHT: f64 = 230.0;
 const MOST_MARKERS: usize = 25;
 
 /// A chart of lines.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Lines {
     pub(crate) x: Axis,
     pub(crate) y: Axis,
@@ -24,16 +26,46 @@ pub(crate) struct Lines {
 }
 
 /// A line with markers, or markers alone.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Series {
     pub(crate) style: usize,
     pub(crate) name: String,
+    /// The algorithm, by which the page filters.
+    pub(crate) algorithm: String,
     /// Whether neighbouring points are joined.
     pub(crate) joined: bool,
     /// Whether markers are outlines.
     pub(crate) hollow: bool,
-    /// Places on the x-axis with values, from left to right.
-    pub(crate) points: Vec<(f64, Value)>,
+    /// From left to right.
+    pub(crate) points: Vec<LinePoint>,
+    /// The power law fitted to the points.
+    pub(crate) fit: Option<Fit>,
+}
+
+/// A point over two axes.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct LinePoint {
+    pub(crate) x: f64,
+    pub(crate) value: Value,
+    /// Standard deviation of `x`, if it is a mean.
+    pub(crate) deviation: Option<f64>,
+    /// The model, by which the page filters; empty if the point belongs to none or to several.
+    pub(crate) model: String,
+}
+
+/// The power law `factor * x ^ exponent`, drawn between two places.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Fit {
+    pub(crate) exponent: f64,
+    pub(crate) factor: f64,
+    pub(crate) ends: [f64; 2],
+}
+
+impl Fit {
+    /// Its value at `x`.
+    fn at(&self, x: f64) -> f64 {
+        self.factor * libm::pow(x, self.exponent)
+    }
 }
 
 impl Lines {
@@ -47,13 +79,14 @@ impl Lines {
         let top = 24.0 + legend(svg, [4.0, 2.0], WIDTH - 8.0, &names);
         let bottom = top + HEIGHT;
         let points = || self.series.iter().flat_map(|s| &s.points);
-        let ys = points().flat_map(|(_, v)| {
-            let [low, high] = v.interval.unwrap_or([v.value; 2]);
-            [low, v.value, high]
+        let ys = points().flat_map(|point| {
+            let value = point.value;
+            let [low, high] = value.interval.unwrap_or([value.value; 2]);
+            [low, value.value, high]
         });
         let x = Scale::new(
             &self.x,
-            points().map(|(x, _)| *x),
+            points().map(|point| point.x),
             [52.0, WIDTH - 14.0],
             false,
         );
@@ -75,14 +108,32 @@ impl Lines {
     pub(super) fn data(&self) -> Vec<Datum> {
         let mut data = Vec::new();
         for series in &self.series {
-            data.extend(series.points.iter().map(|(x, value)| Datum {
+            let datum = |name: String, x: f64, value: f64| Datum {
                 of: self.x.label.clone(),
-                series: series.name.clone(),
-                x: Some(*x),
-                value: Some(value.value),
-                interval: value.interval,
+                series: name,
+                x: Some(x),
+                value: Some(value),
                 ..Datum::default()
-            }));
+            };
+            for point in &series.points {
+                data.push(Datum {
+                    interval: point.value.interval,
+                    ..datum(series.name.clone(), point.x, point.value.value)
+                });
+            }
+            let deviations = series
+                .points
+                .iter()
+                .filter_map(|p| Some((p.x, p.deviation?)));
+            data.extend(
+                deviations.map(|(x, value)| datum(format!("{}: deviation", series.name), x, value)),
+            );
+            if let Some(fit) = series.fit {
+                let ends = fit
+                    .ends
+                    .map(|x| datum(format!("{}: fit", series.name), x, fit.at(x)));
+                data.extend(ends);
+            }
         }
         data
     }
@@ -92,11 +143,15 @@ fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
     let class = marker_class(series.style);
     svg.open("g", &[]);
     svg.holding("title", &[], &series.name);
-    let places: Vec<([f64; 2], &Value)> = series
+    let places: Vec<([f64; 2], &LinePoint)> = series
         .points
         .iter()
-        .filter_map(|(at, value)| Some(([x.place(*at)?, y.place(value.value)?], value)))
+        .filter_map(|point| Some(([x.place(point.x)?, y.place(point.value.value)?], point)))
         .collect();
+    if let Some(fit) = series.fit {
+        let [from, to] = fit.ends.map(|at| [x.clamped(at), y.clamped(fit.at(at))]);
+        svg.line(&format!("fit {class}"), from, to);
+    }
     if series.joined && places.len() > 1 {
         let points: Vec<String> = places
             .iter()
@@ -116,8 +171,12 @@ fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
     } else {
         1
     };
-    for (i, (at, value)) in places.into_iter().enumerate() {
-        if let Some(ends) = value.interval {
+    for (i, (at, point)) in places.into_iter().enumerate() {
+        if let Some(deviation) = point.deviation.filter(|_| i % every == 0) {
+            let ends = [-deviation, deviation].map(|d| [x.clamped(point.x + d), at[1]]);
+            draw_whisker(svg, series.style, ends);
+        }
+        if let Some(ends) = point.value.interval {
             let ends = ends.map(|end| [at[0], y.clamped(end)]);
             draw_whisker(svg, series.style, ends);
         }

@@ -4,6 +4,8 @@
 //! colour of the surrounding text, so that charts follow a dark page. Colour never carries meaning
 //! alone: every algorithm has a marker of its own, every part of a bar a pattern.
 
+use serde::Serialize;
+
 use super::picture::Picture;
 use crate::report::svg::{Svg, px, width_of};
 use crate::table::group::Value;
@@ -16,8 +18,8 @@ mod lines;
 use axis::Scale;
 pub(crate) use axis::{Axis, nice};
 pub(crate) use bars::{Bar, Bars, Group as BarGroup, PARTS};
-pub(crate) use dots::{Band, Dots, Lane};
-pub(crate) use lines::{Lines, Series};
+pub(crate) use dots::{Band, Dots, Lane, MOST_LANES};
+pub(crate) use lines::{Fit, LinePoint, Lines, Series};
 
 /// Width of all charts, in pixels at their natural size: readable on a phone held upright.
 pub(crate) const WIDTH: f64 = 480.0;
@@ -25,22 +27,26 @@ pub(crate) const WIDTH: f64 = 480.0;
 /// Height of a line of text.
 pub(super) const LINE: f64 = 15.0;
 
-/// A chart.
-#[derive(Clone, Debug)]
+/// A chart. As JSON it is what `assets/charts.js` draws anew when the reader filters.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
 pub(crate) enum Chart {
     Dots(Dots),
     Bars(Bars),
     Lines(Lines),
+    #[serde(skip)]
     Picture(Picture),
 }
 
 /// A value, drawn with the marker of an algorithm.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Point {
     /// The style of the algorithm.
     pub(crate) style: usize,
     /// The name of the value.
     pub(crate) name: String,
+    /// The model, by which the page filters.
+    pub(crate) model: Option<String>,
     pub(crate) value: Value,
     /// Whether only the outline of the marker is drawn.
     pub(crate) hollow: bool,
@@ -90,7 +96,7 @@ impl Chart {
         svg.holding("desc", &[("id", id("desc"))], description);
         if alone {
             svg.open("style", &[]);
-            svg.raw(include_str!("chart.css"));
+            svg.raw(include_str!("../assets/chart.css"));
             svg.close();
         }
         svg.raw(&inside.finish());
@@ -109,7 +115,7 @@ impl Chart {
 }
 
 /// The style sheet of charts, for pages that hold some.
-pub(crate) const STYLE: &str = include_str!("chart.css");
+pub(crate) const STYLE: &str = include_str!("../assets/chart.css");
 
 /// Draws a legend: markers with names, in lines from `at` on, at most `width` wide. Returns its
 /// height.

@@ -284,6 +284,7 @@ fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
     let paper = pair.paper.iter().map(|known| Point {
         style,
         name: format!("paper, {}", known.model),
+        model: None,
         value: Value {
             value: known.value,
             // A deviation larger than the mean would reach below 0, where a logarithmic axis ends.
@@ -297,11 +298,14 @@ fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
     let ours = pair.ours.iter().map(|(model, ratio)| Point {
         style,
         name: format!("here, {model}"),
+        model: Some(model.clone()),
         value: ratio.value.into(),
         hollow: false,
     });
     Lane {
         label: format!("{} / {}", pair.algorithm, pair.to),
+        algorithm: Some(pair.algorithm.clone()),
+        samples: Vec::new(),
         points: paper.chain(ours).collect(),
         absent: None,
     }

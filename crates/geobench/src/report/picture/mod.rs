@@ -5,6 +5,7 @@
 
 pub(crate) mod plot;
 mod raster;
+mod surface;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -14,6 +15,7 @@ use super::chart::{Chart, nice};
 use super::svg::{Svg, px, width_of};
 use crate::table::distance_formats;
 use raster::{Camera, Image, Ink};
+use surface::Surface;
 
 /// Width and height of the picture in the units of the drawing.
 const SIZE: [f64; 2] = [480.0, 400.0];
@@ -77,6 +79,10 @@ pub(crate) struct Picture {
     paths: Vec<Vec<[f64; 2]>>,
     /// The distance at the bright end of the ramp.
     farthest: f64,
+    /// Right, up and towards the viewer.
+    axes: [[f64; 3]; 3],
+    /// The model in numbers, for the view in 3D of a page.
+    surface: Option<Box<Surface>>,
 }
 
 impl Picture {
@@ -114,7 +120,14 @@ impl Picture {
             isolines,
             paths,
             farthest,
+            axes: camera.axes(),
+            surface: None,
         })
+    }
+
+    /// The view in 3D as JSON, if it has one.
+    pub(crate) fn surface_json(&self) -> Option<String> {
+        serde_json::to_string(self.surface.as_deref()?).ok()
     }
 
     /// The picture with its lines and sources but without a scale, as a PNG file.

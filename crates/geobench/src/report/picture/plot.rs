@@ -6,6 +6,7 @@ use geobench_paths::Paths;
 use geobench_vtp::VtpFast;
 use geobench_window::Goal;
 
+use super::surface::{Surface, SurfacePath};
 use super::{ISOLINES, Picture, Scene, short, step};
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::{self, ModelRef};
@@ -186,9 +187,14 @@ fn of_model(
         Vec::new()
     };
     let far = far_vertices(mesh, distances);
-    let lines = far
+    let traced: Vec<SurfacePath> = far
         .iter()
-        .filter_map(|&v| Some(paths.to(v).ok()??.polyline(mesh)));
+        .filter_map(|&v| {
+            let path = paths.to(v).ok()??;
+            Some(SurfacePath::new(v, path.length, path.polyline(mesh)))
+        })
+        .collect();
+    let lines = traced.iter().map(SurfacePath::points);
     let scene = Scene {
         mesh,
         distances,
@@ -199,13 +205,21 @@ fn of_model(
         isolines: &isolines,
         paths: &lines.collect::<Vec<_>>(),
     };
-    let picture = Picture::new(&scene, if is_exact { f64::INFINITY } else { step })
+    let mut picture = Picture::new(&scene, if is_exact { f64::INFINITY } else { step })
         .ok_or_else(|| unloadable("it has no coordinates".to_owned()))?;
+    let surface = Surface::new(&scene, picture.axes, [picture.farthest, step], traced);
+    let decimated = surface.decimated().map_or_else(String::new, |faces| {
+        format!(
+            " The view in 3D is decimated to {} faces.",
+            grouped(faces as u64)
+        )
+    });
+    picture.surface = Some(Box::new(surface));
     Ok(Plot {
         id: format!("{prefix}-picture-{}", slug(name)),
         title: format!("Distances on {name}"),
         caption: format!(
-            "From vertex {source} ({}), an isoline every {} units{}, and shortest paths to {} far vertices; {} vertices, {} faces, computed anew.",
+            "From vertex {source} ({}), an isoline every {} units{}, and shortest paths to {} far vertices; {} vertices, {} faces, computed anew.{decimated}",
             if picture.sources.is_empty() {
                 "on the far side"
             } else {

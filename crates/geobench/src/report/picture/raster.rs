@@ -429,6 +429,11 @@ impl Camera {
         ]
     }
 
+    /// To the right, up, and towards the viewer.
+    pub(super) const fn axes(&self) -> [Vector; 3] {
+        self.axes
+    }
+
     /// A direction in the coordinates of the axes.
     pub(super) fn turn(&self, direction: Vector) -> Vector {
         self.axes.map(|axis| dot(direction, axis))
@@ -509,7 +514,7 @@ pub(super) fn face_normal([a, b, c]: [Vector; 3]) -> Vector {
     cross(edge(b), edge(c))
 }
 
-fn bounds(positions: &[Vector]) -> (Vector, Vector) {
+pub(super) fn bounds(positions: &[Vector]) -> (Vector, Vector) {
     let fold = |start: f64, choose: fn(f64, f64) -> f64| {
         positions.iter().fold([start; 3], |so_far, position| {
             std::array::from_fn(|k| choose(so_far[k], position[k]))

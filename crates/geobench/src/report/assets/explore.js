@@ -1,0 +1,49 @@
+// Brings a report to life: filters by model and algorithm, which tables and charts follow.
+
+function explore() {
+  document.body.append(tip.box, tip.voice);
+  const tables = [...document.querySelectorAll("main table")].map(table => new LiveTable(table));
+  const charts = [];
+  for (const data of document.querySelectorAll('figure > script[type="application/json"]')) {
+    const content = JSON.parse(data.textContent);
+    if (content.kind === "surface") showSurface(data.parentElement, content);
+    else charts.push(new LiveChart(data.parentElement, content));
+  }
+  const names = kind => [...new Set(tables.filter(table => table.rowsAre === kind)
+    .flatMap(table => table.bodies).flatMap(({ rows }) => rows).map(row => row.cells[0].textContent))];
+  const models = names("model"), algorithms = names("algorithm").filter(name => name !== "All");
+  const hidden = { model: new Set(), algorithm: new Set() };
+  const shown = {
+    model: name => !hidden.model.has(name),
+    algorithm: name => !hidden.algorithm.has(name),
+  };
+  const draw = () => {
+    for (const table of tables) table.filter(shown, models);
+    for (const chart of charts) chart.draw(shown);
+  };
+  const menu = (label, kind, all) => new Menu(label, all, names => {
+    hidden[kind] = names;
+    draw();
+    tip.announce(`${all.length - names.size} of ${all.length} ${label.toLowerCase()} shown`);
+  }).node;
+  const filters = [];
+  if (models.length > 1) filters.push(menu("Models", "model", models));
+  if (algorithms.length > 1) filters.push(menu("Algorithms", "algorithm", algorithms));
+  if (filters.length) {
+    document.querySelector("main").before(
+      make("div", { class: "filters", role: "group", "aria-label": "Show" }, ...filters));
+  }
+  // A menu closes when something outside of it is used.
+  const close = event => {
+    for (const menu of document.querySelectorAll("details.menu[open]")) {
+      if (!menu.contains(event.target)) menu.open = false;
+    }
+  };
+  document.addEventListener("pointerdown", close);
+  document.addEventListener("focusin", close);
+  document.addEventListener("scroll", () => tip.move(), { passive: true });
+  draw();
+  document.documentElement.classList.add("live");
+}
+
+explore();

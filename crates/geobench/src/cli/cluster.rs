@@ -11,6 +11,7 @@ use super::args::{Arguments, ClusterOptions, Command, RunOptions};
 use super::run::{now, possible_plans};
 use super::terminal::{self, Terminal};
 use crate::plan::Plan;
+use crate::plan::suite::Plans;
 use crate::run::cluster::{
     ClusterDirectory, ClusterRecord, EXCLUSIVE, PartState, Placement, Resources, quoted, ranges,
 };
@@ -45,13 +46,16 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     }
     words.extend(options.run.iter().cloned());
     let run = run_options(&words)?;
-    let plans = possible_plans(&run)?.plans;
+    let Plans { plans, notes } = possible_plans(&run)?;
     let open = plans.iter().any(|plan| plan.sources.has_all());
     let units: u128 = plans.iter().map(Plan::units).sum();
     if !open && units < u128::from(parts) {
         bail!(
             "--shards {parts}: the plan has {units} pairs of model and source, so at most as many parts"
         );
+    }
+    for note in &notes {
+        terminal::warning(note);
     }
     directory.create()?;
     let program = std::env::current_exe().context("cannot tell the path of this program")?;
@@ -227,7 +231,7 @@ fn status(directory: &ClusterDirectory, terminal: Terminal) -> anyhow::Result<Ve
     } else if directory.result().exists() {
         format!("result: {}\n", directory.result().display())
     } else {
-        format!("not joined yet: {}\n", directory.last_words("merge"))
+        format!("not joined yet: {}\n", directory.log_tail("merge"))
     };
     let advice = if failed > 0 {
         "`geobench cluster --resume` submits the failed parts again\n"

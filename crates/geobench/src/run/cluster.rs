@@ -1,8 +1,9 @@
 //! A benchmark as a job array: every part of the plan is a job, and one more joins their files.
 //!
-//! The engine schedules; this describes. A directory that all nodes see holds the scripts, the
-//! journals and the files of the parts, and a record of what was submitted. A part is done once its
-//! file has its final name, so what is missing follows from the directory and the queue.
+//! Slurm schedules; this module describes. A directory that all nodes see holds the scripts, the
+//! journals and the files of the parts, and a record of the submissions. A part is done once its
+//! file has its final name and is complete, so the missing parts follow from the directory and the
+//! queue.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -174,7 +175,7 @@ impl ClusterDirectory {
         self.path.join("logs").join(format!("{name}.log"))
     }
 
-    /// Creates the directory and its rooms.
+    /// Creates the directory with its subfolders.
     ///
     /// # Errors
     ///
@@ -186,10 +187,10 @@ impl ClusterDirectory {
                 self.path.display()
             );
         }
-        for room in ["parts", "journals", "logs"] {
-            let room = self.path.join(room);
-            fs::create_dir_all(&room)
-                .with_context(|| format!("{}: cannot be made", room.display()))?;
+        for name in ["parts", "journals", "logs"] {
+            let folder = self.path.join(name);
+            fs::create_dir_all(&folder)
+                .with_context(|| format!("{}: cannot be made", folder.display()))?;
         }
         Ok(())
     }
@@ -289,28 +290,30 @@ impl ClusterDirectory {
     ///
     /// When Slurm does not answer.
     pub fn states(&self, record: &ClusterRecord) -> anyhow::Result<Vec<PartState>> {
-        let is_done = |index: u32| self.part(index).exists();
-        let all_done = (1..=record.parts).all(is_done);
+        let done: Vec<bool> = (1..=record.parts)
+            .map(|index| is_complete(&self.part(index)))
+            .collect();
         let jobs: Vec<&str> = record
             .submissions
             .iter()
             .filter_map(|submission| submission.array.as_deref())
             .collect();
-        let queue = if all_done {
+        let queue = if done.iter().all(|done| *done) {
             BTreeMap::new()
         } else {
             slurm::queued(&jobs)?
         };
         let submitted =
             |index| (record.submissions.iter()).any(|submission| submission.parts.contains(&index));
-        Ok((1..=record.parts)
-            .map(|index| {
-                if is_done(index) {
+        Ok((1..)
+            .zip(done)
+            .map(|(index, done)| {
+                if done {
                     PartState::Done
                 } else if let Some(part) = queue.get(&index) {
                     PartState::Queued(part.clone())
                 } else if submitted(index) {
-                    PartState::Failed(self.last_words(&index.to_string()))
+                    PartState::Failed(self.log_tail(&index.to_string()))
                 } else {
                     PartState::New
                 }
@@ -319,7 +322,7 @@ impl ClusterDirectory {
     }
 
     /// The last line of the log `name`.
-    pub fn last_words(&self, name: &str) -> String {
+    pub fn log_tail(&self, name: &str) -> String {
         let text = fs::read(self.log(name)).unwrap_or_default();
         let text = String::from_utf8_lossy(&text).into_owned();
         let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
@@ -480,6 +483,17 @@ impl Placement {
     }
 }
 
+/// Whether the file at `path` has the results of a run that came to its end: only then are there
+/// the conditions of the machine.
+fn is_complete(path: &Path) -> bool {
+    #[derive(Deserialize)]
+    struct Head {
+        conditions: Option<serde::de::IgnoredAny>,
+    }
+    let text = fs::read(path).unwrap_or_default();
+    serde_json::from_slice::<Head>(&text).is_ok_and(|head| head.conditions.is_some())
+}
+
 /// The file system of the file at `path`.
 fn device(path: &Path) -> anyhow::Result<u64> {
     let metadata =
@@ -501,7 +515,7 @@ fn inside(path: &Path) -> Option<PathBuf> {
     Some(inside)
 }
 
-/// Ascending numbers as Slurm takes them: `1-3,7`.
+/// Ascending numbers in Slurm's notation: `1-3,7`.
 pub fn ranges(parts: &[u32]) -> String {
     let runs = parts.chunk_by(|a, b| a + 1 == *b);
     let runs = runs.map(|run| match run {
@@ -511,7 +525,7 @@ pub fn ranges(parts: &[u32]) -> String {
     runs.collect::<Vec<_>>().join(",")
 }
 
-/// A word that the shell takes as it is.
+/// `word` quoted for the shell where it needs quotes.
 pub fn quoted(word: &str) -> String {
     let plain = |b: u8| b.is_ascii_alphanumeric() || b"-_./:=,@%+".contains(&b);
     if !word.is_empty() && word.bytes().all(plain) {
@@ -629,8 +643,11 @@ mod tests {
         let states = directory.states(&record()).unwrap();
         assert_eq!(states, vec![PartState::New; 20]);
         for part in 1..=20 {
-            fs::write(directory.part(part), "{}").unwrap();
+            fs::write(directory.part(part), r#"{"conditions": {}}"#).unwrap();
         }
+        fs::write(directory.part(3), r#"{"conditions": null}"#).unwrap();
+        assert_eq!(directory.states(&record()).unwrap()[2], PartState::New);
+        fs::write(directory.part(3), r#"{"conditions": {}}"#).unwrap();
         assert_eq!(
             directory.states(&record()).unwrap(),
             vec![PartState::Done; 20]

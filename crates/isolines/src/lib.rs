@@ -452,7 +452,7 @@ impl Tracer<'_> {
     /// Adds a line, unless it is a speck.
     fn add(&mut self, arcs: Vec<Arc>, closed: bool, crosses_one_edge: bool) {
         let mut arcs = arc::joined(arcs, closed);
-        // What is left of faces without height.
+        // Faces without height leave such pieces.
         if arcs.iter().any(Arc::has_length) {
             arcs.retain(Arc::has_length);
         } else {

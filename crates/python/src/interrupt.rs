@@ -32,7 +32,7 @@ pub(crate) fn long<T: Send + 'static>(
     thread::Builder::new()
         .name("geobench".to_owned())
         .spawn(move || {
-            // Nobody waits for work that was interrupted.
+            // After an interruption the caller has gone.
             let _ = sender.send(catch_unwind(AssertUnwindSafe(work)));
         })
         .map_err(|error| PyOSError::new_err(format!("no thread for the solver: {error}")))?;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use geobench_certify::{Bound, Place};
 use geobench_mesh::Mesh;
 use geodesic::{Certificate, Comparison};
@@ -15,16 +15,8 @@ use crate::exec::expected::Expected;
 use crate::exec::model;
 
 pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
-    let models = model::collect(std::slice::from_ref(&options.model))?;
-    let [model] = &models[..] else {
-        bail!(
-            "{}: holds {} models; name one of them",
-            options.model,
-            models.len()
-        );
-    };
-    let loaded = model.load_within(options.reading)?;
-    let mesh = &loaded.mesh;
+    let model = model::only(&options.model)?;
+    let mesh = &model.mesh_within(options.reading)?;
     let mut sources = Vec::new();
     for spec in &options.source {
         let found = spec.vertices(mesh.vertex_count());

@@ -35,14 +35,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         Form::Field(FieldFormat::of_path(&options.output)?)
     };
     let output = OutputFile::prepare(&options.output)?;
-    let models = model::collect(std::slice::from_ref(&options.model))?;
-    let [model] = &models[..] else {
-        bail!(
-            "{}: holds {} models; name one of them",
-            options.model,
-            models.len()
-        );
-    };
+    let model = model::only(&options.model)?;
     let wanted = wanted_targets(options)?;
     if let (Form::Field(format), Some(_)) = (&form, &wanted)
         && format.is_mesh()
@@ -52,13 +45,8 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
             options.output.display()
         );
     }
-    let loaded = model.load_within(options.reading)?;
-    let points = Points::new(
-        &loaded.mesh,
-        &options.source,
-        wanted.as_deref(),
-        &model.path,
-    )?;
+    let mesh = model.mesh_within(options.reading)?;
+    let points = Points::new(&mesh, &options.source, wanted.as_deref(), &model.path)?;
     if !options.quiet {
         for note in &points.notes {
             terminal::print(&format!("{note}\n"))?;
@@ -67,7 +55,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     let request = Request {
         options,
         model: &model.name,
-        mesh: &loaded.mesh,
+        mesh: &mesh,
         points: &points,
     };
     let summaries = match form {

@@ -33,16 +33,8 @@ const TOLERANCE: f64 = 1e-4;
 pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let format = IsolineFormat::of_path(&options.output)?;
     let output = OutputFile::prepare(&options.output)?;
-    let models = model::collect(std::slice::from_ref(&options.model))?;
-    let [model] = &models[..] else {
-        bail!(
-            "{}: holds {} models; name one of them",
-            options.model,
-            models.len()
-        );
-    };
-    let loaded = model.load_within(options.reading)?;
-    let mesh = &loaded.mesh;
+    let model = model::only(&options.model)?;
+    let mesh = &model.mesh_within(options.reading)?;
     let points = Points::new(mesh, &options.source, None, &model.path)?;
     let is_quiet = options.quiet || options.output == Path::new("-");
     if !is_quiet {

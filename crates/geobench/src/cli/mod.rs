@@ -28,13 +28,13 @@ use std::ffi::OsStr;
 use std::io;
 use std::process::ExitCode;
 
-use anyhow::bail;
 use clap::Parser;
 use clap::error::ErrorKind;
 
 use args::{Arguments, Command};
 use terminal::Terminal;
 
+use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::standard_input;
 use crate::exec::source::{Locator, SourceSpec};
 use crate::exec::{interrupt, isolate, model};
@@ -137,17 +137,11 @@ fn count_one_solve(
     widest: Option<&str>,
 ) -> anyhow::Result<()> {
     let selection = instructions::announce(algorithm, widest)?;
-    let models = model::collect(&[model])?;
-    let [model] = &models[..] else {
-        bail!("{model}: {} models instead of one", models.len());
-    };
-    let loaded = model.load()?;
-    let points = source.points(loaded.mesh.vertex_count())?.into_iter();
-    let mut locator = Locator::new(&loaded.mesh);
+    let mesh = model::only(model)?.mesh_within(DecompressionLimit::default())?;
+    let points = source.points(mesh.vertex_count())?.into_iter();
+    let mut locator = Locator::new(&mesh);
     let points = points.map(|point| locator.locate(point).map(|found| found.point));
-    let refined = loaded
-        .mesh
-        .with_points(&points.collect::<Result<Vec<_>, _>>()?)?;
+    let refined = mesh.with_points(&points.collect::<Result<Vec<_>, _>>()?)?;
     instructions::solve_once(&selection, &refined.mesh, &refined.vertices)
 }
 

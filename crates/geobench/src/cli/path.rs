@@ -32,16 +32,8 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
         Some(path) => Some((PathFormat::of_path(path)?, OutputFile::prepare(path)?)),
         None => None,
     };
-    let models = model::collect(std::slice::from_ref(&options.model))?;
-    let [model] = &models[..] else {
-        bail!(
-            "{}: holds {} models; name one of them",
-            options.model,
-            models.len()
-        );
-    };
-    let loaded = model.load_within(options.reading)?;
-    let mesh = &loaded.mesh;
+    let model = model::only(&options.model)?;
+    let mesh = &model.mesh_within(options.reading)?;
     let wanted: Option<Vec<WantedTarget>> =
         (!options.all_targets).then(|| options.target.iter().map(|t| (t.clone(), None)).collect());
     let points = Points::new(mesh, &options.source, wanted.as_deref(), &model.path)?;

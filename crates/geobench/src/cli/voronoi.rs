@@ -31,16 +31,8 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         Some(path) => Some((path, generate::ending(path)?, OutputFile::prepare(path)?)),
         None => None,
     };
-    let models = model::collect(std::slice::from_ref(&options.model))?;
-    let [model] = &models[..] else {
-        bail!(
-            "{}: holds {} models; name one of them",
-            options.model,
-            models.len()
-        );
-    };
-    let loaded = model.load_within(options.reading)?;
-    let mesh = &loaded.mesh;
+    let model = model::only(&options.model)?;
+    let mesh = &model.mesh_within(options.reading)?;
     let sources = options
         .source
         .vertices(mesh.vertex_count())

@@ -92,6 +92,19 @@ pub enum ModelError {
     },
 }
 
+/// The only model that `argument` names.
+///
+/// # Errors
+///
+/// As [`collect`]; also when it names several.
+pub fn only(argument: &str) -> anyhow::Result<ModelRef> {
+    let mut models = collect(&[argument])?;
+    match (models.pop(), models.len()) {
+        (Some(model), 0) => Ok(model),
+        (_, others) => anyhow::bail!("{argument}: holds {} models; name one of them", others + 1),
+    }
+}
+
 /// The models that `arguments` name: files, directories (searched recursively, sorted by name)
 /// and `gen:` specs.
 ///
@@ -346,15 +359,32 @@ impl ModelRef {
             Origin::Generated(_) | Origin::Memory(_) => Some(hash_soup(&soup)),
         };
         let start = Instant::now();
-        let (mesh, report) = Mesh::from_soup(soup).map_err(|error| ModelError::Invalid {
-            path: self.path.clone(),
-            error,
-        })?;
+        let (mesh, report) = self.build(soup)?;
         let build_seconds = start.elapsed().as_secs_f64();
         let mut loaded = self.loaded(mesh, report, sha256);
         loaded.record.load_seconds = Some(load_seconds);
         loaded.record.build_seconds = Some(build_seconds);
         Ok(loaded)
+    }
+
+    /// Its mesh alone. As [`load_within`](Self::load_within), but nothing is hashed or measured.
+    ///
+    /// # Errors
+    ///
+    /// As [`load`](Self::load).
+    pub fn mesh_within(&self, options: impl Into<ReadOptions>) -> Result<Mesh, ModelError> {
+        if let Origin::Memory(mesh) = &self.origin {
+            return Ok(mesh.clone());
+        }
+        let (mesh, _) = self.build(self.read(options)?)?;
+        Ok(mesh)
+    }
+
+    fn build(&self, soup: TriangleSoup) -> Result<(Mesh, Report), ModelError> {
+        Mesh::from_soup(soup).map_err(|error| ModelError::Invalid {
+            path: self.path.clone(),
+            error,
+        })
     }
 
     /// The model with its measures and record.

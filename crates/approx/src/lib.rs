@@ -1,0 +1,3 @@
+//! Approximate geodesic distances on triangle meshes: what exact algorithms are compared with.
+//!
+//! None of these algorithms is a reference, and tables mark them as approximate.

@@ -192,6 +192,10 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "SIMD")]
     pub(super) simd: Option<Simd>,
 
+    /// Cells that run at the same time; more than 1 disturbs the times, and tables and files say so
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
+    pub(super) jobs: u32,
+
     #[command(flatten)]
     pub(super) isolation: IsolationOptions,
 

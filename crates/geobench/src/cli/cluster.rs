@@ -62,6 +62,11 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     let here = std::env::current_dir().context("cannot tell the current directory")?;
     let placement = Placement::find(directory, &program, &here, &files(&run, &plans))?;
     let mut resources = Resources::of(&plans, parts);
+    // As many cells run at the same time.
+    resources.cores *= run.jobs as usize;
+    resources.memory_bytes = resources
+        .memory_bytes
+        .map(|bytes| bytes.saturating_mul(run.jobs.into()));
     if let Some(time) = options.time {
         resources.seconds = Some(Duration::from(time).as_secs());
     }

@@ -17,6 +17,9 @@ pub(crate) struct EdgeField<'a> {
     /// Where the pieces of each half-edge begin in `pieces`, and a last entry for their end.
     pub(crate) starts: Vec<usize>,
     pub(crate) pieces: Vec<Piece>,
+    /// The sum of all jumps between the pieces of each half-edge: along an edge the distance grows no
+    /// faster than the way but there.
+    pub(crate) jumps: Vec<f64>,
 }
 
 /// The half-edge under which the pieces of the edge of `h` are stored.
@@ -32,6 +35,8 @@ struct Oriented {
     distance: Distance,
     /// The same, rounded.
     near: Part,
+    /// Its middle, and the distance there.
+    middle: [f64; 2],
 }
 
 /// A distance on a part of a side, rounded, and the node that stands for it.
@@ -76,16 +81,19 @@ impl EdgeField<'_> {
                 image: [x, Interval::exact(y.abs())],
                 sigma: Interval::exact(piece.sigma),
             };
+            let near = Part {
+                distance: distance.rounded(),
+                from: from.middle(),
+                to: to.middle(),
+                node: first + i,
+            };
+            let middle = f64::midpoint(near.from, near.to);
             Oriented {
                 from,
                 to,
                 distance,
-                near: Part {
-                    distance: distance.rounded(),
-                    from: from.middle(),
-                    to: to.middle(),
-                    node: first + i,
-                },
+                near,
+                middle: [middle, near.distance.at(middle)],
             }
         });
         oriented.clear();
@@ -130,6 +138,9 @@ pub(crate) struct Way {
 /// The error of rounded arithmetic is less than this part of the numbers involved: coordinates and
 /// distances come from fewer than a hundred operations, each right to 1.1e-16 of them.
 const MARGIN: f64 = 1e-11;
+
+/// Ways as short as this part of the margin have no direction.
+const TINY: f64 = 0.1;
 
 /// The points this near to a vertex, in lengths of its shortest edge, are one node with it: around a
 /// vertex there are ways of almost no length in all directions.
@@ -195,7 +206,7 @@ impl<'a> Checker<'a> {
                 };
                 let across = Across {
                     turn: &turn,
-                    near: turn.rounded(),
+                    near: turn.rounded(TINY * margin),
                     balls: [[ball(k), ball(k + 1)], [ball(there), ball(there + 1)]],
                     lengths: [k, there].map(|k| shape.lengths[k].middle()),
                     face,
@@ -213,7 +224,8 @@ impl<'a> Checker<'a> {
             }
             // What bends at a concave kink is no shorter than what goes through the piece beyond,
             // but for the jump there.
-            most = most.max((Interval::exact(from_side) + jumps(&sides[k])).hi);
+            let h = canonical(self.field.mesh, face.half_edge(k as u32));
+            most = most.max((from_side + self.field.jumps[h.index()]).next_up());
         }
         self.sides = sides;
         most
@@ -231,16 +243,6 @@ fn is_concave(left: Option<&Oriented>, right: Option<&Oriented>, margin: f64) ->
     // Slopes are right to 1e-10 where images are not too near.
     let is_far = sides.iter().all(|d| d.at(t) - d.sigma > 1e5 * margin);
     is_far && sides[0].slope(t) - sides[1].slope(t) > 1e-8
-}
-
-/// The sum of all jumps between neighbouring pieces: along the edge itself the distance grows no
-/// faster than the way but there.
-fn jumps(pieces: &[Oriented]) -> Interval {
-    let sum = pieces.windows(2).fold(Interval::ZERO, |sum, pair| {
-        let t = pair[0].to;
-        sum + (pair[0].distance.at(t) - pair[1].distance.at(t)).abs()
-    });
-    Interval::exact(sum.hi)
 }
 
 /// The lengths and angles of a face, from the positions in the mesh and not from its rounded
@@ -308,8 +310,9 @@ impl Turn {
         ]
     }
 
-    fn rounded(&self) -> RoundedTurn {
+    fn rounded(&self, tiny: f64) -> RoundedTurn {
         RoundedTurn {
+            tiny,
             corner: self.corner.middle(),
             offset: self.offset.middle(),
             unit: self.unit.map(Interval::middle),
@@ -393,6 +396,8 @@ struct RoundedTurn {
     offset: f64,
     unit: [f64; 2],
     length: f64,
+    /// Ways that rounding may have made.
+    tiny: f64,
 }
 
 impl RoundedTurn {
@@ -431,18 +436,26 @@ impl RoundedTurn {
 
     fn boundary(&self, image: [f64; 2], through: [f64; 2], in_doubt: f64) -> f64 {
         let ray = [through[0] - image[0], through[1] - image[1]];
+        if ray[0].abs() + ray[1].abs() <= self.tiny {
+            return in_doubt;
+        }
         // Left of the ray at 0, and by how much more at the end.
         let start = ray[1] * image[0] - ray[0] * image[1];
         let rise = -ray[1] * self.length;
-        if start > 0.0 {
-            0.0
-        } else if start + rise < 0.0 {
-            self.length
-        } else if rise > 0.0 {
+        if rise > 0.0 {
             (self.length * (-start / rise)).clamp(0.0, self.length)
+        } else if start + rise / 2.0 > 0.0 {
+            // No ray that leads away meets the side but in its corner, where the image is then.
+            0.0
         } else {
-            in_doubt
+            self.length
         }
+    }
+
+    /// The distance by `reaches` at abscissa `t`.
+    fn at(reaches: &[Part; 3], t: f64) -> f64 {
+        let k = usize::from(t > reaches[0].to) + usize::from(t > reaches[1].to);
+        reaches[k].distance.at(t)
     }
 }
 
@@ -472,6 +485,12 @@ impl Across<'_> {
         let mut exact = None;
         let mut most = 0.0_f64;
         for other in there {
+            // Both distances change by at most the way along the side.
+            let [t, d] = other.middle;
+            let half = (other.near.to - other.near.from) / 2.0;
+            if d - RoundedTurn::at(&reaches, t) + 2.0 * half <= -self.clear - self.margin {
+                continue;
+            }
             let upper = self.upper(&reaches, &other.near);
             if upper <= -self.clear {
                 continue;
@@ -497,8 +516,8 @@ impl Across<'_> {
         for reach in reaches {
             let (from, to) = (reach.from.max(other.from), reach.to.min(other.to));
             if from <= to {
-                let limit = -self.clear;
-                let found = other.distance.excess(&reach.distance, from, to, limit);
+                let distance = &reach.distance;
+                let found = other.distance.excess(distance, from, to, self.near.tiny);
                 most = most.max(found);
             }
         }

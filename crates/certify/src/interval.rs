@@ -228,7 +228,16 @@ mod tests {
 
     #[test]
     fn ends_move_at_powers_of_two_and_at_zero() {
-        for x in [0.0, -0.0, 1.0, -1.0, 0.5, f64::MIN_POSITIVE, -f64::MIN_POSITIVE, f64::MAX] {
+        for x in [
+            0.0,
+            -0.0,
+            1.0,
+            -1.0,
+            0.5,
+            f64::MIN_POSITIVE,
+            -f64::MIN_POSITIVE,
+            f64::MAX,
+        ] {
             assert!(below(x) < x && above(x) > x, "{x}");
         }
         assert_eq!(above(f64::INFINITY), f64::INFINITY);

@@ -46,14 +46,16 @@ mod difference;
 mod envelope;
 mod face;
 mod interval;
+mod jump;
 mod length;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 use boundary::windows_from_inside;
-use envelope::{Piece, lower_envelope, piece};
 use chains::greatest_sums;
+use envelope::{Piece, lower_envelope, piece};
 use face::{Checker, EdgeField, Way, canonical};
+use jump::jump;
 
 pub use envelope::WindowData;
 pub use length::PathPoint;
@@ -288,6 +290,7 @@ impl<'a> Claim<'a> {
         let mesh = self.mesh;
         let mut starts = Vec::with_capacity(mesh.half_edge_count() + 1);
         let mut pieces: Vec<Piece> = Vec::new();
+        let mut jumps = vec![0.0; mesh.half_edge_count()];
         for h in mesh.half_edges() {
             starts.push(pieces.len());
             let ends = [mesh.tail(h), mesh.head(h)].map(|v| self.distances[v.index()]);
@@ -313,13 +316,20 @@ impl<'a> Claim<'a> {
                 image: [x, 0.0],
                 sigma,
             }));
-            pieces.extend(lower_envelope(&all, length));
+            let envelope = lower_envelope(&all, length);
+            let pairs = envelope.windows(2);
+            let sum = pairs.fold(0.0, |sum: f64, pair| {
+                (sum + jump(&pair[0], &pair[1], pair[0].to)).next_up()
+            });
+            jumps[h.index()] = sum;
+            pieces.extend(envelope);
         }
         starts.push(pieces.len());
         EdgeField {
             mesh,
             starts,
             pieces,
+            jumps,
         }
     }
 

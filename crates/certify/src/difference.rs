@@ -16,10 +16,12 @@ impl Distance {
         self.sigma + norm([t - self.image[0], self.image[1]])
     }
 
-    /// About its value at abscissa `t`.
-    fn near(&self, t: f64) -> f64 {
-        let [x, y] = self.image.map(Interval::middle);
-        self.sigma.middle() + (t - x).hypot(y)
+    /// About the same in numbers.
+    pub(crate) fn rounded(&self) -> Rounded {
+        Rounded {
+            image: self.image.map(Interval::middle),
+            sigma: self.sigma.middle(),
+        }
     }
 
     /// Its slope at abscissa `t`, between -1 and 1.
@@ -33,24 +35,58 @@ impl Distance {
     }
 }
 
-/// A difference that is less than this fraction of the numbers involved, below zero, needs no
-/// second look: rounding is a thousand times less.
-const CLEAR: f64 = 1e-12;
+/// As [`Distance`], in rounded arithmetic.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rounded {
+    pub(crate) image: [f64; 2],
+    pub(crate) sigma: f64,
+}
 
-/// An upper bound of `f(t) - g(t)` over `from <= t <= to`. Where that is far below zero the bound
-/// may be far above it, but is below zero, too.
+impl Rounded {
+    pub(crate) fn at(&self, t: f64) -> f64 {
+        let [x, y] = self.image;
+        self.sigma + ((t - x) * (t - x) + y * y).sqrt()
+    }
+
+    /// 0 at its image.
+    pub(crate) fn slope(&self, t: f64) -> f64 {
+        self.slope_or(t, 0.0, 0.0)
+    }
+
+    /// Its slope, or another number if `t` is as near to its image as `tiny`.
+    fn slope_or(&self, t: f64, tiny: f64, otherwise: f64) -> f64 {
+        let [x, y] = self.image;
+        let way = ((t - x) * (t - x) + y * y).sqrt();
+        if way > tiny { (t - x) / way } else { otherwise }
+    }
+
+    /// An upper bound of its difference to `other` over `from <= t <= to`, but for rounding and twice
+    /// the length `tiny`.
+    pub(crate) fn excess(&self, other: &Self, from: f64, to: f64, tiny: f64) -> f64 {
+        let [first, last] = [from, to].map(|t| self.at(t) - other.at(t));
+        let at_ends = first.max(last);
+        // Beside an image a distance has the slope 1, but for a part as short as the way there.
+        let rises = self.slope_or(from, tiny, 1.0) - other.slope_or(from, tiny, 1.0);
+        let falls = self.slope_or(to, tiny, -1.0) - other.slope_or(to, tiny, -1.0);
+        // See `greatest_difference`.
+        if rises <= 0.0 || falls >= 0.0 {
+            return at_ends;
+        }
+        let x = self.image[0] - other.image[0];
+        let y = self.image[1].abs() - other.image[1].abs();
+        let peak = self.sigma - other.sigma + (x * x + y * y).sqrt();
+        // Both change by at most the way along the line.
+        let roughly = f64::midpoint(first, last) + (to - from);
+        peak.min(roughly).max(at_ends)
+    }
+}
+
+/// An upper bound of `f(t) - g(t)` over `from <= t <= to`.
 ///
 /// The difference has at most one critical point: where the line through both images, reflected to
 /// one side, meets the axis. It is a maximum, the distance of the images, where the slope of the
 /// difference goes from positive to negative.
 pub(crate) fn greatest_difference(f: &Distance, g: &Distance, from: f64, to: f64) -> f64 {
-    // Both functions change by at most the way along the line.
-    let middle = f64::midpoint(from, to);
-    let [a, b] = [f.near(middle), g.near(middle)];
-    let roughly = a - b + (to - from);
-    if roughly < -CLEAR * (a + b + middle.abs()) {
-        return roughly + CLEAR * (a + b + middle.abs());
-    }
     bound(f, g, from, to, &mut { BISECTIONS })
 }
 
@@ -58,19 +94,24 @@ pub(crate) fn greatest_difference(f: &Distance, g: &Distance, from: f64, to: f64
 const BISECTIONS: u32 = 100;
 
 /// A bound this close to the value at an end, as a fraction of the distances, is not improved.
-const CLOSE: f64 = 1e-15;
+const CLOSE: f64 = 2e-15;
 
 fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -> f64 {
     let ends = [from, to].map(Interval::exact);
-    let differences = ends.map(|t| (f.at(t) - g.at(t)).hi);
+    let values = ends.map(|t| (f.at(t), g.at(t)));
+    let differences = values.map(|(f, g)| (f - g).hi);
     let at_ends = differences[0].max(differences[1]);
+    let peak = peak(f, g).max(at_ends);
+    let close = CLOSE * (values[0].0.hi + values[0].1.hi);
+    if peak - at_ends <= close || from >= to {
+        return peak;
+    }
     let ([f0, f1], [g0, g1]) = (ends.map(|t| f.slope(t)), ends.map(|t| g.slope(t)));
     let (rises, falls) = (f0 - g0, f1 - g1);
     // There is one critical point at most: monotone, or with a minimum between.
-    if falls.lo >= 0.0 || rises.hi <= 0.0 || from >= to {
+    if falls.lo >= 0.0 || rises.hi <= 0.0 {
         return at_ends;
     }
-    let peak = peak(f, g).max(at_ends);
     if rises.lo > 0.0 && falls.hi < 0.0 {
         return peak;
     }
@@ -82,7 +123,6 @@ fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -
     let from_last = Interval::exact(differences[1]) + width * down;
     let loose = from_first.hi.min(from_last.hi).min(peak).max(at_ends);
     let middle = f64::midpoint(from, to);
-    let close = CLOSE * (f.at(ends[0]).hi + g.at(ends[0]).hi);
     if loose - at_ends <= close || *bisections == 0 || middle <= from || middle >= to {
         return loose;
     }
@@ -133,7 +173,9 @@ mod tests {
                 .map(|t| (f.at(Interval::exact(t)) - g.at(Interval::exact(t))).lo)
                 .fold(f64::NEG_INFINITY, f64::max);
             prop_assert!(found >= most);
-            prop_assert!(found <= most + 2e-3 * (to - from) + 1e-12 || found < 0.0);
+            prop_assert!(found <= most + 2e-3 * (to - from) + 1e-12);
+            let rounded = f.rounded().excess(&g.rounded(), from, to, 1e-13);
+            prop_assert!(rounded >= most - 1e-12);
         }
     }
 

@@ -22,8 +22,9 @@ pub(crate) struct Piece {
 }
 
 impl Piece {
-    fn at(&self, t: f64) -> f64 {
-        self.sigma + (t - self.image[0]).hypot(self.image[1])
+    pub(crate) fn at(&self, t: f64) -> f64 {
+        let [x, y] = self.image;
+        self.sigma + ((t - x) * (t - x) + y * y).sqrt()
     }
 
     fn is_same_function(&self, other: &Self) -> bool {

@@ -1,8 +1,11 @@
 //! Whether a distance on the boundary of a face grows no faster than the way inside the face.
+//!
+//! Rounded arithmetic sorts out pairs of pieces that are far from it, by a margin ten thousand times
+//! its error. All that is left is computed in interval arithmetic.
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
 
-use crate::difference::{Distance, greatest_difference};
+use crate::difference::{Distance, Rounded, greatest_difference};
 use crate::envelope::Piece;
 use crate::interval::{Interval, Vector, cross, cross_length, dot, minus, norm};
 
@@ -14,6 +17,9 @@ pub(crate) struct EdgeField<'a> {
     /// Where the pieces of each half-edge begin in `pieces`, and a last entry for their end.
     pub(crate) starts: Vec<usize>,
     pub(crate) pieces: Vec<Piece>,
+    /// The sum of all jumps between the pieces of each half-edge: along an edge the distance grows no
+    /// faster than the way but there.
+    pub(crate) jumps: Vec<f64>,
 }
 
 /// The half-edge under which the pieces of the edge of `h` are stored.
@@ -22,25 +28,42 @@ pub(crate) fn canonical(mesh: &Mesh, h: HalfEdgeId) -> HalfEdgeId {
 }
 
 /// A piece in the frame of a half-edge of the edge, in whichever direction.
+#[derive(Clone, Copy)]
 struct Oriented {
     from: Interval,
     to: Interval,
     distance: Distance,
+    /// The same, rounded.
+    near: Part,
+    /// Its middle, and the distance there.
+    middle: [f64; 2],
+}
+
+/// A distance on a part of a side, rounded, and the node that stands for it.
+#[derive(Clone, Copy)]
+struct Part {
+    distance: Rounded,
+    from: f64,
+    to: f64,
+    node: usize,
 }
 
 impl EdgeField<'_> {
     /// The pieces of the edge of `h` in the direction of the canonical half-edge.
-    pub(crate) fn pieces(&self, h: HalfEdgeId) -> &[Piece] {
+    fn pieces(&self, h: HalfEdgeId) -> &[Piece] {
         let h = canonical(self.mesh, h).index();
         &self.pieces[self.starts[h]..self.starts[h + 1]]
     }
 
-    fn oriented(&self, h: HalfEdgeId, length: Interval) -> Vec<Oriented> {
-        let reverse = canonical(self.mesh, h) != h;
+    /// Sets `oriented` to the pieces of the edge of `h` in the direction of `h`.
+    fn orient(&self, h: HalfEdgeId, length: Interval, oriented: &mut Vec<Oriented>) {
+        let canonical = canonical(self.mesh, h);
+        let reverse = canonical != h;
+        let first = self.starts[canonical.index()];
         // The length in the mesh is rounded; the last piece ends where the edge does.
         let rounded = self.mesh.length(h);
         let turn = |t: f64| length - Interval::exact(t);
-        let pieces = self.pieces(h).iter().map(|piece| {
+        let pieces = self.pieces(h).iter().enumerate().map(|(i, piece)| {
             let end = |t: f64| match (reverse, t == 0.0, t == rounded) {
                 (false, _, true) | (true, true, _) => length,
                 (true, _, true) => Interval::ZERO,
@@ -54,43 +77,30 @@ impl EdgeField<'_> {
             };
             let [x, y] = piece.image;
             let x = if reverse { turn(x) } else { Interval::exact(x) };
+            let distance = Distance {
+                image: [x, Interval::exact(y.abs())],
+                sigma: Interval::exact(piece.sigma),
+            };
+            let near = Part {
+                distance: distance.rounded(),
+                from: from.middle(),
+                to: to.middle(),
+                node: first + i,
+            };
+            let middle = f64::midpoint(near.from, near.to);
             Oriented {
                 from,
                 to,
-                distance: Distance {
-                    image: [x, Interval::exact(y.abs())],
-                    sigma: Interval::exact(piece.sigma),
-                },
+                distance,
+                near,
+                middle: [middle, near.distance.at(middle)],
             }
         });
-        let mut oriented: Vec<Oriented> = pieces.collect();
+        oriented.clear();
+        oriented.extend(pieces);
         if reverse {
             oriented.reverse();
         }
-        oriented
-    }
-
-    /// An upper bound of `d(y) - d(x) - |xy|` over all points x and y of the boundary of `face`,
-    /// not less than 0.
-    pub(crate) fn violation(&self, face: FaceId) -> f64 {
-        let sides = Side::of(self.mesh, face);
-        let half_edges = [0, 1, 2].map(|corner| face.half_edge(corner));
-        let pieces: [Vec<Oriented>; 3] =
-            std::array::from_fn(|k| self.oriented(half_edges[k], sides[k].length));
-        let mut most = 0.0_f64;
-        for k in 0..3 {
-            most = most.max(jumps(&pieces[k]));
-            for step in [1, 2] {
-                let there = (k + step) % 3;
-                let turn = Turn::new(&sides[k], sides[there].length, step);
-                for piece in &pieces[k] {
-                    for reach in turn.reaches(piece) {
-                        most = most.max(reach.excess(&pieces[there]));
-                    }
-                }
-            }
-        }
-        most
     }
 
     /// The distance at the beginning of the canonical half-edge of the edge of `h`, or at its end;
@@ -111,79 +121,203 @@ impl EdgeField<'_> {
         };
         Some(distance.at(t))
     }
+}
 
-    /// About the least distance on the boundary of `face`, at most 1e-9 of it too large.
-    pub(crate) fn least(&self, face: FaceId) -> f64 {
-        let edges = [0, 1, 2].map(|corner| face.half_edge(corner));
-        let pieces = edges.iter().flat_map(|&h| self.pieces(h));
-        let least = |p: &Piece| {
-            let nearest = p.image[0].max(p.from).min(p.to);
-            p.sigma + (nearest - p.image[0]).hypot(p.image[1])
-        };
-        pieces.map(least).fold(f64::INFINITY, f64::min)
+/// A way across a face that a shortest path may take.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Way {
+    /// The node that it leaves: a piece, or a vertex with all points near it.
+    pub(crate) from: u32,
+    /// The node to which it comes.
+    pub(crate) to: u32,
+    pub(crate) face: FaceId,
+    /// At least `d(y) - d(x) - |xy|` for the points x and y of the two nodes.
+    pub(crate) excess: f32,
+}
+
+/// The error of rounded arithmetic is less than this part of the numbers involved: coordinates and
+/// distances come from fewer than a hundred operations, each right to 1.1e-16 of them.
+const MARGIN: f64 = 1e-11;
+
+/// Ways as short as this part of the margin have no direction.
+const TINY: f64 = 0.1;
+
+/// The points this near to a vertex, in lengths of its shortest edge, are one node with it: around a
+/// vertex there are ways of almost no length in all directions.
+const NEAR_VERTEX: f64 = 0.01;
+
+/// Checks faces one after another.
+pub(crate) struct Checker<'a> {
+    field: &'a EdgeField<'a>,
+    /// How far from each vertex points are one node with it.
+    radii: Vec<f64>,
+    /// Ways that are too long by more than this are left out.
+    clear: f64,
+    /// The ways that are left.
+    pub(crate) ways: Vec<Way>,
+    sides: [Vec<Oriented>; 3],
+}
+
+impl<'a> Checker<'a> {
+    /// For the pieces of `field`; ways that are longer than the distance by more than `clear` are
+    /// left out.
+    pub(crate) fn new(field: &'a EdgeField<'a>, clear: f64) -> Self {
+        let mut radii = vec![f64::INFINITY; field.mesh.vertex_count()];
+        for h in field.mesh.half_edges() {
+            for v in [field.mesh.tail(h), field.mesh.head(h)] {
+                let radius = &mut radii[v.index()];
+                *radius = radius.min(NEAR_VERTEX * field.mesh.length(h));
+            }
+        }
+        Self {
+            field,
+            radii,
+            clear,
+            ways: Vec::new(),
+            sides: [const { Vec::new() }; 3],
+        }
+    }
+
+    /// An upper bound of `d(y) - d(x) - |xy|` over all points x and y of the boundary of `face`,
+    /// not less than 0. Adds the ways across the face.
+    pub(crate) fn violation(&mut self, face: FaceId) -> f64 {
+        let mut sides = std::mem::take(&mut self.sides);
+        let shape = Shape::of(self.field.mesh, face);
+        for (k, pieces) in (0..).zip(&mut sides) {
+            let h = face.half_edge(k);
+            self.field.orient(h, shape.lengths[k as usize], pieces);
+        }
+        let at_ends = sides.iter().flatten().map(|p| {
+            let d = &p.near.distance;
+            d.at(p.near.from).max(d.at(p.near.to))
+        });
+        let around: f64 = shape.lengths.iter().map(|l| l.hi).sum();
+        let margin = MARGIN * (at_ends.fold(0.0, f64::max) + around);
+        let mut most = 0.0_f64;
+        for k in 0..3 {
+            let mut from_side = 0.0_f64;
+            for step in [1, 2] {
+                let there = (k + step) % 3;
+                let turn = shape.turn(k, step);
+                let corners = self.field.mesh.face_vertices(face);
+                let ball = |corner: usize| {
+                    let v = corners[corner % 3];
+                    (self.field.pieces.len() + v.index(), self.radii[v.index()])
+                };
+                let across = Across {
+                    turn: &turn,
+                    near: turn.rounded(TINY * margin),
+                    balls: [[ball(k), ball(k + 1)], [ball(there), ball(there + 1)]],
+                    lengths: [k, there].map(|k| shape.lengths[k].middle()),
+                    face,
+                    margin,
+                    clear: self.clear,
+                };
+                for (i, piece) in sides[k].iter().enumerate() {
+                    let bends = [
+                        !is_concave(i.checked_sub(1).map(|i| &sides[k][i]), Some(piece), margin),
+                        !is_concave(Some(piece), sides[k].get(i + 1), margin),
+                    ];
+                    let found = across.excess(piece, bends, &sides[there], &mut self.ways);
+                    from_side = from_side.max(found);
+                }
+            }
+            // What bends at a concave kink is no shorter than what goes through the piece beyond,
+            // but for the jump there.
+            let h = canonical(self.field.mesh, face.half_edge(k as u32));
+            most = most.max((from_side + self.field.jumps[h.index()]).next_up());
+        }
+        self.sides = sides;
+        most
     }
 }
 
-/// The sum of all jumps between neighbouring pieces: along the edge itself the distance grows no
-/// faster than the way but there.
-fn jumps(pieces: &[Oriented]) -> f64 {
-    let sum = pieces.windows(2).fold(Interval::ZERO, |sum, pair| {
-        let t = pair[0].to;
-        sum + (pair[0].distance.at(t) - pair[1].distance.at(t)).abs()
-    });
-    sum.hi
+/// Whether the slope of the distance decreases where `left` ends and `right` begins. Then no point
+/// has its least distance by a way that bends there: it can be moved to a piece beside.
+fn is_concave(left: Option<&Oriented>, right: Option<&Oriented>, margin: f64) -> bool {
+    let (Some(left), Some(right)) = (left, right) else {
+        return false;
+    };
+    let t = left.near.to;
+    let sides = [left, right].map(|p| p.near.distance);
+    // Slopes are right to 1e-10 where images are not too near.
+    let is_far = sides.iter().all(|d| d.at(t) - d.sigma > 1e5 * margin);
+    is_far && sides[0].slope(t) - sides[1].slope(t) > 1e-8
 }
 
-/// A side of a face as the abscissa axis: the third corner lies at `apex`, above it. From the
-/// positions in the mesh, not from its rounded lengths.
-struct Side {
-    length: Interval,
-    apex: Vector<2>,
+/// The lengths and angles of a face, from the positions in the mesh and not from its rounded
+/// lengths.
+struct Shape {
+    lengths: [Interval; 3],
+    /// Cosine and sine of the angle by which each side turns into the next.
+    turns: [Vector<2>; 3],
 }
 
-impl Side {
-    fn of(mesh: &Mesh, face: FaceId) -> [Self; 3] {
+impl Shape {
+    fn of(mesh: &Mesh, face: FaceId) -> Self {
         let corners = mesh
             .face_vertices(face)
             .map(|v| mesh.positions()[v.index()].map(Interval::exact));
-        [0, 1, 2].map(|k| {
-            let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
-            let (ab, ac) = (minus(b, a), minus(c, a));
-            let length = norm(ab);
-            Self {
+        let sides = [0, 1, 2].map(|k| minus(corners[(k + 1) % 3], corners[k]));
+        let lengths = sides.map(norm);
+        let turns = [0, 1, 2].map(|k| {
+            let next = (k + 1) % 3;
+            let product = lengths[k] * lengths[next];
+            let (a, b) = (sides[k], sides[next]);
+            [dot(a, b) / product, cross_length(a, b) / product]
+        });
+        Self { lengths, turns }
+    }
+
+    /// From the frame of side `k` to that of the next (`step` 1), or of the one after it.
+    fn turn(&self, k: usize, step: usize) -> Turn {
+        let length = self.lengths[(k + step) % 3];
+        if step == 1 {
+            return Turn {
+                corner: self.lengths[k],
+                unit: self.turns[k],
+                offset: Interval::ZERO,
                 length,
-                apex: [dot(ab, ac) / length, cross_length(ab, ac) / length],
-            }
-        })
+            };
+        }
+        let [cosine, sine] = self.turns[(k + 2) % 3];
+        Turn {
+            corner: Interval::ZERO,
+            unit: [cosine, -sine],
+            offset: length,
+            length,
+        }
     }
 }
 
 /// From the frame of one side of a face to that of another.
 struct Turn {
-    origin: Vector<2>,
+    /// The corner of both, on the one side and on the other.
+    corner: Interval,
+    offset: Interval,
+    /// The direction of the other side.
     unit: Vector<2>,
+    /// Its length.
     length: Interval,
 }
 
 impl Turn {
-    /// To the next side (`step` 1), or to the one after it, of this length.
-    fn new(side: &Side, length: Interval, step: usize) -> Self {
-        let end = [side.length, Interval::ZERO];
-        let (origin, head) = if step == 1 {
-            (end, side.apex)
-        } else {
-            (side.apex, [Interval::ZERO; 2])
-        };
-        Self {
-            origin,
-            unit: minus(head, origin).map(|x| x / length),
-            length,
-        }
+    fn map(&self, point: Vector<2>) -> Vector<2> {
+        let from_corner = [point[0] - self.corner, point[1]];
+        [
+            dot(from_corner, self.unit) + self.offset,
+            cross(self.unit, from_corner),
+        ]
     }
 
-    fn map(&self, point: Vector<2>) -> Vector<2> {
-        let from_origin = minus(point, self.origin);
-        [dot(from_origin, self.unit), cross(self.unit, from_origin)]
+    fn rounded(&self, tiny: f64) -> RoundedTurn {
+        RoundedTurn {
+            tiny,
+            corner: self.corner.middle(),
+            offset: self.offset.middle(),
+            unit: self.unit.map(Interval::middle),
+            length: self.length.middle(),
+        }
     }
 
     /// The least distances over the points of `piece` to the points of the other side: by the ways
@@ -191,12 +325,9 @@ impl Turn {
     fn reaches(&self, piece: &Oriented) -> [Reach; 3] {
         let [x, y] = piece.distance.image;
         let image = self.map([x, -y]);
-        let bend = |t: Interval| {
-            let point = [t, Interval::ZERO];
-            Distance {
-                image: self.map(point),
-                sigma: piece.distance.at(t),
-            }
+        let bend = |t: Interval| Distance {
+            image: self.map([t, Interval::ZERO]),
+            sigma: piece.distance.at(t),
         };
         let (left, right) = (bend(piece.from), bend(piece.to));
         let straight = Distance {
@@ -247,18 +378,206 @@ impl Reach {
         Self { distance, from, to }
     }
 
-    /// How far the pieces of that side are above it, at most.
-    fn excess(&self, pieces: &[Oriented]) -> f64 {
-        if self.from >= self.to {
+    /// How far `piece` of that side is above it, at most.
+    fn excess(&self, piece: &Oriented) -> f64 {
+        let from = piece.from.lo.max(self.from);
+        let to = piece.to.hi.min(self.to);
+        if self.from >= self.to || from > to {
             return 0.0;
         }
-        let first = pieces.partition_point(|p| p.to.hi < self.from);
-        let meets = pieces[first..].iter().take_while(|p| p.from.lo <= self.to);
-        meets
-            .map(|p| {
-                let (from, to) = (p.from.lo.max(self.from), p.to.hi.min(self.to));
-                greatest_difference(&p.distance, &self.distance, from, to.max(from))
-            })
-            .fold(0.0, f64::max)
+        greatest_difference(&piece.distance, &self.distance, from, to)
+    }
+}
+
+/// As [`Turn`], in rounded arithmetic.
+#[derive(Clone, Copy)]
+struct RoundedTurn {
+    corner: f64,
+    offset: f64,
+    unit: [f64; 2],
+    length: f64,
+    /// Ways that rounding may have made.
+    tiny: f64,
+}
+
+impl RoundedTurn {
+    fn map(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let (x, [c, s]) = (x - self.corner, self.unit);
+        [x * c + y * s + self.offset, c * y - s * x]
+    }
+
+    /// As [`Turn::reaches`].
+    fn reaches(&self, part: &Part) -> [Part; 3] {
+        let Rounded { image: [x, y], .. } = part.distance;
+        let image = self.map([x, -y]);
+        let bend = |t: f64| Rounded {
+            image: self.map([t, 0.0]),
+            sigma: part.distance.at(t),
+        };
+        let (left, right) = (bend(part.from), bend(part.to));
+        let straight = Rounded {
+            image,
+            sigma: part.distance.sigma,
+        };
+        let first = self.boundary(image, right.image, 0.0);
+        let last = self.boundary(image, left.image, self.length);
+        let on = |distance: Rounded, from: f64, to: f64| Part {
+            distance,
+            from,
+            to,
+            node: part.node,
+        };
+        [
+            on(right, 0.0, first),
+            on(straight, first, last.max(first)),
+            on(left, last, self.length),
+        ]
+    }
+
+    fn boundary(&self, image: [f64; 2], through: [f64; 2], in_doubt: f64) -> f64 {
+        let ray = [through[0] - image[0], through[1] - image[1]];
+        if ray[0].abs() + ray[1].abs() <= self.tiny {
+            return in_doubt;
+        }
+        // Left of the ray at 0, and by how much more at the end.
+        let start = ray[1] * image[0] - ray[0] * image[1];
+        let rise = -ray[1] * self.length;
+        if rise > 0.0 {
+            (self.length * (-start / rise)).clamp(0.0, self.length)
+        } else if start + rise / 2.0 > 0.0 {
+            // No ray that leads away meets the side but in its corner, where the image is then.
+            0.0
+        } else {
+            self.length
+        }
+    }
+
+    /// The distance by `reaches` at abscissa `t`.
+    fn at(reaches: &[Part; 3], t: f64) -> f64 {
+        let k = usize::from(t > reaches[0].to) + usize::from(t > reaches[1].to);
+        reaches[k].distance.at(t)
+    }
+}
+
+/// All ways from one side of a face to another.
+struct Across<'a> {
+    turn: &'a Turn,
+    near: RoundedTurn,
+    /// Nodes and sizes of the neighbourhoods of the ends of both sides.
+    balls: [[(usize, f64); 2]; 2],
+    lengths: [f64; 2],
+    face: FaceId,
+    margin: f64,
+    clear: f64,
+}
+
+impl Across<'_> {
+    /// How far the distances of `there` are above those by `piece`, at most; ways that bend at its
+    /// ends count as `bends` says.
+    fn excess(
+        &self,
+        piece: &Oriented,
+        bends: [bool; 2],
+        there: &[Oriented],
+        ways: &mut Vec<Way>,
+    ) -> f64 {
+        let reaches = self.near.reaches(&piece.near);
+        let mut exact = None;
+        let mut most = 0.0_f64;
+        for other in there {
+            // Both distances change by at most the way along the side.
+            let [t, d] = other.middle;
+            let half = (other.near.to - other.near.from) / 2.0;
+            if d - RoundedTurn::at(&reaches, t) + 2.0 * half <= -self.clear - self.margin {
+                continue;
+            }
+            let upper = self.upper(&reaches, &other.near);
+            if upper <= -self.clear {
+                continue;
+            }
+            if upper > -self.margin {
+                let exact = exact.get_or_insert_with(|| self.turn.reaches(piece));
+                most = most.max(exact[1].excess(other));
+                for (reach, _) in [(&exact[0], bends[1]), (&exact[2], bends[0])]
+                    .iter()
+                    .filter(|(_, counts)| *counts)
+                {
+                    most = most.max(reach.excess(other));
+                }
+            }
+            self.connect(&piece.near, &other.near, upper, ways);
+        }
+        most
+    }
+
+    /// At least how far `other` is above the nearest of `reaches`.
+    fn upper(&self, reaches: &[Part; 3], other: &Part) -> f64 {
+        let mut most = f64::NEG_INFINITY;
+        for reach in reaches {
+            let (from, to) = (reach.from.max(other.from), reach.to.min(other.to));
+            if from <= to {
+                let distance = &reach.distance;
+                let found = other.distance.excess(distance, from, to, self.near.tiny);
+                most = most.max(found);
+            }
+        }
+        most + self.margin
+    }
+
+    /// Adds the ways between the nodes of two pieces.
+    fn connect(&self, piece: &Part, other: &Part, upper: f64, ways: &mut Vec<Way>) {
+        let mut add = |from: &Part, to: &Part, upper: f64| {
+            if from.node != to.node && upper > -self.clear {
+                ways.push(Way {
+                    from: from.node as u32,
+                    to: to.node as u32,
+                    face: self.face,
+                    excess: (upper as f32).next_up(),
+                });
+            }
+        };
+        let parts = self.split(0, piece);
+        let others = self.split(1, other);
+        if parts[1..].iter().chain(&others[1..]).all(Option::is_none) {
+            if let ([Some(part), ..], [Some(other), ..]) = (parts, others) {
+                add(&part, &other, upper);
+            }
+            return;
+        }
+        for part in parts.iter().flatten() {
+            let reaches = self.near.reaches(part);
+            for other in others.iter().flatten() {
+                add(part, other, self.upper(&reaches, other));
+            }
+        }
+    }
+
+    /// The parts of a piece in the neighbourhoods of the ends of the side, and between them.
+    fn split(&self, side: usize, piece: &Part) -> [Option<Part>; 3] {
+        let [(tail, near_tail), (head, near_head)] = self.balls[side];
+        let near_head = self.lengths[side] - near_head;
+        let bounds = [
+            (f64::NEG_INFINITY, near_tail, tail),
+            (near_tail, near_head, piece.node),
+            (near_head, f64::INFINITY, head),
+        ];
+        let mut parts = [None; 3];
+        let mut count = 0;
+        for (from, to, node) in bounds {
+            if piece.from < to && piece.to > from {
+                parts[count] = Some(Part {
+                    from: piece.from.max(from),
+                    to: piece.to.min(to),
+                    node,
+                    ..*piece
+                });
+                count += 1;
+            }
+        }
+        if count == 0 {
+            // A piece of no length.
+            parts[0] = Some(*piece);
+        }
+        parts
     }
 }

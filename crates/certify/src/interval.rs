@@ -2,8 +2,26 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// The real numbers from `lo` to `hi`. Ends are rounded outwards by one unit in the last place,
-/// which is more than the rounding of an operation.
+/// Half a unit in the last place of 1, and a little more.
+const HALF_ULP: f64 = f64::EPSILON / 2.0 * (1.0 + f64::EPSILON);
+
+/// The least positive number.
+const LEAST: f64 = f64::from_bits(1);
+
+/// A number below `x` by one or two units in the last place: without branches, unlike
+/// `next_down` (S. Rump, P. Zimmermann, S. Boldo, G. Melquiond, Computing predecessor and successor
+/// in rounding to nearest, 2009).
+fn below(x: f64) -> f64 {
+    x - (x.abs() * HALF_ULP + LEAST)
+}
+
+/// A number above `x` by one or two units in the last place.
+fn above(x: f64) -> f64 {
+    x + (x.abs() * HALF_ULP + LEAST)
+}
+
+/// The real numbers from `lo` to `hi`. Ends are moved outwards by at least one unit in the last
+/// place, which is more than the rounding of an operation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Interval {
     pub(crate) lo: f64,
@@ -24,11 +42,11 @@ impl Interval {
         Self { lo: x, hi: x }
     }
 
-    /// Encloses the numbers between two, whichever is less.
+    /// Encloses the numbers between two that are rounded.
     fn outwards(lo: f64, hi: f64) -> Self {
         Self {
-            lo: lo.next_down(),
-            hi: hi.next_up(),
+            lo: below(lo),
+            hi: above(hi),
         }
     }
 
@@ -37,19 +55,19 @@ impl Interval {
         let least = if self.lo <= 0.0 && self.hi >= 0.0 {
             0.0
         } else {
-            a.min(b).next_down().max(0.0)
+            below(a.min(b)).max(0.0)
         };
         Self {
             lo: least,
-            hi: a.max(b).next_up(),
+            hi: above(a.max(b)),
         }
     }
 
     /// The root of its numbers that are not negative; exact arguments never are.
     pub(crate) fn sqrt(self) -> Self {
         Self {
-            lo: self.lo.max(0.0).sqrt().next_down().max(0.0),
-            hi: self.hi.max(0.0).sqrt().next_up(),
+            lo: below(self.lo.max(0.0).sqrt()).max(0.0),
+            hi: above(self.hi.max(0.0).sqrt()),
         }
     }
 
@@ -194,6 +212,36 @@ mod tests {
             prop_assert!(encloses(x.abs(), p.abs()));
             prop_assert!(encloses(x.square().sqrt(), p.abs()));
         }
+    }
+
+    proptest! {
+        #[test]
+        fn ends_move_by_a_unit_in_the_last_place(bits in any::<u64>()) {
+            let x = f64::from_bits(bits);
+            if x.is_finite() {
+                prop_assert!(below(x) <= x.next_down() && above(x) >= x.next_up());
+                prop_assert!(below(x) >= x.next_down().next_down());
+                prop_assert!(above(x) <= x.next_up().next_up());
+            }
+        }
+    }
+
+    #[test]
+    fn ends_move_at_powers_of_two_and_at_zero() {
+        for x in [
+            0.0,
+            -0.0,
+            1.0,
+            -1.0,
+            0.5,
+            f64::MIN_POSITIVE,
+            -f64::MIN_POSITIVE,
+            f64::MAX,
+        ] {
+            assert!(below(x) < x && above(x) > x, "{x}");
+        }
+        assert_eq!(above(f64::INFINITY), f64::INFINITY);
+        assert_eq!(below(f64::NEG_INFINITY), f64::NEG_INFINITY);
     }
 
     #[test]

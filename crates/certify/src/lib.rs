@@ -15,8 +15,11 @@
 //! Nothing is assumed about the windows: wrong ones make the proof fail.
 //!
 //! If the inequality holds up to `e(f)` in face f, then d is too long by at most the sum of `e(f)`
-//! over the faces that a shortest path may cross, each of which it crosses once. A face whose
-//! least d is above the distance of a vertex is none of them.
+//! over the faces that a shortest path crosses, each of which it crosses once. Let T be the sum
+//! over all faces. Where a path goes from x to y and `d(x) + |xy|` exceeds `d(y)` by more than T,
+//! d(y) is not too long, whatever came before. So only chains of pieces between which this is not
+//! so add up, and these follow the wavefront: the bound of a vertex is the greatest sum along such
+//! a chain.
 //!
 //! ```
 //! use geobench_certify::{Claim, PathPoint};
@@ -38,17 +41,21 @@
 //! ```
 
 mod boundary;
+mod chains;
 mod difference;
 mod envelope;
 mod face;
 mod interval;
+mod jump;
 mod length;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 use boundary::windows_from_inside;
+use chains::greatest_sums;
 use envelope::{Piece, lower_envelope, piece};
-use face::{EdgeField, canonical};
+use face::{Checker, EdgeField, Way, canonical};
+use jump::jump;
 
 pub use envelope::WindowData;
 pub use length::PathPoint;
@@ -116,6 +123,10 @@ pub enum Place {
     Vertex(VertexId),
 }
 
+/// Ways longer than the distance by this fraction of the greatest distance are left out of sums,
+/// as long as all violations together are less than that.
+const CLEAR: f64 = 1e-7;
+
 /// A violation above this fraction of the distances in the place is a failure, not rounding.
 const ROUNDING: f64 = 1e-13;
 
@@ -168,47 +179,77 @@ impl<'a> Claim<'a> {
     {
         let field = self.edge_field(windows);
         let mut failures = Vec::new();
-        // What a path that comes to a distance may have lost there.
-        let mut losses: Vec<(f64, f64)> = Vec::new();
+        let own: Vec<f64> = self
+            .mesh
+            .vertices()
+            .map(|v| {
+                let d = self.distances[v.index()];
+                if !d.is_finite() {
+                    return 0.0;
+                }
+                let violation = self.disagreement(&field, v);
+                if violation > ROUNDING * d.max(self.longest_edge(v)) {
+                    failures.push(Failure {
+                        place: Place::Vertex(v),
+                        violation,
+                    });
+                }
+                violation
+            })
+            .collect();
+        let finite = self.distances.iter().copied().filter(|d| d.is_finite());
+        let farthest = finite.fold(0.0, f64::max);
+        let mut clear = CLEAR * farthest;
+        // What adds up, all together: few fields need the second turn.
+        let (in_face, ways, total) = loop {
+            let (in_face, ways) = self.violations(&field, clear);
+            // A sum of n numbers that are not negative is right to n ulps.
+            let generous = 1.0 + (in_face.len() + own.len()) as f64 * f64::EPSILON;
+            let total = in_face.iter().chain(&own).sum::<f64>() * generous;
+            if total <= clear || !total.is_finite() {
+                break (in_face, ways, total);
+            }
+            clear = 2.0 * total;
+        };
         for face in self.mesh.faces() {
+            let violation = in_face[face.index()];
             let corners = self.mesh.face_vertices(face);
-            let reached = corners.map(|v| self.distances[v.index()].is_finite());
-            let (least, violation) = match reached {
-                [false, false, false] => continue,
-                [true, true, true] => (field.least(face), field.violation(face)),
-                _ => (0.0, f64::INFINITY),
-            };
-            losses.push((least * (1.0 - 1e-9), violation));
-            let scale = least + self.mesh.length(face.half_edge(0));
-            if violation > ROUNDING * scale {
+            let distances = corners.map(|v| self.distances[v.index()]);
+            let scale = distances.into_iter().fold(0.0, f64::max);
+            if violation > ROUNDING * (scale + self.mesh.length(face.half_edge(0))) {
                 failures.push(Failure {
                     place: Place::Face(face),
                     violation,
                 });
             }
         }
-        for v in self.mesh.vertices() {
-            let d = self.distances[v.index()];
-            if !d.is_finite() {
-                continue;
-            }
-            let violation = self.disagreement(&field, v);
-            losses.push((d * (1.0 - 1e-9), violation));
-            if violation > ROUNDING * d.max(self.longest_edge(v)) {
-                failures.push(Failure {
-                    place: Place::Vertex(v),
-                    violation,
-                });
-            }
-        }
         failures.sort_by(|a, b| b.violation.total_cmp(&a.violation));
-        let (absolute, relative) = self.add_up(losses);
+        let (absolute, relative) = if total.is_finite() {
+            self.add_up(&field, own, &in_face, ways, total)
+        } else {
+            (f64::INFINITY, f64::INFINITY)
+        };
         Bound {
             absolute,
             relative,
             failures,
             pieces: field.pieces.len(),
         }
+    }
+
+    /// What each face may add to a distance, and the ways across that are too long by less than
+    /// `clear`.
+    fn violations(&self, field: &EdgeField<'_>, clear: f64) -> (Vec<f64>, Vec<Way>) {
+        let mut checker = Checker::new(field, clear);
+        let in_face = self.mesh.faces().map(|face| {
+            let corners = self.mesh.face_vertices(face);
+            match corners.map(|v| self.distances[v.index()].is_finite()) {
+                [false, false, false] => 0.0,
+                [true, true, true] => checker.violation(face),
+                _ => f64::INFINITY,
+            }
+        });
+        (in_face.collect(), checker.ways)
     }
 
     /// How much too short the distances may be, by a path from a source to every vertex with a
@@ -249,6 +290,7 @@ impl<'a> Claim<'a> {
         let mesh = self.mesh;
         let mut starts = Vec::with_capacity(mesh.half_edge_count() + 1);
         let mut pieces: Vec<Piece> = Vec::new();
+        let mut jumps = vec![0.0; mesh.half_edge_count()];
         for h in mesh.half_edges() {
             starts.push(pieces.len());
             let ends = [mesh.tail(h), mesh.head(h)].map(|v| self.distances[v.index()]);
@@ -274,13 +316,20 @@ impl<'a> Claim<'a> {
                 image: [x, 0.0],
                 sigma,
             }));
-            pieces.extend(lower_envelope(&all, length));
+            let envelope = lower_envelope(&all, length);
+            let pairs = envelope.windows(2);
+            let sum = pairs.fold(0.0, |sum: f64, pair| {
+                (sum + jump(&pair[0], &pair[1], pair[0].to)).next_up()
+            });
+            jumps[h.index()] = sum;
+            pieces.extend(envelope);
         }
         starts.push(pieces.len());
         EdgeField {
             mesh,
             starts,
             pieces,
+            jumps,
         }
     }
 
@@ -306,28 +355,42 @@ impl<'a> Claim<'a> {
         lengths.fold(0.0, f64::max)
     }
 
-    /// The sums of `losses`, each with the distance from which on it counts: of all, and the
-    /// greatest in proportion to the distance of a vertex.
-    fn add_up(&self, mut losses: Vec<(f64, f64)>) -> (f64, f64) {
-        // A sum of n numbers that are not negative is right to n ulps.
-        let generous = 1.0 + losses.len() as f64 * f64::EPSILON;
-        let sum = |losses: &[(f64, f64)]| losses.iter().map(|l| l.1).sum::<f64>() * generous;
-        let total = sum(&losses);
-        losses.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut order: Vec<f64> = self.distances.to_vec();
-        order.retain(|d| d.is_finite() && *d > 0.0);
-        order.sort_by(f64::total_cmp);
-        let (mut relative, mut next, mut lost) = (0.0_f64, 0, 0.0);
-        for d in order {
-            // Distances on the way are known up to the total.
-            while let Some(&(from, loss)) = losses.get(next)
-                && from <= d + total
-            {
-                lost += loss;
-                next += 1;
+    /// By how much a point may be too long, and a part of what fraction of its distance: of the
+    /// points of all pieces, and of all vertices.
+    fn add_up(
+        &self,
+        field: &EdgeField<'_>,
+        own: Vec<f64>,
+        in_face: &[f64],
+        mut ways: Vec<Way>,
+        total: f64,
+    ) -> (f64, f64) {
+        ways.retain(|way| f64::from(way.excess) >= -total);
+        let pieces = field.pieces.len();
+        // A path may pass all faces around a vertex in its neighbourhood.
+        let mut losses = vec![0.0; pieces];
+        losses.extend(own);
+        for face in self.mesh.faces() {
+            for v in self.mesh.face_vertices(face) {
+                losses[pieces + v.index()] += in_face[face.index()];
             }
-            relative = relative.max(lost * generous / d);
         }
-        (total, relative)
+        let generous = 1.0 + (in_face.len() + losses.len()) as f64 * f64::EPSILON;
+        let sums = greatest_sums(&losses, &ways, in_face);
+        let (mut absolute, mut relative) = (0.0_f64, 0.0_f64);
+        let mut add = |sum: f64, distance: f64| {
+            let sum = (sum * generous).min(total);
+            absolute = absolute.max(sum);
+            if distance > 0.0 && distance.is_finite() {
+                relative = relative.max(sum / distance);
+            }
+        };
+        for (piece, sum) in field.pieces.iter().zip(&sums) {
+            add(*sum, piece.at(piece.from).max(piece.at(piece.to)));
+        }
+        for (v, sum) in sums[pieces..].iter().enumerate() {
+            add(*sum, self.distances[v]);
+        }
+        (absolute, relative.next_up())
     }
 }

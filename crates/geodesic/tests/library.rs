@@ -166,3 +166,53 @@ fn errors_name_what_is_wrong() {
     let text = error.to_string();
     assert!(text.contains("bad.off") && text.contains('7'), "{text}");
 }
+
+#[test]
+fn every_distance_that_is_wrong_by_a_billionth_is_noticed() {
+    use geodesic::certify::{Claim, PathPoint, WindowData};
+    use geodesic::paths::Place;
+    use geodesic::{Goal, Paths};
+
+    let mesh = Mesh::generate("torus,faces=300,bump=0.2,seed=3").unwrap();
+    let source = [VertexId::new(0)];
+    let mut solver = geodesic::mmp::mmp(&mesh);
+    let paths = Paths::find(&mut solver, &mesh, source, &Goal::everything()).unwrap();
+    let point = |place| match place {
+        Place::Vertex(v) => PathPoint::Vertex(v),
+        Place::Edge { ends, t } => PathPoint::Edge(ends, t),
+        Place::Face => unreachable!("a path between vertices has no points in faces"),
+    };
+    let path = |v| {
+        let path = paths.to(v).unwrap()?;
+        Some(path.points.into_iter().map(|p| point(p.place)).collect())
+    };
+    let windows = |h| {
+        geodesic::mmp::windows_of(&solver, h).map(|w| WindowData {
+            interval: [w.b0, w.b1],
+            image: w.source(),
+            sigma: w.sigma,
+        })
+    };
+    let right = paths.distances();
+    let claim = Claim::new(&mesh, &source, right).unwrap();
+    assert!(claim.not_too_long(windows).relative < 1e-12);
+    assert!(claim.not_too_short(path).relative < 1e-12);
+    for v in 1..right.len() {
+        for change in [1e-9, -1e-9] {
+            let mut wrong = right.to_vec();
+            wrong[v] *= 1.0 + change;
+            let claim = Claim::new(&mesh, &source, &wrong).unwrap();
+            let bound = if change > 0.0 {
+                claim.not_too_long(windows)
+            } else {
+                claim.not_too_short(path)
+            };
+            assert!(bound.relative > 0.99e-9, "{v} {change}: {bound:?}");
+            assert!(!bound.failures.is_empty());
+        }
+    }
+    // All of them.
+    let wrong: Vec<f64> = right.iter().map(|d| d * (1.0 - 1e-9)).collect();
+    let claim = Claim::new(&mesh, &source, &wrong).unwrap();
+    assert!(claim.not_too_short(path).failures.len() == right.len() - 1);
+}

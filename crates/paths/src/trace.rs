@@ -40,8 +40,10 @@ pub enum TraceError {
         /// Where it ends.
         face: FaceId,
     },
-    /// A path crosses no more faces than the mesh has, and passes no more vertices.
-    #[error("the path to vertex {target} has no end; please report the mesh")]
+    /// The path crosses more edges than the mesh has faces, or passes more vertices than it has.
+    #[error(
+        "the path to vertex {target} crosses more edges than there are faces; please report the mesh"
+    )]
     Endless {
         /// The target.
         target: VertexId,
@@ -153,7 +155,13 @@ impl Paths {
             points: vec![Point::at_vertex(&self.mesh, target)],
         };
         let mut v = target;
-        for _ in 0..self.distances.len() {
+        for passed in 1..=self.distances.len() {
+            // A shortest path is in each face once, so it crosses fewer edges than there are faces.
+            // Along edges it may take as many more steps as it passes vertices: an edge of faces
+            // without area counts for none of them.
+            if path.points.len() > self.mesh.face_count() + passed {
+                return Err(TraceError::Endless { target });
+            }
             v = match self.origins.of(&self.mesh, v) {
                 Origin::None => {
                     path.points.reverse();

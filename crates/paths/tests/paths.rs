@@ -7,7 +7,7 @@ use geobench_fwp::{
     vtp_mmp_batched,
 };
 use geobench_ich::{ch, ich};
-use geobench_mesh::{Mesh, SplitMix64, SurfacePoint, TriangleSoup, VertexId};
+use geobench_mesh::{FaceId, Mesh, SplitMix64, SurfacePoint, TriangleSoup, VertexId};
 use geobench_mmp::{mmp, mmp_edge, mmp_fast};
 use geobench_oracle::{Geometry, Model, zoo};
 use geobench_paths::{Paths, Place, TraceError};
@@ -203,4 +203,59 @@ fn paths_between_points_of_faces_and_edges_are_told_of_the_original() {
             path.length
         );
     }
+}
+
+/// Surfaces on which many vertices have several shortest paths.
+const TIES: [&str; 3] = ["grid,n=8", "cube,n=4", "octahedron,subdiv=2"];
+
+#[test]
+fn of_several_shortest_paths_it_is_always_the_same_one() {
+    for spec in TIES {
+        let mesh = Mesh::generate(spec).unwrap();
+        let again = solvers(&mesh).into_iter();
+        for ((name, mut solver), (_, mut other)) in solvers(&mesh).into_iter().zip(again) {
+            let first = Paths::find(solver.as_mut(), &mesh, 0, &Goal::everything()).unwrap();
+            // A solver that has run before, from elsewhere, and one that has not.
+            solver.solve(&[VertexId::new(9)]).unwrap();
+            for solver in [&mut solver, &mut other] {
+                let paths = Paths::find(solver.as_mut(), &mesh, 0, &Goal::everything()).unwrap();
+                for v in mesh.vertices() {
+                    assert_eq!(paths.to(v), first.to(v), "{spec}, {name} to {v}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn paths_between_points_with_ties_are_straight_and_always_the_same() {
+    let mut failures = Vec::new();
+    for spec in TIES {
+        let mesh = Mesh::generate(spec).unwrap();
+        let last = mesh.faces().last().unwrap();
+        let [a, b, _] = mesh.face_vertices(last);
+        let points = [
+            mesh.point_in_face(FaceId::new(0), [0.25, 0.25, 0.5])
+                .unwrap(),
+            mesh.point_in_face(last, [1.0 / 3.0; 3]).unwrap(),
+            mesh.point_on_edge([a, b], 0.5).unwrap(),
+        ];
+        let refined = mesh.with_points(&points).unwrap();
+        let ends: Vec<u32> = refined.vertices.iter().map(|v| v.raw()).collect();
+        check(spec, &refined.mesh, &ends[..1], &mut failures);
+        for (name, mut solver) in solvers(&refined.mesh) {
+            let mut find = || {
+                let goal = Goal::targets(ends[1..].iter().copied());
+                let paths = Paths::find(solver.as_mut(), &refined.mesh, ends[0], &goal).unwrap();
+                let told = refined.vertices[1..].iter().map(|&v| {
+                    let path = paths.to(v).unwrap().unwrap();
+                    path.of_original(&mesh, &refined, &points)
+                });
+                told.collect::<Vec<_>>()
+            };
+            let first = find();
+            assert_eq!(find(), first, "{spec}, {name}");
+        }
+    }
+    report(&failures);
 }

@@ -63,6 +63,23 @@ pub enum SolveError {
         /// Number of threads asked for.
         threads: usize,
     },
+    /// The distances that were found could not be proven.
+    #[error(
+        "an error of 1e{exponent} of a distance is not excluded; `geobench certify` says where"
+    )]
+    NotCertified {
+        /// The power of ten from which on errors are excluded.
+        exponent: i32,
+    },
+}
+
+impl SolveError {
+    /// Distances that may be wrong by up to this fraction of them.
+    pub fn not_certified(relative: f64) -> Self {
+        // Infinity becomes the greatest exponent of a number.
+        let exponent = relative.log10().ceil().min(308.0) as i32;
+        Self::NotCertified { exponent }
+    }
 }
 
 /// One source or several: a number, a [`VertexId`], or a list of either.

@@ -167,8 +167,9 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(..=i64::from(MOST_RUNS)))]
     pub(super) warmup: Option<u32>,
 
-    /// What answers must agree with: an algorithm, none, file (MODEL.sSOURCE.csv beside the model
-    /// or in a folder named expected there or beside its folder), or the path of such a file
+    /// What answers must agree with: an algorithm, certificate (mmp with a proof of its distances),
+    /// none, file (MODEL.sSOURCE.csv beside the model or in a folder named expected there or beside
+    /// its folder), or the path of such a file
     /// [default: mmp-fast if it runs, else the first algorithm]
     #[arg(long, value_name = "REF")]
     pub(super) check: Option<String>,
@@ -372,6 +373,10 @@ pub(super) struct VerifyOptions {
     #[arg(long, value_name = "SIMD", default_value_t)]
     pub(super) simd: Simd,
 
+    /// Where answers disagree, prove which are right, as `geobench certify` does
+    #[arg(long)]
+    pub(super) certify: bool,
+
     #[command(flatten)]
     pub(super) isolation: IsolationOptions,
 
@@ -387,8 +392,8 @@ pub(super) struct CertifyOptions {
     #[arg(value_name = "MODEL")]
     pub(super) model: String,
 
-    /// The source: a vertex number, first, a list of numbers or random:N[,seed=S]; of several
-    /// sources the nearest counts
+    /// The source: a vertex number, first, random:N[,seed=S], edge:A-B,T, face:F,U,V,W, at:X,Y,Z or
+    /// a list of these; of several sources the nearest counts
     #[arg(
         long,
         value_name = "SRC",

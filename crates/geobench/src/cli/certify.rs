@@ -2,14 +2,14 @@
 
 use std::fmt::Write;
 
-use anyhow::Context;
 use geobench_certify::{Bound, Place};
-use geobench_mesh::Mesh;
+use geobench_mesh::{Mesh, VertexId};
 use geodesic::{Certificate, Comparison};
 use serde::Serialize;
 
 use super::Verdict;
 use super::args::{CertificateFormat, CertifyOptions};
+use super::points::Points;
 use super::terminal;
 use crate::exec::expected::Expected;
 use crate::exec::model;
@@ -17,21 +17,22 @@ use crate::exec::model;
 pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     let model = model::only(&options.model)?;
     let mesh = &model.mesh_within(options.reading)?;
-    let mut sources = Vec::new();
-    for spec in &options.source {
-        let found = spec.vertices(mesh.vertex_count());
-        sources.extend(found.with_context(|| model.path.clone())?);
-    }
-    let proof = Certificate::of(mesh, &sources)?;
-    let compared = match &options.distances {
-        None => None,
-        Some(path) => {
-            let file = Expected::File(path.clone());
-            let field = file.find(path, &sources[0].raw().into(), mesh.vertex_count())?;
-            Some(proof.compare(field.distances.iter().copied()))
+    let points = Points::new(mesh, &options.source, None, &model.path)?;
+    if options.format == CertificateFormat::Text {
+        for note in &points.notes {
+            terminal::print(&format!("{note}\n"))?;
         }
-    };
-    let certificate = Document::new(mesh, &proof, compared.as_ref(), options.tolerance);
+    }
+    // A file that cannot be read is told before the work.
+    let given = options.distances.as_ref().map(|path| {
+        let label = &points.sources[0].0;
+        Expected::File(path.clone()).find(path, label, mesh.vertex_count())
+    });
+    let given = given.transpose()?;
+    let sources: Vec<VertexId> = points.sources.iter().map(|(_, vertex)| *vertex).collect();
+    let proof = Certificate::of(&points.refined.mesh, &sources)?;
+    let compared = given.map(|field| proof.compare(field.distances));
+    let certificate = Document::new(mesh, &points, &proof, compared.as_ref(), options.tolerance);
     let text = match options.format {
         CertificateFormat::Text => certificate.text(&model.name, options.tolerance),
         CertificateFormat::Json => {
@@ -77,6 +78,7 @@ const SHOWN: usize = 10;
 impl Document {
     fn new(
         mesh: &Mesh,
+        points: &Points,
         proof: &Certificate,
         compared: Option<&Comparison>,
         tolerance: f64,
@@ -92,9 +94,16 @@ impl Document {
             .filter(|bound| bound.relative > tolerance)
             .flat_map(|bound| &bound.failures)
             .map(|failure| {
+                let refined = &points.refined;
+                let parent = |face| (Some(refined.parent(face).raw()), None);
                 let (face, vertex) = match failure.place {
-                    Place::Face(face) => (Some(face.raw()), None),
-                    Place::Vertex(vertex) => (None, Some(vertex.raw())),
+                    Place::Face(face) => parent(face),
+                    Place::Vertex(v) if v.index() < mesh.vertex_count() => (None, Some(v.raw())),
+                    // A source inside a face.
+                    Place::Vertex(v) => match refined.mesh.outgoing(v).first() {
+                        Some(h) => parent(h.face()),
+                        None => (None, None),
+                    },
                 };
                 Failure {
                     face,

@@ -20,6 +20,9 @@ use crate::schema::ModelRecord;
 /// The reference; it runs even if it is not asked for.
 const REFERENCE: &str = "mmp-fast";
 
+/// The algorithm with a proof.
+const CERTIFICATE: &str = "certificate";
+
 pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     let models = if options.models.is_empty() {
         model::collect(suite::SMALL_MODELS)?
@@ -256,9 +259,58 @@ impl LoadedModelCheck<'_> {
         }
         if let Some(summary) = agreement::summary(&votes) {
             let name = &self.record.name;
+            let verdict = match (&reference, self.options.certify) {
+                (Some(reference), true) => self.prove(&spec, session, reference, &clusters, &votes),
+                _ => "--certify proves which are right".to_owned(),
+            };
             terminal::print(&format!("{name}: source {source}: {summary}\n"))?;
+            terminal::print(&format!("{name}: source {source}: {verdict}\n"))?;
         }
         Ok(())
+    }
+
+    /// Says which of the answers agree with proven distances.
+    fn prove(
+        &self,
+        source: &SourceSpec,
+        session: &mut dyn Session,
+        reference: &[f64],
+        clusters: &Clusters,
+        votes: &[Vote],
+    ) -> String {
+        let certificate = match registry::select_one(CERTIFICATE) {
+            Ok(certificate) => certificate,
+            Err(error) => return error.to_string(),
+        };
+        let found = session.execute(&Step {
+            model: &self.record.name,
+            algorithm: &certificate,
+            source,
+            pass: Pass::Warmup,
+            solves: 1,
+        });
+        let proven = match found {
+            Ok(observation) => observation.distances,
+            Err(failure) => return format!("nothing is proven: {}", failure.message),
+        };
+        let agrees = |answer: &[f64]| {
+            let found = check::compare(answer, &proven, self.options.tolerance);
+            found.is_ok_and(|found| found.agrees())
+        };
+        let right = if agrees(reference) {
+            Some(agreement::REFERENCE)
+        } else {
+            clusters.find(agrees)
+        };
+        let names: Vec<&str> = votes
+            .iter()
+            .filter(|vote| right == Some(vote.cluster))
+            .map(|vote| vote.name.as_str())
+            .collect();
+        if names.is_empty() {
+            return "no answer agrees with the proven distances".to_owned();
+        }
+        format!("proven right: {}", names.join(", "))
     }
 
     /// Which answers the stored distances of a file agree with.

@@ -108,7 +108,7 @@ impl FromStr for Reference {
         }
         if let Err(error) = registry::select(text) {
             return Err(UsageError(format!(
-                "{error}; also `none`, `file` or a .csv file"
+                "{error}; also `certificate`, `none`, `file` or a .csv file"
             )));
         }
         registry::select_one(text).map(Self::Algorithm)

@@ -12,6 +12,7 @@ use geobench_window::continuous::{Continuous, Policy};
 use geobench_window::queue::Discipline;
 use geobench_window::{Counter, Solver};
 
+mod certificate;
 mod ch;
 #[cfg(feature = "failing-algorithms")]
 mod failing;
@@ -46,12 +47,13 @@ pub fn algorithms() -> &'static [Algorithm] {
     &ALL
 }
 
-/// Algorithms that fail, for tests; selected by name only.
-const fn failing() -> &'static [Algorithm] {
+/// Algorithms that are selected by name only: proven distances and, for tests, those that fail.
+fn by_name_only() -> impl Iterator<Item = &'static Algorithm> {
     #[cfg(feature = "failing-algorithms")]
-    return failing::FAMILY;
+    let failing = failing::FAMILY;
     #[cfg(not(feature = "failing-algorithms"))]
-    &[]
+    let failing = &[];
+    certificate::CERTIFIED.iter().chain(failing)
 }
 
 /// An algorithm that takes one window at a time, with its threshold and instructions.

@@ -10,7 +10,7 @@ use geobench_window::simd::Instructions;
 use super::parameter::THREADS;
 use super::program::{OUTSIDE, PREFIX};
 use super::program::{Program, Programs};
-use super::{Algorithm, Parameter, Simd, Value, Values, algorithms, failing};
+use super::{Algorithm, Parameter, Simd, Value, Values, algorithms, by_name_only};
 use crate::UsageError;
 
 /// An algorithm with the values of its parameters.
@@ -252,7 +252,7 @@ fn matches(item: &str, list: &str) -> Result<Vec<Selection>, UsageError> {
             "exact" => a.exact,
             _ => a.name == name || a.family == name,
         })
-        .chain(failing().iter().filter(|a| a.name == name))
+        .chain(by_name_only().filter(|a| a.name == name))
         .collect();
     if found.is_empty() {
         return Err(unknown(&name));

@@ -47,3 +47,42 @@ fn what_cannot_be_read_is_told() {
     let said = sandbox.refuse("certify gen:torus,faces=500 --source 9999");
     assert!(said.contains("9999"), "{said}");
 }
+
+#[test]
+fn sources_may_be_points_of_edges_and_faces() {
+    let sandbox = Sandbox::new();
+    let said = sandbox.succeed("certify gen:torus,faces=500 --source edge:0-1,0.25");
+    assert!(said.contains("certified to "), "{said}");
+    let sources = "--source face:12,0.2,0.3,0.5 --source at:9,0,0";
+    let said = sandbox.succeed(&format!("certify gen:torus,faces=500 {sources}"));
+    assert!(said.starts_with("at:9,0,0 is "), "{said}");
+    assert!(said.contains("certified to "), "{said}");
+    // A file has the vertices of the model only.
+    sandbox.succeed(&format!(
+        "distance gen:torus,faces=500 {sources} --quiet -o d.csv"
+    ));
+    sandbox.succeed(&format!(
+        "certify gen:torus,faces=500 {sources} --distances d.csv"
+    ));
+}
+
+#[test]
+fn runs_are_checked_with_proven_distances() {
+    let sandbox = Sandbox::new();
+    let run = "run gen:torus,faces=300 --algo vtp,ich --repeat 1 --quiet";
+    sandbox.succeed(&format!("{run} --check certificate -o right.json"));
+    let cells = &sandbox.json("right.json")["cells"];
+    assert_eq!(cells[1]["check"]["reference"], "certificate");
+    assert!(cells[1]["check"]["max_rel"].as_f64().unwrap() < 1e-12);
+    // No proof is as good as this.
+    let outcome = sandbox.call(&format!(
+        "{run} --check certificate{{tolerance=1e-30}} -o unproven.json"
+    ));
+    assert_eq!(outcome.code, 1);
+    let told = sandbox.json("unproven.json")["cells"][0]["message"].to_string();
+    assert!(
+        told.contains("not checked: the reference certificate"),
+        "{told}"
+    );
+    assert!(told.contains("of a distance is not excluded"), "{told}");
+}

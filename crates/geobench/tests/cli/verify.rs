@@ -45,3 +45,19 @@ fn a_damaged_file_of_distances_is_named_with_its_line() {
     let found = sandbox.refuse("verify square.off --algo mmp-fast --quiet");
     assert_eq!(found, "./square.s0.csv, line 2: `one` is not a distance");
 }
+
+#[test]
+fn where_answers_disagree_a_proof_says_which_are_right() {
+    let sandbox = Sandbox::with_square();
+    sandbox.write("expected/square.s0.csv", "0,0\n1,1\n2,1.4\n3,1\n");
+    let verify = "verify square.off --algo mmp-fast,ich --quiet";
+    let said = sandbox.call(verify).stdout;
+    assert!(
+        said.contains("source 0: --certify proves which are right"),
+        "{said}"
+    );
+    let outcome = sandbox.call(&format!("{verify} --certify"));
+    assert_eq!(outcome.code, 1);
+    let proven = "square: source 0: proven right: mmp-fast, ich\n";
+    assert!(outcome.stdout.contains(proven), "{}", outcome.stdout);
+}

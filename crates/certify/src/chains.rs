@@ -1,0 +1,186 @@
+//! How errors add up along chains of ways across faces.
+
+use crate::face::Way;
+
+/// The greatest sum of losses on chains of ways that end in each node.
+///
+/// Node `n` loses `own[n]` when a chain passes it, and each face what `in_face` has for it. A chain
+/// passes a face once and a node in a row once. Nodes that lie on a cycle of ways lose together what
+/// all of them and all the faces between them may lose.
+pub(crate) fn greatest_sums(own: &[f64], ways: &[Way], in_face: &[f64]) -> Vec<f64> {
+    let graph = Graph::new(own.len(), ways);
+    let component = graph.components();
+    let count = component.iter().max().map_or(0, |&last| last as usize + 1);
+    // Of each component: what its nodes and the faces inside lose.
+    let mut loss = vec![0.0; count];
+    for (n, &lost) in own.iter().enumerate() {
+        loss[component[n] as usize] += lost;
+    }
+    let inside = |way: &&Way| component[way.from as usize] == component[way.to as usize];
+    let inside = ways.iter().filter(inside);
+    let mut inside: Vec<(u32, u32)> = inside
+        .map(|way| (component[way.from as usize], way.face.raw()))
+        .collect();
+    inside.sort_unstable();
+    inside.dedup();
+    for (component, face) in inside {
+        loss[component as usize] += in_face[face as usize];
+    }
+    // Components are numbered from the ends of chains to their beginnings.
+    let mut order: Vec<u32> = (0..own.len() as u32).collect();
+    order.sort_unstable_by_key(|&n| std::cmp::Reverse(component[n as usize]));
+    let mut before = vec![0.0_f64; count];
+    for n in order {
+        let here = component[n as usize] as usize;
+        let sum = before[here] + loss[here];
+        for way in graph.of(n) {
+            let there = component[way.to as usize] as usize;
+            if there != here {
+                before[there] = before[there].max(sum + in_face[way.face.index()]);
+            }
+        }
+    }
+    let sum = |&c: &u32| before[c as usize] + loss[c as usize];
+    component.iter().map(sum).collect()
+}
+
+/// The ways from each node.
+struct Graph {
+    starts: Vec<usize>,
+    ways: Vec<Way>,
+}
+
+impl Graph {
+    fn new(nodes: usize, ways: &[Way]) -> Self {
+        let mut ways = ways.to_vec();
+        ways.sort_unstable_by_key(|way| way.from);
+        let mut starts = Vec::with_capacity(nodes + 1);
+        let mut next = 0;
+        for n in 0..=nodes {
+            while ways.get(next).is_some_and(|way| (way.from as usize) < n) {
+                next += 1;
+            }
+            starts.push(next);
+        }
+        Self { starts, ways }
+    }
+
+    fn of(&self, n: u32) -> &[Way] {
+        &self.ways[self.starts[n as usize]..self.starts[n as usize + 1]]
+    }
+
+    /// The strongly connected component of each node (R. Tarjan, 1972). Ways lead to components of
+    /// the same number or a less one.
+    fn components(&self) -> Vec<u32> {
+        const NONE: u32 = u32::MAX;
+        let nodes = self.starts.len() - 1;
+        let mut component = vec![NONE; nodes];
+        // The order in which nodes are met, and the first met that each can come back to.
+        let (mut met, mut low) = (vec![NONE; nodes], vec![0; nodes]);
+        let (mut next_met, mut next_component) = (0, 0);
+        let mut open: Vec<u32> = Vec::new();
+        // Nodes under way, each with the number of ways that are done.
+        let mut path: Vec<(u32, usize)> = Vec::new();
+        for root in 0..nodes as u32 {
+            if met[root as usize] != NONE {
+                continue;
+            }
+            path.push((root, 0));
+            while let Some((n, done)) = path.pop() {
+                let i = n as usize;
+                if done == 0 {
+                    met[i] = next_met;
+                    low[i] = next_met;
+                    next_met += 1;
+                    open.push(n);
+                }
+                if let Some(way) = self.of(n).get(done) {
+                    let to = way.to as usize;
+                    if met[to] == NONE {
+                        // Come back to this way when it is done; its node is met by then.
+                        path.push((n, done + 1));
+                        path.push((way.to, 0));
+                        continue;
+                    }
+                    if component[to] == NONE {
+                        low[i] = low[i].min(met[to]);
+                    }
+                    path.push((n, done + 1));
+                    continue;
+                }
+                if low[i] == met[i] {
+                    while let Some(member) = open.pop() {
+                        component[member as usize] = next_component;
+                        if member == n {
+                            break;
+                        }
+                    }
+                    next_component += 1;
+                }
+                if let Some(&(parent, _)) = path.last() {
+                    let parent = parent as usize;
+                    low[parent] = low[parent].min(low[i]);
+                }
+            }
+        }
+        component
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use geobench_mesh::FaceId;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn way(from: u32, to: u32, face: u32) -> Way {
+        Way {
+            from,
+            to,
+            face: FaceId::new(face),
+            excess: 0.0,
+        }
+    }
+
+    #[test]
+    fn losses_add_up_along_the_worst_chain() {
+        let ways = [way(0, 1, 0), way(1, 2, 1), way(0, 2, 2)];
+        let sums = greatest_sums(&[0.5, 0.0, 0.0], &ways, &[1.0, 2.0, 4.0]);
+        assert_eq!(sums, [0.5, 1.5, 4.5]);
+    }
+
+    #[test]
+    fn a_cycle_loses_each_of_its_faces_once() {
+        let ways = [way(0, 1, 0), way(1, 0, 0), way(0, 1, 1), way(1, 2, 2)];
+        let sums = greatest_sums(&[0.25, 0.0, 0.0], &ways, &[1.0, 2.0, 4.0]);
+        assert_eq!(sums, [3.25, 3.25, 7.25]);
+    }
+
+    /// The greatest sum on a chain from `n` backwards, each face once.
+    fn greatest(n: u32, ways: &[Way], in_face: &[f64], used: u32) -> f64 {
+        let before = ways.iter().filter(|way| way.to == n);
+        let unused = before.filter(|way| used & (1 << way.face.raw()) == 0);
+        unused
+            .map(|way| {
+                let face = way.face.raw();
+                in_face[face as usize] + greatest(way.from, ways, in_face, used | (1 << face))
+            })
+            .fold(0.0, f64::max)
+    }
+
+    proptest! {
+        #[test]
+        fn no_chain_loses_more(
+            ends in prop::collection::vec((0..6u32, 0..6u32, 0..8u32), 0..10),
+        ) {
+            let ends = ends.into_iter().filter(|(from, to, _)| from != to);
+            let ways: Vec<Way> = ends.map(|(from, to, face)| way(from, to, face)).collect();
+            let in_face: Vec<f64> = (0..8).map(|i| f64::from(1 << i)).collect();
+            let sums = greatest_sums(&[0.0; 6], &ways, &in_face);
+            for n in 0..6 {
+                prop_assert!(sums[n as usize] >= greatest(n, &ways, &in_face, 0));
+            }
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Distances that are proven, as a reference of checks. Selected by name only: it is no algorithm of
+//! its own.
+
+use geobench_mesh::{Mesh, VertexId};
+use geobench_mmp::mmp;
+use geobench_window::{Counter, Counters, PhaseSampler, Solution, SolveError, Solver};
+use geodesic::{Certificate, CertificateError};
+
+use super::{Algorithm, Parameter};
+
+const TOLERANCE: Parameter = Parameter::real(
+    "tolerance",
+    1e-9,
+    0.0..=1.0,
+    "the largest error that passes, as a fraction of each distance",
+);
+
+pub(super) const CERTIFIED: &[Algorithm] = &[Algorithm {
+    name: "certificate",
+    family: "certificate",
+    paper: "Mitchell, Mount, Papadimitriou 1987, with proofs of our own",
+    summary: "mmp, and a proof in interval arithmetic that its distances are right",
+    departs: "as mmp",
+    complexity: "time O(n^2 log n), space O(n^2)",
+    keeps: "every window until the end",
+    choose: "as the reference of checks where algorithms disagree",
+    memory_counter: Counter::StoredWindows,
+    parameters: &[TOLERANCE],
+    build: |mesh, values| {
+        Box::new(Certified {
+            mesh: mesh.clone(),
+            tolerance: values.real(&TOLERANCE),
+        })
+    },
+    ..Algorithm::EXACT
+}];
+
+/// Solves by MMP, and fails where the distances cannot be proven.
+struct Certified {
+    mesh: Mesh,
+    tolerance: f64,
+}
+
+impl Solver for Certified {
+    fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
+        let proof = Certificate::of(&self.mesh, sources).map_err(|error| match error {
+            CertificateError::Solve(error) => error,
+            _ => SolveError::not_certified(f64::INFINITY),
+        })?;
+        if proof.relative() <= self.tolerance {
+            Ok(Solution::new(proof.distances))
+        } else {
+            Err(SolveError::not_certified(proof.relative()))
+        }
+    }
+
+    fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
+        let (_, counters) = mmp(&self.mesh).count(sources)?;
+        Ok((self.solve(sources)?, counters))
+    }
+
+    fn profile(
+        &mut self,
+        sources: &[VertexId],
+        sampler: &mut PhaseSampler,
+    ) -> Result<Solution, SolveError> {
+        mmp(&self.mesh).profile(sources, sampler)?;
+        self.solve(sources)
+    }
+}

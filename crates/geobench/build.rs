@@ -50,8 +50,7 @@ fn commit() -> Option<String> {
     output("git", &["rev-parse", "HEAD"])
 }
 
-/// What cargo tells the compiler besides what it always does: of `.cargo/config.toml` or the
-/// environment.
+/// The compiler flags from `.cargo/config.toml` or the environment.
 fn rustflags() -> Option<String> {
     let flags = std::env::var("CARGO_ENCODED_RUSTFLAGS").ok()?;
     Some(flags.replace('\x1f', " "))

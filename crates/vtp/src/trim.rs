@@ -52,9 +52,9 @@ pub(crate) const ON_EDGE: f64 = 1e-10;
 /// What two overlapping windows of one edge of length `l` keep if each gives up the ranges on which
 /// the other is shorter (Surazhsky et al. 2005, section 3.5).
 ///
-/// The overlap is cut at the tie points, and the middle of each stretch between them tells who is
-/// shorter on it. A stretch on which they are equal up to rounding, such as all of it for two
-/// images of one source, stays with both. `None` if the windows do not overlap, or if a source
+/// The overlap is cut at the tie points, and the middle of each stretch between them tells which
+/// window is shorter on it. A stretch on which both are equal up to rounding, such as all of it for
+/// two images of one source, stays with both. `None` if the windows do not overlap, or if a source
 /// stands on the edge, behind a face of no area: its rays of all directions pass through less width
 /// than rounding moves a tie point by.
 pub(crate) fn trim_pair(a: &Window, b: &Window, l: f64) -> Option<(Pieces, Pieces)> {

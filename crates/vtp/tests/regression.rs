@@ -7,6 +7,7 @@ use geobench_vtp::{
 };
 use geobench_window::simd::Instructions;
 
+#[macro_use]
 #[path = "../../window/tests/meshes/mod.rs"]
 mod meshes;
 
@@ -41,72 +42,18 @@ fn solvers(mesh: &Mesh) -> Solvers {
     ]
 }
 
-/// `l - cx` cancels where the right exit is short: √5 came out as 2.236066470725.
-#[test]
-fn a_short_right_exit_had_the_wrong_direction() {
-    meshes::SHORT_RIGHT_EXIT.check(solvers);
-}
-
-/// The denominators of the places on an exit cancel where the source is close to the edge.
-#[test]
-fn a_source_close_to_a_ray_moved_the_ends_of_windows() {
-    meshes::SOURCE_CLOSE_TO_A_RAY.check_relative(solvers);
-}
-
-#[test]
-fn vertices_on_a_strip_of_thin_faces_were_lost() {
-    meshes::STRIP_OF_THIN_FACES.check(solvers);
-}
-
-#[test]
-fn vertices_on_narrow_faces_among_others_were_lost() {
-    meshes::NARROW_FACES_AMONG_OTHERS.check(solvers);
-}
-
-/// Rules 2 and 3 knew the error of positions relative to these, and not to the face.
-#[test]
-fn windows_of_a_thin_strip_were_taken_for_crossing() {
-    meshes::FOUR_THIN_FACES.check(solvers);
-}
-
-/// The same on a larger mesh.
-#[test]
-fn windows_beside_slivers_were_deleted() {
-    meshes::SLIVERS.check(solvers);
-}
-
-/// The same on a larger mesh.
-#[test]
-fn windows_beside_slivers_and_a_flat_face_were_deleted() {
-    meshes::SLIVERS_AND_A_FLAT_FACE.check(solvers);
-}
-
-/// The same on a larger mesh.
-#[test]
-fn windows_beside_slivers_below_rounding_were_deleted() {
-    meshes::SLIVERS_BELOW_ROUNDING.check(solvers);
-}
-
-/// It stands there by rounding. Moving it made its distance from all other points too short.
-#[test]
-fn a_source_above_an_exit_was_moved_onto_it() {
-    meshes::SOURCE_ABOVE_THE_EXIT.check(solvers);
-}
-
-/// Ties did not know the length of the edge, so that a window was shorter than itself.
-#[test]
-fn windows_wound_around_a_sharp_fan_without_end() {
-    meshes::SHARP_FAN.check(solvers);
-}
-
-/// A straight line around a tip of the angle θ winds around it π/θ times.
-#[test]
-fn windows_wound_around_a_needle_pi_over_its_angle_times() {
-    meshes::check_needles(solvers);
-}
-
-/// Where both σ are equal up to rounding, so are both roots, and neither counted as a tie.
-#[test]
-fn a_tie_was_lost_where_sources_were_equal_up_to_rounding() {
-    meshes::EQUAL_SIGMAS.check(solvers);
+regression_tests! {
+    solvers:
+    a_short_right_exit_had_the_wrong_direction
+    a_source_close_to_a_ray_moved_the_ends_of_windows
+    vertices_on_a_strip_of_thin_faces_were_lost
+    vertices_on_narrow_faces_among_others_were_lost
+    windows_of_a_thin_strip_were_taken_for_crossing
+    windows_beside_slivers_were_deleted
+    windows_beside_slivers_and_a_flat_face_were_deleted
+    windows_beside_slivers_below_rounding_were_deleted
+    a_source_above_an_exit_was_moved_onto_it
+    windows_wound_around_a_sharp_fan_without_end
+    windows_wound_around_a_needle_pi_over_its_angle_times
+    a_tie_was_lost_where_sources_were_equal_up_to_rounding
 }

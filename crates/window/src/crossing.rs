@@ -121,7 +121,7 @@ impl<'a> Crossing<'a> {
     /// half-edge; `None` if it is too narrow to have a width.
     #[inline]
     pub fn only_child(&self, exit: &Exit) -> Option<Window> {
-        let turn = Turn::new(self, exit);
+        let turn = ExitTurn::new(self, exit);
         turn.window(
             greater(turn.leaving(self.window.b0, self.sides[0]), 0.0),
             less(turn.leaving(self.window.b1, self.sides[1]), exit.length),
@@ -131,7 +131,7 @@ impl<'a> Crossing<'a> {
     /// What a window that covers the apex leaves at the left exit.
     #[inline]
     pub fn left_child(&self, exit: &Exit) -> Option<Window> {
-        let turn = Turn::new(self, exit);
+        let turn = ExitTurn::new(self, exit);
         let b0 = turn.leaving(self.window.b0, self.sides[0]);
         turn.window(greater(b0, 0.0), exit.length)
     }
@@ -139,7 +139,7 @@ impl<'a> Crossing<'a> {
     /// What it leaves at the right exit.
     #[inline]
     pub fn right_child(&self, exit: &Exit) -> Option<Window> {
-        let turn = Turn::new(self, exit);
+        let turn = ExitTurn::new(self, exit);
         let b1 = turn.leaving(self.window.b1, self.sides[1]);
         turn.window(0.0, less(b1, exit.length))
     }
@@ -162,7 +162,7 @@ pub(crate) fn entry(offset: f64, height: f64, px: f64, l: f64) -> f64 {
 }
 
 /// The step from the frame of the entrance to that of an exit.
-struct Turn<'a> {
+struct ExitTurn<'a> {
     crossing: &'a Crossing<'a>,
     exit: &'a Exit,
     /// Where the source comes to lie, (û·p', û×p') for û the unit vector along the exit and p' the
@@ -170,7 +170,7 @@ struct Turn<'a> {
     source: [f64; 2],
 }
 
-impl<'a> Turn<'a> {
+impl<'a> ExitTurn<'a> {
     #[inline]
     fn new(crossing: &'a Crossing<'a>, exit: &'a Exit) -> Self {
         let (frame, w) = (crossing.frame, crossing.window);

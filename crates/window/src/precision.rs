@@ -73,8 +73,8 @@
 //! A place on a side of length L is a multiple of ε·L. Where all distances are far less than L, an
 //! error of ε·L is not small beside them, and no order of operations helps: the abscissa itself is
 //! rounded. Nor does it where one distance is less than what a path gathers on its way across many
-//! such faces, [`PLACE`]·L on each where windows are equal. [`doubt`] names the faces and bounds the error, so that no such distance is given in
-//! silence.
+//! such faces, [`PLACE`]·L on each where windows are equal. [`doubt`] names the faces and bounds the
+//! error, so that no such distance is given in silence.
 //!
 //! # Work
 //!

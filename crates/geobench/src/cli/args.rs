@@ -50,11 +50,11 @@ pub(super) struct Arguments {
     #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t)]
     pub(super) color: ColorChoice,
 
-    /// Form of the model that is read from standard input as -: obj, ply, off or stl
+    /// Format of a model that is read from standard input (-): obj, ply, off or stl
     #[arg(long, global = true, value_name = "FORM")]
     pub(super) input_format: Option<String>,
 
-    /// Form of what is written to standard output as -: an ending of the command's output files
+    /// Format of a file that is written to standard output (-): one of its endings, such as csv
     #[arg(long, global = true, value_name = "FORM")]
     pub(super) output_format: Option<String>,
 
@@ -128,8 +128,7 @@ pub(super) struct RunOptions {
     #[arg(value_name = "MODEL")]
     pub(super) models: Vec<String>,
 
-    /// Suite file: models, algorithms and settings in groups; options given beside it come before
-    /// what it says
+    /// Suite file with models, algorithms and settings in groups; options override it
     #[arg(long, value_name = "SUITE.toml")]
     pub(super) config: Option<PathBuf>,
 
@@ -154,16 +153,16 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "P", conflicts_with = "repeat")]
     pub(super) precision: Option<Share>,
 
-    /// Repeat at least until the timed runs of a cell have taken this long [default: 0.2s]
+    /// Least time that the timed runs of a cell take together, such as 1s [default: 0.2s]
     #[arg(long, value_name = "T", conflicts_with = "repeat")]
     pub(super) min_time: Option<Seconds>,
 
-    /// Stop repeating when the timed runs of a cell have taken this long [default: 20s; 1s for the
+    /// Time after which no timed run of a cell starts, such as 1m [default: 20s; 1s for the
     /// built-in suite]
     #[arg(long, value_name = "T", conflicts_with = "repeat")]
     pub(super) max_time: Option<Seconds>,
 
-    /// Untimed runs of each cell before those [default: 1]
+    /// Untimed runs of each cell before the timed ones [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(..=i64::from(MOST_RUNS)))]
     pub(super) warmup: Option<u32>,
 
@@ -178,7 +177,7 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = tolerance)]
     pub(super) tolerance: Option<f64>,
 
-    /// What the order of the runs is drawn from, which changes from round to round [default: 1]
+    /// Seed of the order in which the algorithms take turns [default: 1]
     #[arg(long, value_name = "N")]
     pub(super) seed: Option<u64>,
 
@@ -205,7 +204,8 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = row)]
     pub(super) rows: Option<Vec<String>>,
 
-    /// Also show the ratios of all algorithms to this one, of times run by run
+    /// Show the ratio of each algorithm to this one as well; of times, the median of the ratios run
+    /// by run
     #[arg(long, value_name = "A", value_parser = registry::select_one)]
     pub(super) ratios_to: Option<Selection>,
 
@@ -223,26 +223,26 @@ pub(super) struct RunOptions {
     #[command(flatten)]
     pub(super) csv_rows: CsvOptions,
 
-    /// Journal: every run is noted in it as soon as it ends; runs that it holds already are not
-    /// made again, so the same command goes on where it was interrupted
+    /// Journal that notes every run as it ends; runs that it holds are not repeated, so the same
+    /// command continues where it was interrupted
     #[arg(long, value_name = "FILE")]
     pub(super) resume: Option<PathBuf>,
 
-    /// Result file (.json) to add to: cells that it has are kept, and it gets the others of this run.
-    /// A cell with fewer timed runs than asked for gets the rest
+    /// Result file (.json) to add to; it keeps its cells and gets the others of this run, and the
+    /// timed runs that a cell lacks
     #[arg(long, value_name = "FILE", conflicts_with = "shard")]
     pub(super) add_to: Option<PathBuf>,
 
-    /// Only part I of N of the plan, such as 2/3; the same split on every machine, for `geobench
-    /// merge`
+    /// Run only part I of N of the plan, such as 2/3; every machine splits alike, and `geobench
+    /// merge` joins the parts
     #[arg(long, value_name = "I/N")]
     pub(super) shard: Option<Shard>,
 
-    /// No progress, no warnings
+    /// Print no progress and no warnings
     #[arg(long)]
     pub(super) quiet: bool,
 
-    /// No progress bar
+    /// Show no progress bar
     #[arg(long)]
     pub(super) no_progress: bool,
 }
@@ -256,7 +256,7 @@ pub(super) struct SourceOptions {
     #[arg(long, value_name = "SRC", allow_negative_numbers = true)]
     pub(super) source: Vec<SourceSpec>,
 
-    /// One run from all sources together, not one for each: distances are those from the nearest
+    /// Run once from all sources together, with distances from the nearest, not once from each
     #[arg(long)]
     pub(super) sources_together: bool,
 }
@@ -274,8 +274,7 @@ impl SourceOptions {
 /// Which models of a suite.
 #[derive(Args, Debug)]
 pub(super) struct ScaleOptions {
-    /// Directory of models to take the place of those in the suite that only stand for them, by the
-    /// names of their files
+    /// Directory of models that replace the stand-ins of the suite with the same names
     #[arg(
         long = "models",
         value_name = "DIR",
@@ -325,13 +324,12 @@ impl CsvOptions {
 /// What is found out beside the usual figures.
 #[derive(Args, Debug)]
 pub(super) struct ExtraOptions {
-    /// Keep the wavefront at some moments of each run that counts: its windows, their distances and
-    /// how much these differ, for the plots of `geobench report`
+    /// Keep samples of the wavefront of each counted run, for the plots of `geobench report`
     #[arg(long)]
     pub(super) wavefront: bool,
 
-    /// Count the instructions of one solve of each cell as well, under Valgrind, which must be
-    /// installed and takes some fifty times as long as the solve (row `instructions`)
+    /// Count the instructions of one solve of each cell under Valgrind, which takes some fifty times
+    /// as long as the solve (row `instructions`)
     #[arg(long)]
     pub(super) instructions: bool,
 }
@@ -470,7 +468,7 @@ pub(super) struct PathOptions {
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
 
-    /// No summary
+    /// Print no summary
     #[arg(long)]
     pub(super) quiet: bool,
 }
@@ -523,7 +521,7 @@ pub(super) struct IsolinesOptions {
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
 
-    /// No summary
+    /// Print no summary
     #[arg(long)]
     pub(super) quiet: bool,
 }
@@ -590,7 +588,7 @@ pub(super) struct DistanceOptions {
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
 
-    /// No summary
+    /// Print no summary
     #[arg(long)]
     pub(super) quiet: bool,
 }
@@ -627,7 +625,7 @@ pub(super) struct VoronoiOptions {
     #[arg(long, value_name = "FILE")]
     pub(super) labels: Option<PathBuf>,
 
-    /// No summary
+    /// Print no summary
     #[arg(long)]
     pub(super) quiet: bool,
 }
@@ -665,7 +663,7 @@ pub(super) struct ReportOptions {
     #[command(flatten)]
     pub(super) decompression: DecompressionOptions,
 
-    /// No summary, no warnings
+    /// Print no summary and no warnings
     #[arg(long)]
     pub(super) quiet: bool,
 }

@@ -34,7 +34,7 @@ pub(super) struct ClaimsOptions {
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
 
-    /// No warnings
+    /// Print no warnings
     #[arg(long)]
     pub(super) quiet: bool,
 }

@@ -42,7 +42,7 @@ pub(super) struct ClusterOptions {
     #[arg(long, value_name = "P")]
     pub(super) partition: Option<String>,
 
-    /// No other jobs on a node while a part runs there
+    /// Keep other jobs off a node while a part runs there
     #[arg(long)]
     pub(super) exclusive: bool,
 
@@ -50,7 +50,7 @@ pub(super) struct ClusterOptions {
     #[arg(long, value_name = "DUR")]
     pub(super) time: Option<humantime::Duration>,
 
-    /// Another option of sbatch, such as --sbatch=--account=NAME; may be repeated
+    /// Further option of sbatch, such as --sbatch=--account=NAME; may be repeated
     #[arg(long, value_name = "OPTION", allow_hyphen_values = true)]
     pub(super) sbatch: Vec<String>,
 

@@ -16,18 +16,18 @@ use crate::schema::IsolationRecord;
 
 #[derive(Args, Debug)]
 pub(super) struct IsolationOptions {
-    /// Where cells run: each in a process of its own, so that one that crashes, never ends or takes
-    /// all memory is lost alone, or all in this one
+    /// Where cells run: each in a process of its own, so that a crash, an endless loop or too much
+    /// memory costs one row only, or all in this process
     #[arg(long, value_name = "WHERE", value_enum, default_value_t)]
     isolate: Isolate,
 
-    /// Time that each run of a cell may take, such as 90s or 1h30m, or none; a cell that takes
-    /// longer ends as `timeout`, without its other runs [default: 10m]
+    /// Time limit of each run, such as 90s or 1h30m, or none; a cell that exceeds it ends as
+    /// `timeout` [default: 10m]
     #[arg(long, value_name = "DUR", allow_negative_numbers = true)]
     pub(super) timeout: Option<Timeout>,
 
-    /// Memory that the process of a cell may occupy, such as 8GiB, or none; one that takes more
-    /// ends as `out_of_memory` [default: none]
+    /// Memory limit of the process of each cell, such as 8GiB, or none; a cell that exceeds it ends
+    /// as `out_of_memory` [default: none]
     #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
     pub(super) memory_limit: Option<MemoryLimit>,
 
@@ -38,8 +38,8 @@ pub(super) struct IsolationOptions {
     #[arg(long, value_name = "LIST", allow_negative_numbers = true)]
     cpu: Option<CpuList>,
 
-    /// File with tables [ext.NAME] that describe outside programs, which are then algorithms called
-    /// ext:NAME; the suite file may hold such tables too
+    /// File with tables [ext.NAME] of outside programs, which become algorithms ext:NAME; a suite
+    /// file may hold such tables too
     #[arg(long, value_name = "FILE")]
     ext: Vec<PathBuf>,
 }

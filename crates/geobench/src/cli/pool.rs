@@ -19,8 +19,8 @@ pub(super) struct PoolOptions {
     #[arg(short, long, value_name = "FILE", required = true)]
     pub(super) output: Vec<PathBuf>,
 
-    /// Any text that the files of both versions have in common, so that `compare` knows that sample
-    /// i of the one was taken next to sample i of the other
+    /// Text that the files of both versions share; `compare` then pairs sample i of the one with
+    /// sample i of the other
     #[arg(long, value_name = "ID")]
     pub(super) pairing: Option<String>,
 }

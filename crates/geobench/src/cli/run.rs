@@ -66,22 +66,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         instructions: options.extras.instructions,
         quiet: options.quiet,
         outputs,
-        result: ResultFile {
-            schema: SCHEMA.to_owned(),
-            tool: host::tool(),
-            host: session.host,
-            command: session.command,
-            started: sessions[0].started.clone(),
-            finished: session.started,
-            isolation: Some(options.isolation.record(options.jobs)),
-            groups: Vec::new(),
-            models: Vec::new(),
-            cells: Vec::new(),
-            pairing: None,
-            conditions: None,
-            plan: Some(plan),
-            sessions,
-        },
+        result: empty(plan, session, sessions),
     };
     let before = Snapshot::take(Path::new("/"));
     let mut verdicts = Vec::new();
@@ -318,6 +303,26 @@ fn outputs(options: &RunOptions) -> anyhow::Result<(Format, Vec<(Format, OutputF
         outputs.push((Format::Json, file));
     }
     Ok((format, outputs))
+}
+
+/// The result file of `plan` before the first cell. `session` is the last of `sessions`.
+fn empty(plan: PlanRecord, session: SessionRecord, sessions: Vec<SessionRecord>) -> ResultFile {
+    ResultFile {
+        schema: SCHEMA.to_owned(),
+        tool: host::tool(),
+        host: session.host,
+        command: session.command,
+        started: sessions[0].started.clone(),
+        finished: session.started,
+        isolation: Some(plan.isolation.clone()),
+        groups: Vec::new(),
+        models: Vec::new(),
+        cells: Vec::new(),
+        pairing: None,
+        conditions: None,
+        plan: Some(plan),
+        sessions,
+    }
 }
 
 /// The record of this process.

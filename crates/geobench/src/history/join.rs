@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use serde_json::Value;
 
 use crate::measure::conditions;
-use crate::plan::difference::first_difference;
+use crate::schema::difference::first_difference;
 use crate::schema::{Cell, GroupRecord, ResultFile, SourceLabel};
 
 /// A joined file.

@@ -49,8 +49,8 @@ pub fn check_valgrind() -> anyhow::Result<()> {
 }
 
 /// Counts the instructions of the first solve after set-up, in a process of its own. Takes about
-/// fifty times as long as the solve. Uses instructions no wider than `simd`, and falls back to narrower vector instructions if Valgrind does
-/// not support one.
+/// fifty times as long as the solve. Uses instructions no wider than `simd`, and falls back to
+/// narrower vector instructions if Valgrind does not support one.
 ///
 /// # Errors
 ///

@@ -18,7 +18,6 @@ use crate::schema::{
     GroupRecord, IsolationRecord, PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel, Shard,
 };
 
-pub(crate) mod difference;
 pub mod sampling;
 #[cfg(feature = "command-line")]
 pub mod suite;

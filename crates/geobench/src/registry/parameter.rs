@@ -32,7 +32,7 @@ pub const MOST_THREADS: u32 = 1024;
 /// const LIMIT: Parameter = Parameter::real("limit", 0.5, 0.0..=1.0, "drops what is below")
 ///     .or_words(&["none"])
 ///     .with_default(Value::Word("none"));
-/// const ORDER: Parameter = Parameter::word("order", &["fifo", "nearest"], "who comes first");
+/// const ORDER: Parameter = Parameter::word("order", &["fifo", "nearest"], "the order of windows");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {

@@ -22,7 +22,7 @@ use anyhow::{Context, anyhow, bail};
 use serde::{Deserialize, Serialize};
 
 use crate::exec::{Failure, Observation, Pass};
-use crate::plan::difference::first_difference;
+use crate::schema::difference::first_difference;
 use crate::schema::{
     Check, InstructionCount, ModelRecord, PlanRecord, PlannedGroup, SCHEMA, SessionRecord,
     SourceLabel, Tool,

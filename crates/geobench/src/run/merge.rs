@@ -9,7 +9,7 @@ use serde_json::json;
 
 use crate::exec::source::SourceSpec;
 use crate::measure::conditions;
-use crate::plan::difference::first_difference;
+use crate::schema::difference::first_difference;
 use crate::schema::{Cell, ModelRecord, PlanRecord, PlannedGroup, ResultFile, Shard};
 
 /// Greatest number of missing parts that are named.

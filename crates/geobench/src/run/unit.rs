@@ -392,21 +392,17 @@ impl<'p> UnitPlan<'p> {
             }
             Err(failure) => context.check().unchecked = failed(failure),
         }
-        match cell {
-            Some(cell) => {
-                // Else its timed runs are done. The new answer serves checks only.
-                if cell.lacks(Pass::Warmup, 0) {
-                    self.take_in(cell, Pass::Warmup, 0, done, context)?;
-                }
-                Ok(Some(cell.place))
-            }
+        let Some(cell) = cell else {
             // Not a cell of the plan. The journal keeps a failure, so that it is not tried again.
-            None => {
-                let found = self.judge(reference, done, &mut context.check());
-                context.log.keep(JournalLine::Run { id: run, found })?;
-                Ok(None)
-            }
+            let found = self.judge(reference, done, &mut context.check());
+            context.log.keep(JournalLine::Run { id: run, found })?;
+            return Ok(None);
+        };
+        // Else its timed runs are done. The new answer serves checks only.
+        if cell.lacks(Pass::Warmup, 0) {
+            self.take_in(cell, Pass::Warmup, 0, done, context)?;
         }
+        Ok(Some(cell.place))
     }
 
     /// Repeats runs whose answers differed from the reference before an interruption, so that later

@@ -2,6 +2,7 @@
 //! model's own units, and numbers are stored unrounded. A figure that does not exist is `null`,
 //! never 0.
 
+pub(crate) mod difference;
 mod plan_record;
 pub mod result_file;
 

@@ -9,8 +9,8 @@ type Reading = std::time::Instant;
 
 /// The time that a thread has worked in a run.
 ///
-/// It only decides who gives how much to whom: nothing goes wrong where counters of processors
-/// differ.
+/// It decides only how much work a thread hands to another, so differences between the counters of
+/// processors do no harm.
 #[derive(Debug)]
 pub(super) struct Clock {
     started: Reading,

@@ -37,7 +37,7 @@ impl CrossedChild {
 
 /// The edge by which a window leaves a triangle.
 #[derive(Clone, Copy)]
-pub(super) struct Edge {
+pub(super) struct ExitSide {
     /// 1 for the side on which it leaves, the left or the right one, and 0 for the other.
     pub(super) left: f64,
     pub(super) right: f64,
@@ -49,7 +49,7 @@ pub(super) struct Edge {
 /// The label of `window`, which has come through `edge`, and the limits of the distances around.
 #[inline(always)]
 #[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
-pub(super) fn measure(window: &Window, edge: &Edge) -> (f64, [f64; 3]) {
+pub(super) fn measure(window: &Window, edge: &ExitSide) -> (f64, [f64; 3]) {
     let Window {
         b0,
         b1,
@@ -57,7 +57,7 @@ pub(super) fn measure(window: &Window, edge: &Edge) -> (f64, [f64; 3]) {
         py,
         sigma,
     } = *window;
-    let Edge {
+    let ExitSide {
         left,
         right,
         length,

@@ -14,7 +14,7 @@ mod children;
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 
-use self::children::{Edge, measure};
+use self::children::{ExitSide, measure};
 use crate::crossing::entry;
 use crate::frame::{ExitEdge, Faces, HalfEdge};
 use crate::simd::{Instructions, Lanes, Program, Simd};
@@ -232,7 +232,7 @@ impl Crossings {
             py: -across.abs(),
             sigma: w.sigma[lane],
         };
-        let edge = Edge {
+        let edge = ExitSide {
             left: 0.0,
             right: 1.0,
             length,
@@ -327,7 +327,7 @@ impl Crossings {
                 py: -across.abs(),
                 sigma,
             };
-            let edge = Edge {
+            let edge = ExitSide {
                 left,
                 right,
                 length: length[i],

@@ -10,9 +10,9 @@ use std::iter;
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_window::{Counter, Solver};
 
-mod data;
-
-pub(crate) use data::*;
+pub(crate) mod data;
+#[macro_use]
+pub(crate) mod defects;
 
 /// The solvers of a crate, set up for a mesh, with their names.
 pub(crate) type Solvers = Vec<(&'static str, Box<dyn Solver>)>;

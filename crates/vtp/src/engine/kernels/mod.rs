@@ -5,7 +5,7 @@
 //! | [`gather`] | brings the lists of a half-edge together | vertex filter |
 //! | [`compare()`] | cuts neighbours that lose to each other, all at once | 2 and 3 |
 //! | [`settle()`] | the same until all neighbours stay | 2 and 3 |
-//! | [`measure()`] | counts who goes where, finds the shortest path to the apex | vertex filter, if asked |
+//! | [`measure()`] | counts the windows for each exit, finds the shortest path to the apex | vertex filter, if asked |
 //! | [`carry()`] | takes the windows across the face | 1 and others, see [`exits`] |
 
 mod carry;

@@ -1,4 +1,4 @@
-//! The first difference between two plans, to name it in an error.
+//! The first difference between two records, to name it in an error.
 
 use serde_json::{Map, Value};
 

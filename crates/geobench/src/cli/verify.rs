@@ -225,12 +225,11 @@ impl LoadedModelCheck<'_> {
                     if let Some(field) = stored.as_ref().filter(|_| found.len() == vertices) {
                         let expected = field.distances.iter().copied();
                         let comparison = check::compare_some(&found, expected, tolerance);
-                        let reference = match (comparison.compared, field.path.display()) {
-                            (some, file) if some < vertices => {
-                                format!("{file} at {some} of {vertices} vertices")
-                            }
-                            (_, file) => file.to_string(),
-                        };
+                        let mut reference = field.path.display().to_string();
+                        if comparison.compared < vertices {
+                            let some = comparison.compared;
+                            reference += &format!(" at {some} of {vertices} vertices");
+                        }
                         verdict.judge(&reference, &comparison);
                     }
                     if algorithm.label() == REFERENCE {

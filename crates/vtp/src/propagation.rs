@@ -66,13 +66,15 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         numbering.keep_new_vertices();
         let faces = mesh.face_count();
         let kept = surface.kept.clone();
+        let half_edges = if kept.is_empty() { 0 } else { 4 * faces };
+        let thin = (0..half_edges).map(|h| kept.holds(h)).collect();
         Self {
             mesh: mesh.clone(),
             simd: Simd::new(Instructions::detect()),
             numbering,
             surface,
             schedule: S::new(faces),
-            front: Front::new(faces),
+            front: Front::new(faces, thin),
             active: ActiveList::new(),
             exits: E::new(faces),
             passed: Vec::new(),
@@ -449,6 +451,10 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
             while let Some(h) = self.front.next_ready() {
                 self.prefetch();
                 self.cross(h, probe);
+            }
+            if let Some(h) = self.front.next_thin(self.schedule.next()) {
+                self.cross(h, probe);
+                continue;
             }
             let turn = self.schedule.pop();
             if let Some((d, _)) = turn

@@ -134,20 +134,17 @@ impl Front {
     /// Queues the lists on `h`, beside a thin face, by the least distance of their windows.
     #[cold]
     fn wait_by_distance(&mut self, h: u32) {
-        let lists = self.lists(h).into_iter();
-        let windows = lists.flat_map(|list| (0..list.len()).map(move |i| list.row(i)));
-        let distances = windows.map(|[b0, b1, px, py, sigma]| {
-            let window = Window {
-                b0,
-                b1,
-                px,
-                py,
-                sigma,
-            };
-            window.min_distance()
-        });
-        self.nearest
-            .push(distances.fold(f64::INFINITY, f64::min), h);
+        let distance = self.least_distance(h);
+        self.nearest.push(distance, h);
+    }
+
+    /// The least distance of the windows on `h`.
+    #[cold]
+    pub(crate) fn least_distance(&self, h: u32) -> f64 {
+        let (face, corner) = parts(h);
+        let windows = (self.places[face].lists[corner].into_iter())
+            .flat_map(|list| self.store.windows_at(list, 0..self.store.len(list)));
+        windows.fold(f64::INFINITY, |d, w| d.min(w.min_distance()))
     }
 
     /// Takes the half-edge beside a thin face on which the nearest window waits, if that is nearer

@@ -216,7 +216,11 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 gate: &gate,
                 keep: &mut self.active.keep,
             };
-            let offer = self.simd.run(program);
+            let mut offer = self.simd.run(program);
+            if self.kept.holds(h as usize) {
+                // Beside a thin face, windows may wind around a needle at less than that.
+                offer = self.front.least_distance(h);
+            }
             self.schedule.wait(parts(h).0 as u32, offer, probe);
         }
         self.front.make_ready(h);

@@ -117,3 +117,11 @@ fn a_part_beside_a_corner_had_another_area() {
     check_split_of_a_needle([5e-11, 1.4e-10], &[[0.0, 0.63, 0.37], beside]);
     check_split_of_a_needle([5e-11, 1.4e-10], &[[0.0, 0.37, 0.63], beside]);
 }
+
+/// It was the sum of two long vectors that are nearly opposite.
+#[test]
+fn a_short_line_across_a_needle_had_another_length() {
+    let (a, b) = (0.008_062_796_637_315_572, 0.008_062_796_638_285_685);
+    let points = [[a, 1.0 - a, 0.0], [0.0, 1.0 - b, b]];
+    check_split_of_a_needle([2e-11, 1.2e-10], &points.map(|[x, y, z]| [y, z, x]));
+}

@@ -14,10 +14,9 @@ const FLIP_SLACK: f64 = 1e-9;
 
 /// The shape of a face, from which distances between its points follow.
 ///
-/// Points are barycentric coordinates, each of which is exact relative to itself. A vector between
-/// two points is the sum of two edges of the face from one corner, times differences of
-/// coordinates. The corner is that with the least error: it is near both points, or the edges that
-/// count are short.
+/// Points are barycentric coordinates. A vector between two points is the sum of two edges of the
+/// face from one of its corners, times [differences](difference) of coordinates. These are exact
+/// for close points, so that a vector has an error relative to itself, however short it is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
     lengths: [f64; 3],
@@ -50,17 +49,17 @@ impl Shape {
 
     /// The vector from point `p` to point `q`.
     fn vector(&self, p: [f64; 3], q: [f64; 3]) -> [f64; 2] {
+        let all = difference(p, q);
         let others = |base: usize| ((base + 1) % 3, (base + 2) % 3);
-        // Rounding of both coordinates, along the edges that they multiply.
-        let error = |base: usize| {
+        // Of the three sums that are the vector, that with the least terms loses the least.
+        let size = |base: usize| {
             let (next, last) = others(base);
-            p[next].max(q[next]) * self.lengths[base] + p[last].max(q[last]) * self.lengths[last]
+            all[next].abs() * self.lengths[base] + all[last].abs() * self.lengths[last]
         };
-        let base = largest([0, 1, 2].map(|k| -error(k)));
+        let base = largest([0, 1, 2].map(|k| -size(k)));
         let (next, last) = others(base);
-        let (along, back) = (q[next] - p[next], q[last] - p[last]);
         let (there, home) = (self.edges[base], self.edges[last]);
-        [0, 1].map(|i| along * there[i] - back * home[i])
+        [0, 1].map(|i| all[next] * there[i] - all[last] * home[i])
     }
 
     /// The distance of two points.

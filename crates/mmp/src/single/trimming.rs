@@ -240,7 +240,7 @@ impl Policy for Trimming {
             Turn::Void => return Turn::Void,
         };
         if self.retention == Retention::Wavefront {
-            if !self.lists.is_waited_for(place.index()) {
+            if !self.lists.is_waited_for(place.index()) && !self.thin.is_beside(place.index()) {
                 let edge = surface.edge(place);
                 let within = reach([edge.tail, edge.head], edge.length);
                 self.eviction.note(place, within);

@@ -23,7 +23,7 @@ fn isolated() -> Isolated {
 }
 
 /// Carries out these runs and returns the peaks of each.
-fn runs(mut place: Isolated, model: &str, list: &[(&str, Pass)]) -> Vec<Peaks> {
+fn runs(place: Isolated, model: &str, list: &[(&str, Pass)]) -> Vec<Peaks> {
     let model = ModelRef::generated(model).unwrap();
     let mut session = place.open(&model).unwrap();
     let peaks = list.iter().map(|&(algorithm, pass)| {
@@ -109,7 +109,7 @@ fn where_all_hold_too_much_a_child_ends_after_its_run_and_comes_back_warm() {
     let model = ModelRef::generated("gen:sphere,subdiv=2").unwrap();
     for (budget, alive) in [(u64::MAX, [1, 2, 2, 2, 2]), (1, [1, 1, 1, 1, 1])] {
         let mut alive = alive.into_iter();
-        let mut place = Isolated {
+        let place = Isolated {
             budget: Some(budget),
             ..isolated()
         };

@@ -153,11 +153,12 @@ fn result(plan: &Plan, command: Vec<String>, mut listener: UntilStopped) -> anyh
     let isolation = IsolationRecord {
         process: false,
         cpus: None,
+        jobs: None,
     };
     let record = plan::record(std::slice::from_ref(plan), isolation.clone());
     let (host, started) = (host::host(), now());
     let before = Snapshot::take(Path::new("/"));
-    let records = run::run(plan, &mut ThisProcess, None, None, &mut listener)?;
+    let records = run::run(plan, &ThisProcess, None, None, &mut listener, 1)?;
     let finished = now();
     let file = ResultFile {
         schema: SCHEMA.to_owned(),

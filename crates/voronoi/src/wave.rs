@@ -50,7 +50,7 @@ pub(crate) struct Wave {
     /// The distance at which each vertex last sent out windows; infinite if it has not.
     spawned: Vec<f64>,
     pub(crate) store: EdgeWindows,
-    /// For each face a length within which one of its points is reached; empty if nobody asks.
+    /// For each face a length within which one of its points is reached; empty if not asked for.
     pub(crate) nearest: Vec<f64>,
     /// Faces that have been reached for the first time.
     pub(crate) reached: Vec<u32>,

@@ -279,9 +279,9 @@ fn one_thread_of_the_parallel_form_does_the_same_as_the_other_one() {
     }
 }
 
-/// A thread that had nothing to do, or was far ahead, once held nobody back while windows from
-/// another one waited for it. When it did not run for a while, the others flooded its part of the
-/// surface with windows, up to three times as many.
+/// An idle thread, or one that was far ahead, once did not hold the others back while windows that
+/// they had sent waited for it. When the system did not run it for a while, the others flooded its
+/// part of the surface with windows, up to three times as many.
 #[test]
 fn threads_do_not_run_away_from_one_that_is_late() {
     let mesh = scaled(soup_of("gen:torus,faces=5000,bump=0.1,seed=7"), 1.0);

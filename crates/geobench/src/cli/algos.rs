@@ -1,14 +1,31 @@
 //! `geobench algos`.
 
+use clap::Args;
 use geobench_window::{Counter, Counters};
 use serde::Serialize;
 
 use super::Verdict;
-use super::args::{AlgosOptions, ListFormat};
+use super::args::{self, Algorithms, ListFormat};
 use super::terminal::{self, Terminal};
 use crate::registry::{self, Algorithm, Numbers, Parameter, Selection, Value};
 use crate::table::terminal::listing;
 use crate::table::{Column, Entry, Table};
+
+#[derive(Args, Debug)]
+pub(super) struct AlgosOptions {
+    /// Algorithms to describe in full: by name, by family, or exact, or all; separated by commas.
+    /// Without any, one line for each of all, and which one to take
+    #[arg(value_name = "LIST", value_parser = args::algorithms)]
+    pub(super) list: Option<Algorithms>,
+
+    /// List the counters of result files instead, each with its definition
+    #[arg(long)]
+    pub(super) counters: bool,
+
+    /// How to list them
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(super) format: ListFormat,
+}
 
 /// The recommended algorithm for each use, as in `docs/algorithms`.
 const ADVICE: [(&str, &str); 6] = [

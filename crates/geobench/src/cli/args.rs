@@ -1,36 +1,36 @@
-//! The arguments of every command, as clap reads them.
+//! The command line: its commands, the options of those that work on models, and what options of
+//! several commands share. The options of the other commands stand in their files.
 
 use std::path::{Path, PathBuf};
 
 use clap::builder::RangedI64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
+use super::algos::AlgosOptions;
+use super::claims::ClaimsOptions;
+use super::cluster::ClusterOptions;
+use super::compare::CompareOptions;
+use super::generate::GenOptions;
+use super::history::{RecordOptions, TrendOptions};
+use super::info::InfoOptions;
 use super::isolation::{DecompressionOptions, IsolationOptions, ReadingOptions};
+use super::merge::MergeOptions;
+use super::pool::PoolOptions;
+use super::shell::{CompletionsOptions, ManOptions};
 use crate::UsageError;
 use crate::exec::source::{SourceSpec, TargetSpec};
-use crate::history::compare::Rules;
 use crate::measure::instructions;
 use crate::plan::sampling::{Seconds, Share};
 use crate::plan::suite::{self, MOST_RUNS};
 use crate::registry::{self, MOST_THREADS, Selection, Simd};
-use crate::report::claims::ClaimsFormat;
 use crate::report::{Form, Tables, Wanted};
 use crate::schema::Shard;
 use crate::table::output::{self, OutputFile};
-use crate::table::{self, ComparisonFormat, Format};
+use crate::table::{self, Format};
 
 /// Help text on models, for every command that takes some.
-const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .gz), a directory (searched \
+pub(super) const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .gz), a directory (searched \
     recursively) or a generated model such as gen:sphere,subdiv=5 or gen:terrain,n=100,seed=1.";
-
-/// Help text on rules, for `compare`.
-const RULES_HELP: &str = "A rule is NAME=LIMIT, such as time=10%,propagated=0,heap_peak_bytes=5%. `time` is broken if the \
-    95 % interval of the ratio of the times lies wholly beyond the limit. A counter (`geobench algos \
-    --counters`) may change by no more than the limit in either direction, or, with a plus as in \
-    propagated=+0, only not grow by more. `instructions` and the memories papers_bytes, \
-    windows_peak_bytes, heap_peak_bytes and rss_peak_bytes may shrink. `missing` is broken if the new file lacks \
-    more than this share of the cells of the old one. Exit status: 0 nothing is worse; 1 \
-    something is worse; 2 a file cannot be used.";
 
 /// Runs, checks and compares exact geodesic-distance algorithms on triangle meshes.
 #[derive(Debug, Parser)]
@@ -192,6 +192,10 @@ pub(super) struct RunOptions {
     /// [default: auto; scalar for the papers' algorithms without --algo and --config]
     #[arg(long, value_name = "SIMD")]
     pub(super) simd: Option<Simd>,
+
+    /// Cells that run at the same time; more than 1 disturbs the times, and tables and files say so
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
+    pub(super) jobs: u32,
 
     #[command(flatten)]
     pub(super) isolation: IsolationOptions,
@@ -680,240 +684,6 @@ impl ReportOptions {
 }
 
 #[derive(Args, Debug)]
-#[command(
-    after_help = "A claim is decided by the results of its suite (`run --config bench-configs/SUITE.toml`). docs/claims.md has \
-    the rules and the form of files of claims. Exit status: 0 whatever the verdicts are; 2 a file cannot be used."
-)]
-pub(super) struct ClaimsOptions {
-    /// Result files (.json), or directories of some; at most one of each suite
-    #[arg(value_name = "RESULT", required = true)]
-    pub(super) results: Vec<PathBuf>,
-
-    /// File of claims (.toml), or a directory of some [default: those of the papers, which are part
-    /// of the program]
-    #[arg(long, value_name = "DIR|FILE")]
-    pub(super) claims: Option<PathBuf>,
-
-    /// What goes to standard output
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ClaimsFormat::Markdown)]
-    pub(super) format: ClaimsFormat,
-
-    /// File to write instead, by its ending: .md, .json, .csv or .txt; may be repeated
-    #[arg(short, long, value_name = "FILE")]
-    pub(super) output: Vec<PathBuf>,
-
-    /// No warnings
-    #[arg(long)]
-    pub(super) quiet: bool,
-}
-
-#[derive(Args, Debug)]
-pub(super) struct GenOptions {
-    /// NAME[,key=value...], such as torus,faces=50000,bump=0.1,seed=7
-    #[arg(value_name = "SPEC")]
-    pub(super) spec: String,
-
-    #[command(flatten)]
-    pub(super) decompression: DecompressionOptions,
-
-    /// File to write: .obj or .ply, each also .gz
-    #[arg(short, long, value_name = "FILE")]
-    pub(super) output: PathBuf,
-}
-
-#[derive(Args, Debug)]
-#[command(after_help = MODELS_HELP)]
-pub(super) struct InfoOptions {
-    /// Models
-    #[arg(value_name = "MODEL", required = true)]
-    pub(super) models: Vec<String>,
-
-    #[command(flatten)]
-    pub(super) reading: ReadingOptions,
-
-    /// How to show them
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(super) format: ListFormat,
-}
-
-#[derive(Args, Debug)]
-#[command(after_help = RULES_HELP)]
-pub(super) struct CompareOptions {
-    /// Result files (.json), the older ones first; with --against the directory of a history
-    #[arg(value_name = "FILE", required = true)]
-    pub(super) files: Vec<PathBuf>,
-
-    /// The file that counts as 1 [default: the first]
-    #[arg(long, value_name = "FILE", conflicts_with = "against")]
-    pub(super) baseline: Option<PathBuf>,
-
-    /// Compare the newest record of a history with those of these commits, such as main~10..main;
-    /// the noise of a time is that from commit to commit
-    #[arg(long, value_name = "RANGE", conflicts_with = "output")]
-    pub(super) against: Option<String>,
-
-    /// What counts as a regression, separated by commas; without any, only a cell that does not end
-    /// well any more
-    #[arg(long, value_name = "RULES", default_value = "", hide_default_value = true, value_parser = rules)]
-    pub(super) fail_on: Rules,
-
-    /// What goes to standard output
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ComparisonFormat::Table)]
-    pub(super) format: ComparisonFormat,
-
-    /// File to write as well, by its ending: .json, .md or .txt; may be repeated
-    #[arg(short, long, value_name = "FILE")]
-    pub(super) output: Vec<PathBuf>,
-}
-
-#[derive(Args, Debug)]
-#[command(
-    after_help = "The exit status is that of the whole run: 1 if a cell failed, 2 if a model was refused."
-)]
-pub(super) struct MergeOptions {
-    /// Result files (.json) of all parts, in any order, or of different runs, of which the first has
-    /// the cells that several have
-    #[arg(value_name = "PART", required = true)]
-    pub(super) parts: Vec<PathBuf>,
-
-    /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
-    #[arg(short, long, value_name = "FILE", required = true)]
-    pub(super) output: Vec<PathBuf>,
-
-    #[command(flatten)]
-    pub(super) csv_rows: CsvOptions,
-}
-
-#[derive(Args, Debug)]
-#[command(
-    after_help = "Every part of the plan is a job of an array, and one job more joins their files. DIR must be on a \
-    file system that all nodes see; it gets the scripts, journals, logs and the result. Cores, memory and time \
-    follow from --threads, --memory-limit and --timeout of the plan. A part that is started again on the same \
-    node goes on from its journal; on another it starts anew, so that ratios are of one node."
-)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is an option of its own"
-)]
-pub(super) struct ClusterOptions {
-    /// Suite file
-    #[arg(long, value_name = "SUITE.toml")]
-    pub(super) config: Option<PathBuf>,
-
-    /// Number of parts, each of which is a job
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub(super) shards: Option<u32>,
-
-    /// Partition of the cluster [default: that of Slurm]
-    #[arg(long, value_name = "P")]
-    pub(super) partition: Option<String>,
-
-    /// No other jobs on a node while a part runs there
-    #[arg(long)]
-    pub(super) exclusive: bool,
-
-    /// Time limit of each part [default: all its cells at their time limit]
-    #[arg(long, value_name = "DUR")]
-    pub(super) time: Option<humantime::Duration>,
-
-    /// Another option of sbatch, such as --sbatch=--account=NAME; may be repeated
-    #[arg(long, value_name = "OPTION", allow_hyphen_values = true)]
-    pub(super) sbatch: Vec<String>,
-
-    /// Directory of the benchmark, on a file system that the nodes share
-    #[arg(short, long, value_name = "DIR")]
-    pub(super) output: PathBuf,
-
-    /// Show which parts are done, wait, run or have failed
-    #[arg(long, conflicts_with_all = ["resume", "config", "shards", "run"])]
-    pub(super) status: bool,
-
-    /// Submit the parts that have failed again
-    #[arg(long, conflicts_with_all = ["config", "shards", "run"])]
-    pub(super) resume: bool,
-
-    /// Write the scripts and print the commands that would submit them
-    #[arg(long, conflicts_with_all = ["status", "resume"])]
-    pub(super) no_submit: bool,
-
-    /// Models and options of `geobench run`
-    #[arg(last = true, value_name = "RUN OPTIONS")]
-    pub(super) run: Vec<String>,
-}
-
-#[derive(Args, Debug)]
-pub(super) struct RecordOptions {
-    /// Result files (.json)
-    #[arg(value_name = "RESULT", required = true)]
-    pub(super) results: Vec<PathBuf>,
-
-    /// Directory of the history; made if it does not exist
-    #[arg(long, value_name = "DIR")]
-    pub(super) into: PathBuf,
-
-    /// The commit that was measured [default: that of the result file]
-    #[arg(long, value_name = "HASH")]
-    pub(super) commit: Option<String>,
-
-    /// The suite; records of different suites are not compared [default: the name of the suite file]
-    #[arg(long, value_name = "NAME")]
-    pub(super) suite: Option<String>,
-
-    /// Do not print the path of the record
-    #[arg(long)]
-    pub(super) quiet: bool,
-}
-
-#[derive(Args, Debug)]
-pub(super) struct TrendOptions {
-    /// Directory of the history
-    #[arg(value_name = "DIR")]
-    pub(super) history: PathBuf,
-
-    /// Page to write: one self-contained HTML file
-    #[arg(short, long, value_name = "FILE")]
-    pub(super) output: Option<PathBuf>,
-
-    /// How to show the change points
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(super) format: ListFormat,
-}
-
-#[derive(Args, Debug)]
-pub(super) struct PoolOptions {
-    /// Result files (.json) of the rounds, in the order in which they were run
-    #[arg(value_name = "ROUND", required = true)]
-    pub(super) rounds: Vec<PathBuf>,
-
-    /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
-    #[arg(short, long, value_name = "FILE", required = true)]
-    pub(super) output: Vec<PathBuf>,
-
-    /// Any text that the files of both versions have in common, so that `compare` knows that sample
-    /// i of the one was taken next to sample i of the other
-    #[arg(long, value_name = "ID")]
-    pub(super) pairing: Option<String>,
-}
-
-#[derive(Args, Debug)]
-#[command(
-    after_help = "For bash: geobench completions bash > ~/.local/share/bash-completion/completions/geobench"
-)]
-pub(super) struct CompletionsOptions {
-    /// The shell
-    #[arg(value_name = "SHELL", value_enum)]
-    pub(super) shell: clap_complete::Shell,
-}
-
-#[derive(Args, Debug)]
-#[command(after_help = "To read it: geobench man run | man -l -")]
-pub(super) struct ManOptions {
-    /// The command; without one, the page of the program, which lists all commands
-    #[arg(value_name = "COMMAND")]
-    pub(super) command: Option<String>,
-}
-
-#[derive(Args, Debug)]
 pub(super) struct CountOneSolveOptions {
     pub(super) model: String,
     pub(super) algorithm: String,
@@ -921,22 +691,6 @@ pub(super) struct CountOneSolveOptions {
     /// The widest instructions to use
     #[arg(long)]
     pub(super) simd: Option<String>,
-}
-
-#[derive(Args, Debug)]
-pub(super) struct AlgosOptions {
-    /// Algorithms to describe in full: by name, by family, or exact, or all; separated by commas.
-    /// Without any, one line for each of all, and which one to take
-    #[arg(value_name = "LIST", value_parser = algorithms)]
-    pub(super) list: Option<Algorithms>,
-
-    /// List the counters of result files instead, each with its definition
-    #[arg(long)]
-    pub(super) counters: bool,
-
-    /// How to list them
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(super) format: ListFormat,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -950,16 +704,8 @@ pub(super) enum ListFormat {
 #[derive(Clone, Debug)]
 pub(super) struct Algorithms(pub(super) Vec<Selection>);
 
-fn algorithms(list: &str) -> Result<Algorithms, UsageError> {
+pub(super) fn algorithms(list: &str) -> Result<Algorithms, UsageError> {
     registry::select(list).map(Algorithms)
-}
-
-fn rules(text: &str) -> Result<Rules, UsageError> {
-    if text.is_empty() {
-        Ok(Rules::default())
-    } else {
-        text.parse()
-    }
 }
 
 /// A distance that is not negative.

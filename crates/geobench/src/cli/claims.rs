@@ -3,13 +3,41 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use clap::Args;
 
 use super::Verdict;
-use super::args::ClaimsOptions;
 use super::terminal::{self, Terminal};
 use crate::report::claims::{self, ClaimsFile, ClaimsFormat, Input};
 use crate::schema::result_file;
 use crate::table::output;
+
+#[derive(Args, Debug)]
+#[command(
+    after_help = "A claim is decided by the results of its suite (`run --config bench-configs/SUITE.toml`). docs/claims.md has \
+    the rules and the form of files of claims. Exit status: 0 whatever the verdicts are; 2 a file cannot be used."
+)]
+pub(super) struct ClaimsOptions {
+    /// Result files (.json), or directories of some; at most one of each suite
+    #[arg(value_name = "RESULT", required = true)]
+    pub(super) results: Vec<PathBuf>,
+
+    /// File of claims (.toml), or a directory of some [default: those of the papers, which are part
+    /// of the program]
+    #[arg(long, value_name = "DIR|FILE")]
+    pub(super) claims: Option<PathBuf>,
+
+    /// What goes to standard output
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ClaimsFormat::Markdown)]
+    pub(super) format: ClaimsFormat,
+
+    /// File to write instead, by its ending: .md, .json, .csv or .txt; may be repeated
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Vec<PathBuf>,
+
+    /// No warnings
+    #[arg(long)]
+    pub(super) quiet: bool,
+}
 
 pub(super) fn claims(options: &ClaimsOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     let outputs = output::prepare(&options.output, ClaimsFormat::of_path)?;

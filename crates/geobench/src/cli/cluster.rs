@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, bail};
-use clap::Parser;
+use clap::{Args, Parser};
 
 use super::Verdict;
-use super::args::{Arguments, ClusterOptions, Command, RunOptions};
+use super::args::{Arguments, Command, RunOptions};
 use super::run::{now, possible_plans};
 use super::terminal::{self, Terminal};
 use crate::plan::Plan;
@@ -17,6 +17,63 @@ use crate::run::cluster::{
 };
 use crate::table::terminal::listing;
 use crate::table::{Column, Entry, Table};
+
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Every part of the plan is a job of an array, and one job more joins their files. DIR must be on a \
+    file system that all nodes see; it gets the scripts, journals, logs and the result. Cores, memory and time \
+    follow from --threads, --memory-limit and --timeout of the plan. A part that is started again on the same \
+    node goes on from its journal; on another it starts anew, so that ratios are of one node."
+)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is an option of its own"
+)]
+pub(super) struct ClusterOptions {
+    /// Suite file
+    #[arg(long, value_name = "SUITE.toml")]
+    pub(super) config: Option<PathBuf>,
+
+    /// Number of parts, each of which is a job
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(super) shards: Option<u32>,
+
+    /// Partition of the cluster [default: that of Slurm]
+    #[arg(long, value_name = "P")]
+    pub(super) partition: Option<String>,
+
+    /// No other jobs on a node while a part runs there
+    #[arg(long)]
+    pub(super) exclusive: bool,
+
+    /// Time limit of each part [default: all its cells at their time limit]
+    #[arg(long, value_name = "DUR")]
+    pub(super) time: Option<humantime::Duration>,
+
+    /// Another option of sbatch, such as --sbatch=--account=NAME; may be repeated
+    #[arg(long, value_name = "OPTION", allow_hyphen_values = true)]
+    pub(super) sbatch: Vec<String>,
+
+    /// Directory of the benchmark, on a file system that the nodes share
+    #[arg(short, long, value_name = "DIR")]
+    pub(super) output: PathBuf,
+
+    /// Show which parts are done, wait, run or have failed
+    #[arg(long, conflicts_with_all = ["resume", "config", "shards", "run"])]
+    pub(super) status: bool,
+
+    /// Submit the parts that have failed again
+    #[arg(long, conflicts_with_all = ["config", "shards", "run"])]
+    pub(super) resume: bool,
+
+    /// Write the scripts and print the commands that would submit them
+    #[arg(long, conflicts_with_all = ["status", "resume"])]
+    pub(super) no_submit: bool,
+
+    /// Models and options of `geobench run`
+    #[arg(last = true, value_name = "RUN OPTIONS")]
+    pub(super) run: Vec<String>,
+}
 
 pub(super) fn cluster(options: &ClusterOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     let directory = ClusterDirectory::new(&options.output)?;
@@ -62,6 +119,11 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     let here = std::env::current_dir().context("cannot tell the current directory")?;
     let placement = Placement::find(directory, &program, &here, &files(&run, &plans))?;
     let mut resources = Resources::of(&plans, parts);
+    // As many cells run at the same time.
+    resources.cores *= run.jobs as usize;
+    resources.memory_bytes = resources
+        .memory_bytes
+        .map(|bytes| bytes.saturating_mul(run.jobs.into()));
     if let Some(time) = options.time {
         resources.seconds = Some(Duration::from(time).as_secs());
     }

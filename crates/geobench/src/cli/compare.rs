@@ -1,14 +1,56 @@
 //! `geobench compare`.
 
-use anyhow::bail;
+use std::path::PathBuf;
 
-use super::args::CompareOptions;
+use anyhow::bail;
+use clap::Args;
+
 use super::terminal::{self, Terminal};
 use super::{Verdict, history};
-use crate::history::compare::{self as comparing, Several};
+use crate::UsageError;
+use crate::history::compare::{self as comparing, Rules, Several};
 use crate::schema::{ResultFile, result_file};
 use crate::table::output;
 use crate::table::{ComparisonFormat, Look};
+
+/// Help text on rules, for `compare`.
+const RULES_HELP: &str = "A rule is NAME=LIMIT, such as time=10%,propagated=0,heap_peak_bytes=5%. `time` is broken if the \
+    95 % interval of the ratio of the times lies wholly beyond the limit. A counter (`geobench algos \
+    --counters`) may change by no more than the limit in either direction, or, with a plus as in \
+    propagated=+0, only not grow by more. `instructions` and the memories papers_bytes, \
+    windows_peak_bytes, heap_peak_bytes and rss_peak_bytes may shrink. `missing` is broken if the new file lacks \
+    more than this share of the cells of the old one. Exit status: 0 nothing is worse; 1 \
+    something is worse; 2 a file cannot be used.";
+
+#[derive(Args, Debug)]
+#[command(after_help = RULES_HELP)]
+pub(super) struct CompareOptions {
+    /// Result files (.json), the older ones first; with --against the directory of a history
+    #[arg(value_name = "FILE", required = true)]
+    pub(super) files: Vec<PathBuf>,
+
+    /// The file that counts as 1 [default: the first]
+    #[arg(long, value_name = "FILE", conflicts_with = "against")]
+    pub(super) baseline: Option<PathBuf>,
+
+    /// Compare the newest record of a history with those of these commits, such as main~10..main;
+    /// the noise of a time is that from commit to commit
+    #[arg(long, value_name = "RANGE", conflicts_with = "output")]
+    pub(super) against: Option<String>,
+
+    /// What counts as a regression, separated by commas; without any, only a cell that does not end
+    /// well any more
+    #[arg(long, value_name = "RULES", default_value = "", hide_default_value = true, value_parser = rules)]
+    pub(super) fail_on: Rules,
+
+    /// What goes to standard output
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ComparisonFormat::Table)]
+    pub(super) format: ComparisonFormat,
+
+    /// File to write as well, by its ending: .json, .md or .txt; may be repeated
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Vec<PathBuf>,
+}
 
 pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
     if let Some(range) = &options.against {
@@ -51,4 +93,12 @@ pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::R
     } else {
         Verdict::Passed
     })
+}
+
+fn rules(text: &str) -> Result<Rules, UsageError> {
+    if text.is_empty() {
+        Ok(Rules::default())
+    } else {
+        text.parse()
+    }
 }

@@ -1,15 +1,30 @@
 //! `geobench gen`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::bail;
+use clap::Args;
 use geobench_mesh::io as mesh_io;
 
 use super::Verdict;
-use super::args::GenOptions;
+use super::isolation::DecompressionOptions;
 use crate::exec::model::ModelRef;
 use crate::table::output::OutputFile;
 use crate::table::{STANDARD, ending_of};
+
+#[derive(Args, Debug)]
+pub(super) struct GenOptions {
+    /// NAME[,key=value...], such as torus,faces=50000,bump=0.1,seed=7
+    #[arg(value_name = "SPEC")]
+    pub(super) spec: String,
+
+    #[command(flatten)]
+    pub(super) decompression: DecompressionOptions,
+
+    /// File to write: .obj or .ply, each also .gz
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+}
 
 /// Endings of the files that can be written.
 const ENDINGS: [&str; 4] = [".obj", ".ply", ".obj.gz", ".ply.gz"];

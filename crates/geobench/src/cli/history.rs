@@ -1,13 +1,15 @@
 //! `geobench record`, `geobench trend`, and `geobench compare DIR --against RANGE`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, bail};
+use clap::Args;
 
 use super::Verdict;
-use super::args::{CompareOptions, ListFormat, RecordOptions, TrendOptions};
+use super::args::ListFormat;
+use super::compare::CompareOptions;
 use super::terminal::{self, Terminal};
 use crate::history::records::{self, Record};
 use crate::history::{gate, trend};
@@ -15,6 +17,44 @@ use crate::report;
 use crate::schema::{ResultFile, result_file};
 use crate::table::output::OutputFile;
 use crate::table::{self, ComparisonFormat};
+
+#[derive(Args, Debug)]
+pub(super) struct RecordOptions {
+    /// Result files (.json)
+    #[arg(value_name = "RESULT", required = true)]
+    pub(super) results: Vec<PathBuf>,
+
+    /// Directory of the history; made if it does not exist
+    #[arg(long, value_name = "DIR")]
+    pub(super) into: PathBuf,
+
+    /// The commit that was measured [default: that of the result file]
+    #[arg(long, value_name = "HASH")]
+    pub(super) commit: Option<String>,
+
+    /// The suite; records of different suites are not compared [default: the name of the suite file]
+    #[arg(long, value_name = "NAME")]
+    pub(super) suite: Option<String>,
+
+    /// Do not print the path of the record
+    #[arg(long)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct TrendOptions {
+    /// Directory of the history
+    #[arg(value_name = "DIR")]
+    pub(super) history: PathBuf,
+
+    /// Page to write: one self-contained HTML file
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+
+    /// How to show the change points
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(super) format: ListFormat,
+}
 
 pub(super) fn record(options: &RecordOptions) -> anyhow::Result<Verdict> {
     let mut all = Vec::new();

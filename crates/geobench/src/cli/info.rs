@@ -2,15 +2,32 @@
 
 use std::fmt::Write;
 
+use clap::Args;
 use geobench_mesh::{Report, Severity, Summary};
 use serde_json::{Value, json};
 
 use super::Verdict;
-use super::args::{InfoOptions, ListFormat};
+use super::args::{ListFormat, MODELS_HELP};
+use super::isolation::ReadingOptions;
 use super::terminal;
 use crate::exec::model::{self, LoadedModel, ModelError, ModelRef};
 use crate::measure::number::grouped;
 use crate::table::escape::printable;
+
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(super) struct InfoOptions {
+    /// Models
+    #[arg(value_name = "MODEL", required = true)]
+    pub(super) models: Vec<String>,
+
+    #[command(flatten)]
+    pub(super) reading: ReadingOptions,
+
+    /// How to show them
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub(super) format: ListFormat,
+}
 
 pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
     let mut verdict = Verdict::Passed;

@@ -103,8 +103,14 @@ enum Isolate {
 }
 
 impl IsolationOptions {
-    /// Refuses limits that this isolation cannot enforce.
-    pub(super) fn check(&self) -> anyhow::Result<()> {
+    /// Refuses limits that this isolation cannot enforce, and several jobs that it cannot separate.
+    pub(super) fn check(&self, jobs: u32) -> anyhow::Result<()> {
+        if self.isolate == Isolate::None && jobs > 1 {
+            bail!(
+                "--jobs needs --isolate process: within one process the memory of each cell could \
+                 not be told from that of the others"
+            );
+        }
         let limit = match (&self.timeout, &self.memory_limit) {
             (Some(Timeout(Some(_))), _) => Some("--timeout"),
             (_, Some(MemoryLimit(Some(_)))) => Some("--memory-limit"),
@@ -145,12 +151,15 @@ impl IsolationOptions {
         }
     }
 
-    /// A warning if the threads of one of `algorithms` cannot all run at the same time.
+    /// A warning if the threads of `jobs` cells of one of `algorithms` cannot all run at the same
+    /// time.
     pub(super) fn crowding<'a>(
         &self,
         algorithms: impl IntoIterator<Item = &'a Selection>,
+        jobs: u32,
     ) -> Option<String> {
         let threads = algorithms.into_iter().map(Selection::threads).max()?;
+        let threads = threads * jobs as usize;
         let pinned = self.cpu.as_ref().map(|cpus| cpus.numbers().len());
         let (processors, whose) = match pinned {
             Some(pinned) => (pinned, "--cpu allows"),
@@ -168,10 +177,11 @@ impl IsolationOptions {
     }
 
     /// The record in result files.
-    pub(super) fn record(&self) -> IsolationRecord {
+    pub(super) fn record(&self, jobs: u32) -> IsolationRecord {
         IsolationRecord {
             process: self.isolate == Isolate::Process,
             cpus: self.cpu.as_ref().map(|cpus| cpus.numbers().to_vec()),
+            jobs: (jobs > 1).then_some(jobs as usize),
         }
     }
 

@@ -1,11 +1,33 @@
 //! `geobench merge`.
 
-use super::args::MergeOptions;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::args::CsvOptions;
 use super::run::{Tally, verdict};
 use super::{Verdict, terminal};
 use crate::history::join;
 use crate::run::merge as parts;
 use crate::schema::{ResultFile, result_file};
+
+#[derive(Args, Debug)]
+#[command(
+    after_help = "The exit status is that of the whole run: 1 if a cell failed, 2 if a model was refused."
+)]
+pub(super) struct MergeOptions {
+    /// Result files (.json) of all parts, in any order, or of different runs, of which the first has
+    /// the cells that several have
+    #[arg(value_name = "PART", required = true)]
+    pub(super) parts: Vec<PathBuf>,
+
+    /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
+    #[arg(short, long, value_name = "FILE", required = true)]
+    pub(super) output: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub(super) csv_rows: CsvOptions,
+}
 
 pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<Verdict> {
     let outputs = options.csv_rows.outputs(&options.output)?;

@@ -1,10 +1,29 @@
 //! `geobench pool`.
 
+use std::path::PathBuf;
+
+use clap::Args;
+
 use super::Verdict;
-use super::args::PoolOptions;
 use crate::history::pool as rounds;
 use crate::schema::result_file;
 use crate::table::output;
+
+#[derive(Args, Debug)]
+pub(super) struct PoolOptions {
+    /// Result files (.json) of the rounds, in the order in which they were run
+    #[arg(value_name = "ROUND", required = true)]
+    pub(super) rounds: Vec<PathBuf>,
+
+    /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
+    #[arg(short, long, value_name = "FILE", required = true)]
+    pub(super) output: Vec<PathBuf>,
+
+    /// Any text that the files of both versions have in common, so that `compare` knows that sample
+    /// i of the one was taken next to sample i of the other
+    #[arg(long, value_name = "ID")]
+    pub(super) pairing: Option<String>,
+}
 
 pub(super) fn pool(options: &PoolOptions) -> anyhow::Result<Verdict> {
     let outputs = output::results(&options.output)?;

@@ -12,7 +12,7 @@ use super::args::RunOptions;
 use super::progress::Progress;
 use super::terminal::{self, Terminal};
 use crate::exec::limits::{Limits, Timeout};
-use crate::exec::{Listener, Step, interrupt};
+use crate::exec::{InstructionCounter, Listener, Step, interrupt};
 use crate::history::join::{self, Joined};
 use crate::measure::conditions::{self, Snapshot};
 use crate::measure::{host, instructions};
@@ -21,14 +21,14 @@ use crate::plan::{self, Plan, Reference};
 use crate::run::journal::{Journal, JournalHeader};
 use crate::run::{self, Earlier, agreement};
 use crate::schema::{
-    Cell, GroupRecord, InstructionCount, ModelRecord, PlanRecord, ResultFile, SCHEMA,
-    SessionRecord, SourceLabel, Status, result_file,
+    Cell, GroupRecord, ModelRecord, PlanRecord, ResultFile, SCHEMA, SessionRecord, SourceLabel,
+    Status, result_file,
 };
 use crate::table::output::{self, OutputFile};
 use crate::table::{self, Format};
 
 pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
-    options.isolation.check()?;
+    options.isolation.check(options.jobs)?;
     let Plans { plans, notes } = possible_plans(options)?;
     let (format, outputs) = self::outputs(options)?;
     if options.extras.instructions {
@@ -45,7 +45,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         }
     }
     interrupt::listen().context("cannot listen to signals")?;
-    let plan = plan::record(&plans, options.isolation.record());
+    let plan = plan::record(&plans, options.isolation.record(options.jobs));
     let session = session(options);
     let mut journal = None;
     let mut sessions = vec![session.clone()];
@@ -73,7 +73,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
             command: session.command,
             started: sessions[0].started.clone(),
             finished: session.started,
-            isolation: Some(options.isolation.record()),
+            isolation: Some(options.isolation.record(options.jobs)),
             groups: Vec::new(),
             models: Vec::new(),
             cells: Vec::new(),
@@ -90,19 +90,23 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
             break;
         }
         listener.begin(plan)?;
-        let mut backend = options.isolation.backend(plan.limits, false)?;
+        let backend = options.isolation.backend(plan.limits, false)?;
         let outcome = run::run(
             plan,
-            &mut backend,
+            &backend,
             journal.as_mut(),
             past.as_ref(),
             &mut listener,
+            options.jobs as usize,
         )?;
         listener.end(&plan.group)?;
         let checked = !matches!(plan.reference, Reference::None);
         verdicts.push(Tally::of(checked, &outcome.cells));
     }
-    let conditions = conditions::between(&before, &Snapshot::take(Path::new("/")));
+    let mut conditions = conditions::between(&before, &Snapshot::take(Path::new("/")));
+    conditions
+        .warnings
+        .extend(table::disturbance(&listener.result));
     let doubts = conditions.warnings.clone();
     listener.result.conditions = Some(conditions);
     listener.store_all()?;
@@ -260,7 +264,7 @@ pub(super) fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
         // The suite asks for ratios to an algorithm that the options leave out.
         notes.push(problem);
     }
-    notes.extend(options.isolation.crowding(algorithms()));
+    notes.extend(options.isolation.crowding(algorithms(), options.jobs));
     if !options.isolation.keeps_limits() {
         drop_limits(&mut plans, &mut notes);
     }
@@ -512,29 +516,33 @@ impl Listener for Reporter {
         self.progress.ran(step, outcome);
     }
 
-    fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<InstructionCount> {
+    fn instruction_counter(
+        &mut self,
+        model: &ModelRecord,
+        cell: &Cell,
+    ) -> Option<InstructionCounter> {
         // Valgrind cannot separate the solve of an outside program from its other work.
-        if cell.algorithm.starts_with("ext:") {
-            return None;
-        }
-        if !self.instructions {
+        if !self.instructions || cell.algorithm.starts_with("ext:") {
             return None;
         }
         self.progress
             .counting_instructions(&model.name, &cell.algorithm);
         let source = cell.source.as_ref()?.to_string();
         let simd = cell.simd.as_ref().and_then(|simd| simd.parse().ok());
-        match instructions::count(&model.path, &cell.algorithm, &source, simd) {
-            Ok(count) => Some(count),
-            Err(error) => {
-                let text = format!(
-                    "{}: {}, source {source}: instructions are not counted: {error:#}",
-                    model.name, cell.algorithm
-                );
-                self.progress.suspend(|| terminal::warning(&text));
-                None
-            }
-        }
+        Some(Box::new(move |model, cell| {
+            instructions::count(&model.path, &cell.algorithm, &source, simd)
+        }))
+    }
+
+    fn not_counted(&mut self, cell: &Cell, error: &anyhow::Error) {
+        let source = cell.source.as_ref().map(SourceLabel::to_string);
+        let text = format!(
+            "{}: {}, source {}: instructions are not counted: {error:#}",
+            cell.model,
+            cell.algorithm,
+            source.unwrap_or_default()
+        );
+        self.progress.suspend(|| terminal::warning(&text));
     }
 
     fn extended(&mut self) {

@@ -1,11 +1,29 @@
 //! `geobench completions` and `geobench man`, generated from the definition of `--help`.
 
 use anyhow::bail;
-use clap::CommandFactory;
+use clap::{Args, CommandFactory};
 
 use super::Verdict;
-use super::args::{Arguments, CompletionsOptions, ManOptions};
+use super::args::Arguments;
 use super::terminal;
+
+#[derive(Args, Debug)]
+#[command(
+    after_help = "For bash: geobench completions bash > ~/.local/share/bash-completion/completions/geobench"
+)]
+pub(super) struct CompletionsOptions {
+    /// The shell
+    #[arg(value_name = "SHELL", value_enum)]
+    pub(super) shell: clap_complete::Shell,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = "To read it: geobench man run | man -l -")]
+pub(super) struct ManOptions {
+    /// The command; without one, the page of the program, which lists all commands
+    #[arg(value_name = "COMMAND")]
+    pub(super) command: Option<String>,
+}
 
 const NAME: &str = "geobench";
 

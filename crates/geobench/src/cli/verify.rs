@@ -46,13 +46,13 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
         .map(|algorithm| algorithm.with_threads(options.threads as usize))
         .map(|algorithm| algorithm.with_simd(options.simd))
         .collect();
-    options.isolation.check()?;
-    let crowding = options.isolation.crowding(&algorithms);
+    options.isolation.check(1)?;
+    let crowding = options.isolation.crowding(&algorithms, 1);
     if let Some(crowding) = crowding.filter(|_| !options.quiet) {
         terminal::warning(&crowding);
     }
     let limits = options.isolation.limits();
-    let mut backend = options.isolation.backend(limits, true)?;
+    let backend = options.isolation.backend(limits, true)?;
     interrupt::listen().context("cannot listen to signals")?;
     let mut tally = Tally::default();
     for model in &models {

@@ -28,7 +28,7 @@ const LONGEST_PROFILE: Duration = Duration::from_secs(1);
 pub struct ThisProcess;
 
 impl Backend for ThisProcess {
-    fn open<'b>(&'b mut self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal> {
+    fn open<'b>(&'b self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal> {
         let session = InProcess::open(model, DecompressionLimit::default())?;
         Ok(Box::new(session))
     }

@@ -1,5 +1,7 @@
 //! A backend that computes nothing, for tests: results are made up.
 
+use std::sync::{Mutex, PoisonError};
+
 use geobench_window::{Counter, Counters};
 
 use crate::exec::model::ModelRef;
@@ -14,7 +16,7 @@ pub(crate) type Alter = fn(&Step<'_>, &mut Observation) -> Option<Failure>;
 #[derive(Default)]
 pub(crate) struct MockBackend {
     /// Every run in order, such as `time mmp 0`.
-    pub(crate) log: Vec<String>,
+    pub(crate) log: Mutex<Vec<String>>,
     /// Models that are refused.
     pub(crate) refuse: Vec<&'static str>,
     /// Changes the result of a run.
@@ -26,8 +28,25 @@ pub(crate) struct MockBackend {
 /// Vertices of every made-up model.
 pub(crate) const VERTICES: usize = 4;
 
+impl MockBackend {
+    /// Every run so far in order, such as `time mmp 0`.
+    pub(crate) fn log(&self) -> Vec<String> {
+        self.log
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// Notes a run and returns how many there have been.
+    fn note(&self, run: String) -> usize {
+        let mut log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
+        log.push(run);
+        log.len()
+    }
+}
+
 impl Backend for MockBackend {
-    fn open<'b>(&'b mut self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal> {
+    fn open<'b>(&'b self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal> {
         if self.refuse.contains(&model.name.as_str()) {
             return Err(Refusal {
                 message: format!("{}: edge 3-7 has 3 faces", model.path),
@@ -56,7 +75,7 @@ impl Backend for MockBackend {
 }
 
 struct MockSession<'b> {
-    backend: &'b mut MockBackend,
+    backend: &'b MockBackend,
     record: ModelRecord,
 }
 
@@ -73,9 +92,8 @@ impl Session for MockSession<'_> {
             Pass::Count => "count",
             Pass::Profile => "clock",
         };
-        self.backend
-            .log
-            .push(format!("{pass} {name} {}", step.source.label()));
+        let run = format!("{pass} {name} {}", step.source.label());
+        let nth = self.backend.note(run);
         let size = name.len() as u64 + u64::from(name == "mmp") * 1_000_000;
         let mut observation = Observation {
             distances: vec![0.0, 1.0, 1.5, f64::INFINITY],
@@ -89,10 +107,8 @@ impl Session for MockSession<'_> {
             Pass::Time => {
                 // Different for every run, so that tests detect lost and repeated samples.
                 let base = if name == "vtp" { 0.329 } else { 1.204 };
-                let nth = self.backend.log.len() as f64;
-                observation.seconds = Some(self.backend.time.map_or(base + nth / 1024.0, |time| {
-                    time(name, self.backend.log.len())
-                }));
+                let time = self.backend.time.map(|time| time(name, nth));
+                observation.seconds = Some(time.unwrap_or(base + nth as f64 / 1024.0));
                 observation.solves = (step.solves > 1).then_some(step.solves);
             }
             Pass::Count => {

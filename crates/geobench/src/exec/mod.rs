@@ -109,7 +109,7 @@ impl Failure {
 }
 
 /// Runs algorithms on one loaded model.
-pub trait Session {
+pub trait Session: Send {
     /// Record of the model.
     fn model(&self) -> &ModelRecord;
 
@@ -122,13 +122,28 @@ pub trait Session {
 }
 
 /// Loads models and opens sessions.
-pub trait Backend {
+pub trait Backend: Sync {
     /// Loads `model` and opens a session for it.
     ///
     /// # Errors
     ///
     /// When the model cannot be used.
-    fn open<'b>(&'b mut self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal>;
+    fn open<'b>(&'b self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal>;
+
+    /// Opens a further session for a model whose first session has this record. The runs of both
+    /// may happen at the same time.
+    ///
+    /// # Errors
+    ///
+    /// When the model cannot be used.
+    fn open_further<'b>(
+        &'b self,
+        model: &'b ModelRef,
+        record: &ModelRecord,
+    ) -> Result<Box<dyn Session + 'b>, Refusal> {
+        let _ = record;
+        self.open(model)
+    }
 }
 
 /// A model that cannot be used.
@@ -138,8 +153,13 @@ pub struct Refusal {
     pub message: String,
 }
 
-/// Receives progress. No method is called while a run is timed.
-pub trait Listener {
+/// Counts the instructions of the solve of a cell.
+pub type InstructionCounter =
+    Box<dyn FnOnce(&ModelRecord, &Cell) -> anyhow::Result<InstructionCount>>;
+
+/// Receives progress. No method is called while a run is timed, unless several cells run at the
+/// same time.
+pub trait Listener: Send {
     /// A model is about to be loaded.
     fn loading(&mut self, model: &str) {
         let _ = model;
@@ -162,14 +182,25 @@ pub trait Listener {
         false
     }
 
-    /// Counts the instructions of the solve of a cell that ended well, if asked for and possible.
-    fn count_instructions(&mut self, model: &ModelRecord, cell: &Cell) -> Option<InstructionCount> {
+    /// The instructions of the solve of a cell that ended well are about to be counted: by what is
+    /// returned, or not at all.
+    fn instruction_counter(
+        &mut self,
+        model: &ModelRecord,
+        cell: &Cell,
+    ) -> Option<InstructionCounter> {
         let _ = (model, cell);
         None
     }
 
+    /// The instructions of a cell could not be counted.
+    fn not_counted(&mut self, cell: &Cell, error: &anyhow::Error) {
+        let _ = (cell, error);
+    }
+
     /// A timed run beyond the fewest of a cell is about to be made.
     fn extended(&mut self) {}
+
     /// Runs that were not planned, of the vertices of a model that has become known.
     fn more(&mut self, runs: usize) {
         let _ = runs;

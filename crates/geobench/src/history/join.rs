@@ -342,7 +342,7 @@ mod tests {
     fn file(models: &[&str], algorithms: &str) -> ResultFile {
         result(run_mock(
             &plan(models, algorithms, "0"),
-            &mut MockBackend::default(),
+            &MockBackend::default(),
         ))
     }
 

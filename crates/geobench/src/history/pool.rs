@@ -136,7 +136,7 @@ mod tests {
     use crate::exec::mock::{MockBackend, crash_ich};
     use crate::run::mock::{plan, result, run_mock};
 
-    fn round(backend: &mut MockBackend) -> ResultFile {
+    fn round(backend: &MockBackend) -> ResultFile {
         let mut plan = plan(&["horse"], "mmp,ich", "0");
         plan.sampling = crate::plan::sampling::Sampling::Fixed(1);
         result(run_mock(&plan, backend))
@@ -150,8 +150,8 @@ mod tests {
     #[test]
     fn samples_follow_each_other_and_are_summarised_anew() {
         // All rounds share a backend, so that the made-up times keep increasing.
-        let mut backend = MockBackend::default();
-        let rounds: Vec<ResultFile> = (0..5).map(|_| round(&mut backend)).collect();
+        let backend = MockBackend::default();
+        let rounds: Vec<ResultFile> = (0..5).map(|_| round(&backend)).collect();
         let samples: Vec<f64> = rounds.iter().map(|r| r.cells[1].time.samples[0]).collect();
         assert!(rounds[0].cells[1].time.ci95.is_none() && rounds[0].cells[1].time.note.is_some());
 
@@ -166,11 +166,11 @@ mod tests {
 
     #[test]
     fn a_failure_in_one_round_is_one_of_the_cell() {
-        let mut crashing = MockBackend {
+        let crashing = MockBackend {
             alter: Some(crash_ich),
             ..MockBackend::default()
         };
-        let rounds = vec![round(&mut MockBackend::default()), round(&mut crashing)];
+        let rounds = vec![round(&MockBackend::default()), round(&crashing)];
         let joined = pool(named(rounds), None).unwrap();
         assert_eq!(joined.cells[0].time.samples.len(), 2);
         assert_eq!(joined.cells[1].status, Status::Crashed);
@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn rounds_of_something_else_are_refused() {
         let refused = |change: fn(&mut ResultFile)| {
-            let first = round(&mut MockBackend::default());
+            let first = round(&MockBackend::default());
             let mut second = first.clone();
             change(&mut second);
             let error = pool(named(vec![first, second]), None).unwrap_err();

@@ -226,10 +226,7 @@ mod tests {
     use crate::run::mock::{plan, result, run_mock};
 
     fn record(commit: &str) -> Record {
-        let records = run_mock(
-            &plan(&["horse"], "mmp,vtp", "0"),
-            &mut MockBackend::default(),
-        );
+        let records = run_mock(&plan(&["horse"], "mmp,vtp", "0"), &MockBackend::default());
         let committed = Some("2025-03-04T05:06:07Z".to_owned());
         Record::new(
             &result(records),
@@ -291,7 +288,7 @@ mod tests {
             error.contains("x.json: not a record of `geobench record`"),
             "{error}"
         );
-        let records = run_mock(&plan(&["horse"], "mmp", "0"), &mut MockBackend::default());
+        let records = run_mock(&plan(&["horse"], "mmp", "0"), &MockBackend::default());
         let file = result(records);
         let refused = |commit| {
             Record::new(&file, commit, None, None)

@@ -186,10 +186,7 @@ pub(crate) mod tests {
     /// Twenty commits with noise of some percent, the times of `vtp` longer from the 13th on, and
     /// another count from the 9th on.
     pub(crate) fn history() -> Vec<Record> {
-        let records = run_mock(
-            &plan(&["horse"], "mmp,vtp", "0"),
-            &mut MockBackend::default(),
-        );
+        let records = run_mock(&plan(&["horse"], "mmp,vtp", "0"), &MockBackend::default());
         let file = result(records);
         let mut random = SplitMix64::new(3);
         (0..20)

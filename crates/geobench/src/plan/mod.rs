@@ -407,10 +407,10 @@ mod tests {
                 })
                 .collect();
             let keys = |plans: &[Plan]| -> Vec<(String, String, Option<SourceLabel>, String)> {
-                let mut backend = MockBackend { refuse: vec!["b"], ..MockBackend::default() };
+                let backend = MockBackend { refuse: vec!["b"], ..MockBackend::default() };
                 plans
                     .iter()
-                    .flat_map(|plan| run_mock(plan, &mut backend).cells)
+                    .flat_map(|plan| run_mock(plan, &backend).cells)
                     .map(|c| (c.group.unwrap(), c.model, c.source, c.algorithm))
                     .collect()
             };

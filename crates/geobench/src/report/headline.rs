@@ -2,6 +2,7 @@
 
 use crate::measure::statistics::{Variable, interval_of, median};
 use crate::schema::{Cell, ResultFile, Status};
+use crate::table::disturbance;
 use crate::table::figures::time;
 use crate::table::group::{Group, pairs};
 
@@ -131,7 +132,8 @@ pub(crate) fn warnings(result: &ResultFile) -> Vec<String> {
     for warning in result
         .conditions
         .iter()
-        .flat_map(|conditions| &conditions.warnings)
+        .flat_map(|conditions| conditions.warnings.clone())
+        .chain(disturbance(result))
     {
         let mut letters = warning.chars();
         let first = letters.next().map(|c| c.to_uppercase().to_string());

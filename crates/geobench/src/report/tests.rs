@@ -223,11 +223,11 @@ fn the_numbers_of_plots_are_in_the_page() {
 
 #[test]
 fn a_crash_is_seen_in_table_plot_and_remarks() {
-    let mut backend = MockBackend {
+    let backend = MockBackend {
         alter: Some(crash_ich),
         ..MockBackend::default()
     };
-    let records = run_mock(&plan(&["horse"], "mmp,ich,vtp", "0"), &mut backend);
+    let records = run_mock(&plan(&["horse"], "mmp,ich,vtp", "0"), &backend);
     let report = report_on(result(records), &options());
     let html = page(&report);
     assert!(html.contains("<td class=\"n failed\">crashed</td>"));
@@ -242,11 +242,11 @@ fn a_crash_is_seen_in_table_plot_and_remarks() {
 
 #[test]
 fn if_all_failed_there_is_a_page_all_the_same() {
-    let mut backend = MockBackend {
+    let backend = MockBackend {
         refuse: vec!["a", "b"],
         ..MockBackend::default()
     };
-    let records = run_mock(&plan(&["a", "b"], "mmp,vtp", "0"), &mut backend);
+    let records = run_mock(&plan(&["a", "b"], "mmp,vtp", "0"), &backend);
     let report = report_on(result(records), &options());
     let html = page(&report);
     assert!(
@@ -292,7 +292,7 @@ fn sizes() -> ResultFile {
         .iter()
         .map(|spec| ModelRef::generated(spec).unwrap())
         .collect();
-    let mut result = result(run_mock(&plan, &mut MockBackend::default()));
+    let mut result = result(run_mock(&plan, &MockBackend::default()));
     for (i, model) in result.models.iter_mut().enumerate() {
         model.faces = Some(80 << (2 * i));
     }
@@ -320,10 +320,7 @@ fn models_that_differ_in_size_alone_make_lines() {
 fn many_models_share_lanes() {
     let names: Vec<String> = (0..30).map(|i| format!("model {i}")).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let records = run_mock(
-        &plan(&names, "mmp,ich,vtp", "0"),
-        &mut MockBackend::default(),
-    );
+    let records = run_mock(&plan(&names, "mmp,ich,vtp", "0"), &MockBackend::default());
     let report = report_on(result(records), &options());
     let svg = file(&report, Form::Svg, "g1-time.svg");
     // A lane for each model, named once, and a legend that names each algorithm once.
@@ -338,7 +335,7 @@ fn many_models_share_lanes() {
 fn the_papers_ratios_stand_beside_ours() {
     let records = run_mock(
         &plan(&["horse"], "mmp,ich,vtp,fwp-ch", "0"),
-        &mut MockBackend::default(),
+        &MockBackend::default(),
     );
     let mut result = result(records);
     result.command = [
@@ -363,7 +360,7 @@ fn the_papers_ratios_stand_beside_ours() {
 fn a_mean_of_ratios_is_compared_with_ours() {
     let records = run_mock(
         &plan(&["a", "b"], "mmp,ich,vtp", "0"),
-        &mut MockBackend::default(),
+        &MockBackend::default(),
     );
     let wanted = Options {
         tables: "000-table-2".parse().unwrap(),
@@ -393,7 +390,7 @@ fn several_results_are_apart() {
 fn a_picture_is_of_the_model_that_was_measured() {
     let mut plan = plan(&[], "vtp", "0");
     plan.models = vec![ModelRef::generated("gen:sphere,subdiv=2").unwrap()];
-    let mut result = result(run_mock(&plan, &mut MockBackend::default()));
+    let mut result = result(run_mock(&plan, &MockBackend::default()));
     let wanted = Options {
         picture: "sphere,subdiv=2:5".parse().unwrap(),
         ..options()

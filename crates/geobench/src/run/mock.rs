@@ -47,8 +47,8 @@ pub(crate) struct NullListener;
 impl Listener for NullListener {}
 
 /// Carries out `plan` with a mock backend.
-pub(crate) fn run_mock(plan: &Plan, backend: &mut MockBackend) -> Records {
-    run(plan, backend, None, None, &mut NullListener).unwrap()
+pub(crate) fn run_mock(plan: &Plan, backend: &MockBackend) -> Records {
+    run(plan, backend, None, None, &mut NullListener, 1).unwrap()
 }
 
 /// A result file of these records.

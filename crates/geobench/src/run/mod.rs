@@ -6,6 +6,7 @@ pub mod check;
 pub mod cluster;
 mod earlier;
 pub mod journal;
+mod log;
 pub mod merge;
 #[cfg(test)]
 pub(crate) mod mock;
@@ -14,13 +15,19 @@ mod reference_check;
 mod tests;
 mod unit;
 
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
 use anyhow::bail;
+use rayon::ThreadPoolBuilder;
+use rayon::iter::{ParallelBridge, ParallelIterator};
 
 use crate::UsageError;
 use crate::exec::source::SourceSpec;
 use crate::exec::{Backend, Listener, Pass, Session};
 use crate::plan::Plan;
 use crate::run::journal::{Journal, JournalLine, RunId};
+use crate::run::log::RunLog;
 use crate::run::unit::{Past, Unit};
 use crate::schema::{Cell, ModelRecord, Status};
 
@@ -46,6 +53,10 @@ impl Records {
 /// model with all runs in them is not loaded. After an interruption the records cover the finished
 /// runs.
 ///
+/// With one job, the runs of a model and source are interleaved. With more, so many cells run at
+/// the same time, each from its first run to its last; the reference of a model and source comes
+/// before its cells. Records are in the order of the plan.
+///
 /// # Errors
 ///
 /// Errors of the journal and the listener, and a model that differs from that of the journal or of
@@ -53,60 +64,123 @@ impl Records {
 /// Failures of runs are in the records of their cells.
 pub fn run(
     plan: &Plan,
-    backend: &mut dyn Backend,
-    mut journal: Option<&mut Journal>,
+    backend: &dyn Backend,
+    journal: Option<&mut Journal>,
     earlier: Option<&Earlier>,
     listener: &mut dyn Listener,
+    jobs: usize,
 ) -> anyhow::Result<Records> {
-    let mut records = Records::default();
-    for place in 0..plan.models.len() {
-        if plan.units_of_model(place) == 0 || listener.interrupted() {
-            continue;
+    let log = RunLog::new(journal, listener);
+    let finished = Mutex::new(Finished::default());
+    let run_model = |(number, place): (usize, usize)| -> anyhow::Result<()> {
+        if log.interrupted() {
+            return Ok(());
         }
-        let mut benchmark = Benchmark {
+        let benchmark = Benchmark {
             plan,
             place,
-            journal: journal.as_deref_mut(),
+            backend,
+            log: &log,
             earlier,
-            listener: &mut *listener,
+            is_parallel: jobs > 1,
         };
-        let (model, mut cells) = benchmark.run(backend)?;
+        let (model, mut cells) = benchmark.run()?;
         for cell in &mut cells {
             cell.shard = plan.shard_range.map(|shard_range| shard_range.shard.index);
-            benchmark.count_instructions(&model, cell)?;
         }
-        if listener.interrupted() && cells.is_empty() {
-            break;
-        }
-        listener.model_done(&model, &cells)?;
-        records.models.push(model);
-        records.cells.append(&mut cells);
+        each(cells.iter_mut(), jobs > 1, |cell| {
+            benchmark.count_instructions(&model, cell)
+        })?;
+        let mut finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
+        finished.waiting.insert(number, (model, cells));
+        finished.deliver(false, &log)
+    };
+    let with_units = (0..plan.models.len()).filter(|&place| plan.units_of_model(place) > 0);
+    let models = with_units.enumerate();
+    if jobs > 1 {
+        let pool = ThreadPoolBuilder::new().num_threads(jobs).build()?;
+        pool.install(|| each(models, true, run_model))?;
+    } else {
+        each(models, false, run_model)?;
     }
-    Ok(records)
+    let mut finished = finished
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner);
+    finished.deliver(true, &log)?;
+    Ok(finished.records)
+}
+
+/// Does `work` on all items: one after the other, or as many at the same time as this pool has
+/// threads. Items are begun in order; none after an error.
+fn each<T: Send>(
+    mut items: impl Iterator<Item = T> + Send,
+    is_parallel: bool,
+    work: impl Fn(T) -> anyhow::Result<()> + Send + Sync,
+) -> anyhow::Result<()> {
+    if is_parallel {
+        items.par_bridge().try_for_each(work)
+    } else {
+        items.try_for_each(work)
+    }
+}
+
+/// The models that are done.
+#[derive(Default)]
+struct Finished {
+    records: Records,
+    /// Models before which others are not done yet, by their number.
+    waiting: BTreeMap<usize, (ModelRecord, Vec<Cell>)>,
+    /// Number of the model that comes next.
+    next: usize,
+}
+
+impl Finished {
+    /// Adds the waiting models to the records, in order, up to the first that is not done; past it
+    /// if none `is_last`.
+    fn deliver(&mut self, is_last: bool, log: &RunLog<'_>) -> anyhow::Result<()> {
+        while let Some(first) = self.waiting.first_entry() {
+            if !is_last && *first.key() != self.next {
+                break;
+            }
+            let (model, mut cells) = first.remove();
+            self.next += 1;
+            if log.interrupted() && cells.is_empty() {
+                continue;
+            }
+            log.listener().model_done(&model, &cells)?;
+            self.records.models.push(model);
+            self.records.cells.append(&mut cells);
+        }
+        Ok(())
+    }
 }
 
 /// One model of a plan.
-struct Benchmark<'b> {
+#[derive(Clone, Copy)]
+struct Benchmark<'b, 'l> {
     plan: &'b Plan,
     /// Index of the model in the plan.
     place: usize,
-    journal: Option<&'b mut Journal>,
+    backend: &'b dyn Backend,
+    log: &'b RunLog<'l>,
     earlier: Option<&'b Earlier>,
-    listener: &'b mut dyn Listener,
+    /// Whether several cells run at the same time.
+    is_parallel: bool,
 }
 
-impl Benchmark<'_> {
-    fn run(&mut self, backend: &mut dyn Backend) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
+impl Benchmark<'_, '_> {
+    fn run(&self) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
         let model = &self.plan.models[self.place];
         if let Some((known, cells)) = self.known() {
-            self.listener.skipped(self.plan.runs_of_model(self.place));
+            let runs = self.plan.runs_of_model(self.place);
+            self.log.listener().skipped(runs);
             return Ok((known, cells));
         }
-        self.listener.loading(&model.name);
-        match backend.open(model) {
-            Ok(mut session) => self.run_loaded(&mut *session),
+        self.log.listener().loading(&model.name);
+        match self.backend.open(model) {
+            Ok(session) => self.run_loaded(session),
             // The interruption may have caused the refusal.
-            Err(_) if self.listener.interrupted() => Ok((model.record(), Vec::new())),
+            Err(_) if self.log.interrupted() => Ok((model.record(), Vec::new())),
             Err(refusal) => {
                 let record = model.record();
                 let cells = self.refused(&refusal.message);
@@ -116,7 +190,7 @@ impl Benchmark<'_> {
     }
 
     /// Adds the instructions of a cell, from the journal or counted now.
-    fn count_instructions(&mut self, model: &ModelRecord, cell: &mut Cell) -> anyhow::Result<()> {
+    fn count_instructions(&self, model: &ModelRecord, cell: &mut Cell) -> anyhow::Result<()> {
         let (Status::Ok, Some(source), None) =
             (cell.status, cell.source.clone(), cell.instructions)
         else {
@@ -130,15 +204,21 @@ impl Benchmark<'_> {
             pass: Pass::Count,
             round: 0,
         };
-        let mut found = self
-            .journal
-            .as_deref()
-            .and_then(|journal| journal.instructions(&run).cloned());
-        if found.is_none() && !self.listener.interrupted() {
-            found = self.listener.count_instructions(model, cell);
-            if let (Some(found), Some(journal)) = (&found, &mut self.journal) {
-                let found = found.clone();
-                journal.keep(JournalLine::Instructions { id: run, found })?;
+        let known = |journal: &Journal| journal.instructions(&run).cloned();
+        let mut found = self.log.journal().as_deref().and_then(known);
+        if found.is_none() && !self.log.interrupted() {
+            let counter = self.log.listener().instruction_counter(model, cell);
+            match counter.map(|count| count(model, cell)) {
+                Some(Ok(count)) => {
+                    let line = JournalLine::Instructions {
+                        id: run,
+                        found: count.clone(),
+                    };
+                    self.log.keep(line)?;
+                    found = Some(count);
+                }
+                Some(Err(error)) => self.log.listener().not_counted(cell, &error),
+                None => {}
             }
         }
         if let Some(found) = found {
@@ -148,86 +228,109 @@ impl Benchmark<'_> {
         Ok(())
     }
 
-    /// The runs that are done.
-    fn past(&self) -> Past<'_> {
-        Past {
-            journal: self.journal.as_deref(),
+    /// The cells of `model` from `source`, with the runs that are done.
+    fn unit<'m>(
+        &'m self,
+        model: &'m ModelRecord,
+        source: SourceSpec,
+        journal: Option<&Journal>,
+    ) -> Unit<'m> {
+        let past = Past {
+            journal,
             earlier: self.earlier,
-        }
+        };
+        Unit::new(self.plan, model, source, past, !self.is_parallel)
     }
 
     /// All cells of the model, if the journal or the earlier file knows every run of them.
     fn known(&self) -> Option<(ModelRecord, Vec<Cell>)> {
         let model = &self.plan.models[self.place];
-        let past = self.past();
+        let journal = self.log.journal();
+        let past = Past {
+            journal: journal.as_deref(),
+            earlier: self.earlier,
+        };
         let (found, file_sha256) = past.model(&model.name)?;
         // A journal refuses changed files when it is opened.
         if file_sha256.is_some() && model.file_sha256() != file_sha256 && model.spec().is_none() {
             return None;
         }
-        let model = found;
         let units: Vec<Unit<'_>> = self
-            .sources(model)
+            .sources(found)
             .ok()?
             .into_iter()
-            .map(|source| Unit::new(self.plan, model, source, past))
+            .map(|source| self.unit(found, source, past.journal))
             .collect();
         units.iter().all(Unit::is_complete).then(|| {
             let cells = units.into_iter().flat_map(Unit::cells).collect();
-            (model.clone(), cells)
+            (found.clone(), cells)
         })
     }
 
     fn run_loaded(
-        &mut self,
-        session: &mut dyn Session,
+        &self,
+        mut session: Box<dyn Session + '_>,
     ) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
-        let found = session.model();
-        let is_changed =
-            |earlier: &&ModelRecord| earlier.sha256.is_some() && earlier.sha256 != found.sha256;
-        let earlier = self.earlier.and_then(|earlier| earlier.model(&found.name));
-        if let Some(earlier) = earlier.filter(is_changed) {
-            bail!(
-                "{}: the model is not the one that the earlier results are of: its SHA-256 is {}, \
-                 and was {}",
-                found.path,
-                found.sha256.as_deref().unwrap_or("not known"),
-                earlier.sha256.as_deref().unwrap_or("not known"),
-            );
+        let model = self.recorded(session.model())?;
+        let sources = match self.sources(&model) {
+            Ok(sources) => sources,
+            Err(error) => {
+                let cells = self.refused(&format!("{}: {error}", model.path));
+                return Ok((model, cells));
+            }
+        };
+        let units = sources.len() as u128;
+        let more = units.saturating_sub(self.plan.units_of_model(self.place));
+        let more = usize::try_from(more).unwrap_or(usize::MAX);
+        let more = more.saturating_mul(self.plan.runs_of_unit());
+        self.log.listener().more(more);
+        let mut cells = Vec::new();
+        if self.is_parallel {
+            let mut units: Vec<Unit<'_>> = {
+                let journal = self.log.journal();
+                let unit = |source| self.unit(&model, source, journal.as_deref());
+                sources.into_iter().map(unit).collect()
+            };
+            let first = Mutex::new(Some(session));
+            each(units.iter_mut(), true, |unit| {
+                let first = first.lock().unwrap_or_else(PoisonError::into_inner).take();
+                unit.run_cells(first, self.backend, &self.plan.models[self.place], self.log)
+            })?;
+            cells.extend(units.into_iter().flat_map(Unit::cells));
+        } else {
+            for source in sources {
+                let mut unit = self.unit(&model, source, self.log.journal().as_deref());
+                unit.run(&mut *session, self.log)?;
+                cells.extend(unit.cells());
+            }
         }
-        let model = match self.journal.as_deref().and_then(|j| j.model(&found.name)) {
-            Some(known) if known.sha256 != found.sha256 => bail!(
-                "{}: the model is not the one that the journal holds results of: its SHA-256 is {}, \
-                 and was {}",
+        Ok((model, cells))
+    }
+
+    /// The record of the model that was found: that of the journal, if it has one.
+    fn recorded(&self, found: &ModelRecord) -> anyhow::Result<ModelRecord> {
+        let same = |known: &ModelRecord, whose: &str| {
+            if known.sha256 == found.sha256 {
+                return Ok(());
+            }
+            bail!(
+                "{}: the model is not the one that {whose} of: its SHA-256 is {}, and was {}",
                 found.path,
                 found.sha256.as_deref().unwrap_or("not known"),
                 known.sha256.as_deref().unwrap_or("not known"),
-            ),
-            Some(known) => known.clone(),
-            None => {
-                if let Some(journal) = &mut self.journal {
-                    journal.keep(JournalLine::Model(found.clone()))?;
-                }
-                found.clone()
-            }
+            );
         };
-        let mut cells = Vec::new();
-        match self.sources(&model) {
-            Ok(sources) => {
-                let units = sources.len() as u128;
-                let more = units.saturating_sub(self.plan.units_of_model(self.place));
-                let more = usize::try_from(more).unwrap_or(usize::MAX);
-                self.listener
-                    .more(more.saturating_mul(self.plan.runs_of_unit()));
-                for source in sources {
-                    let mut unit = Unit::new(self.plan, &model, source, self.past());
-                    unit.run(session, self.journal.as_deref_mut(), self.listener)?;
-                    cells.extend(unit.cells());
-                }
-            }
-            Err(error) => cells = self.refused(&format!("{}: {error}", model.path)),
+        let earlier = self.earlier.and_then(|earlier| earlier.model(&found.name));
+        if let Some(earlier) = earlier.filter(|earlier| earlier.sha256.is_some()) {
+            same(earlier, "the earlier results are")?;
         }
-        Ok((model, cells))
+        let in_journal = |journal: &Journal| journal.model(&found.name).cloned();
+        if let Some(known) = self.log.journal().as_deref().and_then(in_journal) {
+            same(&known, "the journal holds results")?;
+            return Ok(known);
+        }
+        self.log.keep(JournalLine::Model(found.clone()))?;
+        Ok(found.clone())
     }
 
     /// The sources of this shard.
@@ -240,9 +343,10 @@ impl Benchmark<'_> {
 
     /// The cells of a model that cannot be used or lacks a source. Random sources are then unknown
     /// and have one cell together.
-    fn refused(&mut self, message: &str) -> Vec<Cell> {
+    fn refused(&self, message: &str) -> Vec<Cell> {
         let plan = self.plan;
-        self.listener.skipped(plan.runs_of_model(self.place));
+        let runs = plan.runs_of_model(self.place);
+        self.log.listener().skipped(runs);
         let sources = if plan.sources_together {
             vec![Some(plan.sources.label())]
         } else {

@@ -1,12 +1,16 @@
 //! The runner, with made-up runs.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+use std::time::Duration;
+
 use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
 use crate::exec::{Listener, Step};
-use crate::plan::Reference;
 use crate::plan::sampling::Sampling;
+use crate::plan::{Plan, Reference};
 use crate::registry;
-use crate::run::mock::{plan, run_mock};
-use crate::run::run;
+use crate::run::mock::{NullListener, plan, run_mock};
+use crate::run::{Records, run};
 use crate::schema::{Cell, Precision, Status};
 
 fn cell<'c>(cells: &'c [Cell], algorithm: &str) -> &'c Cell {
@@ -17,10 +21,10 @@ fn cell<'c>(cells: &'c [Cell], algorithm: &str) -> &'c Cell {
 fn runs_are_interleaved_and_the_reference_goes_first() {
     let mut plan = plan(&["horse"], "vtp,mmp", "0");
     plan.sampling = Sampling::Fixed(2);
-    let mut backend = MockBackend::default();
-    let records = run_mock(&plan, &mut backend);
+    let backend = MockBackend::default();
+    let records = run_mock(&plan, &backend);
     assert_eq!(
-        backend.log,
+        backend.log(),
         [
             "warm mmp 0",
             "warm vtp 0",
@@ -34,7 +38,7 @@ fn runs_are_interleaved_and_the_reference_goes_first() {
             "count mmp 0",
         ]
     );
-    assert_eq!(plan.runs(), backend.log.len());
+    assert_eq!(plan.runs(), backend.log().len());
     assert_eq!(cell(&records.cells, "vtp").time.places, [0, 1]);
     assert_eq!(cell(&records.cells, "mmp").time.places, [1, 0]);
 }
@@ -44,7 +48,7 @@ fn without_a_number_each_cell_repeats_until_it_is_precise() {
     let mut plan = plan(&["horse"], "mmp,ich,vtp", "0");
     plan.sampling = Sampling::UntilPrecise(Precision::USUAL);
     // mmp: always the same; ich: between 50 and 150 % of the median; vtp: short and the same.
-    let mut backend = MockBackend {
+    let backend = MockBackend {
         time: Some(|name, nth| match name {
             "mmp" => 1.0,
             "ich" => 1.0 + ((nth % 7) as f64 - 3.0) / 6.0,
@@ -52,7 +56,7 @@ fn without_a_number_each_cell_repeats_until_it_is_precise() {
         }),
         ..MockBackend::default()
     };
-    let records = run_mock(&plan, &mut backend);
+    let records = run_mock(&plan, &backend);
     let time = |name| &cell(&records.cells, name).time;
     assert_eq!(time("mmp").samples.len(), 5);
     assert!(time("mmp").solves.is_empty() && !time("mmp").is_imprecise());
@@ -63,8 +67,11 @@ fn without_a_number_each_cell_repeats_until_it_is_precise() {
     assert_eq!(time("vtp").solves, [10; 20]);
     assert_eq!(time("vtp").precision, Some(0.03));
     // Every cell takes part in the rounds from the first on, so that samples form pairs.
-    let timed = backend.log.iter().filter(|run| run.starts_with("time"));
-    let first: Vec<&String> = timed.take(15).collect();
+    let timed = backend
+        .log()
+        .into_iter()
+        .filter(|run| run.starts_with("time"));
+    let first: Vec<String> = timed.take(15).collect();
     for round in first.chunks(3) {
         assert!(round[0] != round[1] && round[1] != round[2] && round[0] != round[2]);
     }
@@ -78,10 +85,10 @@ fn a_reference_that_is_not_measured_runs_once() {
     plan.reference = Reference::Algorithm(registry::select_one("ich").unwrap());
     plan.warmup = 0;
     plan.sampling = Sampling::Fixed(1);
-    let mut backend = MockBackend::default();
-    let records = run_mock(&plan, &mut backend);
+    let backend = MockBackend::default();
+    let records = run_mock(&plan, &backend);
     assert_eq!(
-        backend.log,
+        backend.log(),
         ["warm ich 0", "time vtp 0", "clock vtp 0", "count vtp 0"]
     );
     assert_eq!(records.cells.len(), 1);
@@ -90,11 +97,11 @@ fn a_reference_that_is_not_measured_runs_once() {
 
 #[test]
 fn a_wrong_answer_is_a_failed_cell_and_never_a_time() {
-    let mut backend = MockBackend {
+    let backend = MockBackend {
         alter: Some(spoil_vtp),
         ..MockBackend::default()
     };
-    let records = run_mock(&plan(&["horse"], "mmp,vtp", "0"), &mut backend);
+    let records = run_mock(&plan(&["horse"], "mmp,vtp", "0"), &backend);
     let wrong = cell(&records.cells, "vtp");
     assert_eq!(wrong.status, Status::Wrong);
     assert_eq!(wrong.time.median, None);
@@ -108,7 +115,7 @@ fn a_wrong_answer_is_a_failed_cell_and_never_a_time() {
          1 with this one, no majority"
     );
     assert_eq!(cell(&records.cells, "mmp").status, Status::Ok);
-    let vtp_runs = backend.log.iter().filter(|l| l.contains("vtp")).count();
+    let vtp_runs = backend.log().iter().filter(|l| l.contains("vtp")).count();
     assert_eq!(
         vtp_runs, 2,
         "nothing more is asked of an algorithm that was wrong"
@@ -117,11 +124,11 @@ fn a_wrong_answer_is_a_failed_cell_and_never_a_time() {
 
 #[test]
 fn a_crash_costs_one_cell() {
-    let mut backend = MockBackend {
+    let backend = MockBackend {
         alter: Some(crash_ich),
         ..MockBackend::default()
     };
-    let records = run_mock(&plan(&["horse", "cow"], "mmp,ich,vtp", "0"), &mut backend);
+    let records = run_mock(&plan(&["horse", "cow"], "mmp,ich,vtp", "0"), &backend);
     let statuses: Vec<_> = records.cells.iter().map(|c| c.status.name()).collect();
     assert_eq!(statuses, ["ok", "crashed", "ok", "ok", "crashed", "ok"]);
     assert!(
@@ -135,7 +142,7 @@ fn a_crash_costs_one_cell() {
 
 #[test]
 fn a_reference_that_crashes_leaves_the_others_unchecked_and_says_so() {
-    let mut backend = MockBackend {
+    let backend = MockBackend {
         alter: Some(|step, _| match step.algorithm.label() {
             "mmp" => Some(crate::exec::Failure {
                 status: Status::Crashed,
@@ -145,7 +152,7 @@ fn a_reference_that_crashes_leaves_the_others_unchecked_and_says_so() {
         }),
         ..MockBackend::default()
     };
-    let records = run_mock(&plan(&["horse"], "mmp,vtp", "0"), &mut backend);
+    let records = run_mock(&plan(&["horse"], "mmp,vtp", "0"), &backend);
     assert_eq!(records.cells[0].status, Status::Crashed);
     let unchecked = &records.cells[1];
     assert_eq!(unchecked.status, Status::Ok);
@@ -158,11 +165,11 @@ fn a_reference_that_crashes_leaves_the_others_unchecked_and_says_so() {
 
 #[test]
 fn a_refused_model_has_its_cells_and_the_others_run() {
-    let mut backend = MockBackend {
+    let backend = MockBackend {
         refuse: vec!["broken"],
         ..MockBackend::default()
     };
-    let records = run_mock(&plan(&["broken", "cow"], "mmp,vtp", "0"), &mut backend);
+    let records = run_mock(&plan(&["broken", "cow"], "mmp,vtp", "0"), &backend);
     let statuses: Vec<_> = records.cells.iter().map(|c| c.status.name()).collect();
     assert_eq!(statuses, ["refused", "refused", "ok", "ok"]);
     assert_eq!(records.models[0].vertices, None);
@@ -174,7 +181,7 @@ fn a_refused_model_has_its_cells_and_the_others_run() {
 
 #[test]
 fn a_source_that_does_not_exist_is_refused() {
-    let records = run_mock(&plan(&["cow"], "vtp", "2,4"), &mut MockBackend::default());
+    let records = run_mock(&plan(&["cow"], "vtp", "2,4"), &MockBackend::default());
     assert_eq!(records.cells.len(), 2);
     assert!(records.cells.iter().all(|c| c.status == Status::Refused));
     assert_eq!(
@@ -186,7 +193,7 @@ fn a_source_that_does_not_exist_is_refused() {
 #[test]
 fn any_number_of_random_sources_is_refused_at_once() {
     let plan = plan(&["cow"], "mmp,vtp", "random:999999999999999");
-    let records = run_mock(&plan, &mut MockBackend::default());
+    let records = run_mock(&plan, &MockBackend::default());
     assert_eq!(records.cells.len(), 2);
     assert!(
         records
@@ -198,7 +205,7 @@ fn any_number_of_random_sources_is_refused_at_once() {
 
 #[test]
 fn figures_come_from_the_runs_that_are_meant_for_them() {
-    let records = run_mock(&plan(&["cow"], "mmp,vtp", "0"), &mut MockBackend::default());
+    let records = run_mock(&plan(&["cow"], "mmp,vtp", "0"), &MockBackend::default());
     let (mmp, vtp) = (&records.cells[0], &records.cells[1]);
     assert_eq!(mmp.time.samples.len(), 5);
     assert_eq!(mmp.time.setup, Some(0.125));
@@ -221,17 +228,17 @@ fn figures_come_from_the_runs_that_are_meant_for_them() {
 fn without_a_check_only_what_is_no_number_is_wrong() {
     let mut plan = plan(&["cow"], "vtp", "0");
     plan.reference = Reference::None;
-    let records = run_mock(&plan, &mut MockBackend::default());
+    let records = run_mock(&plan, &MockBackend::default());
     assert_eq!(records.cells[0].status, Status::Ok);
     assert_eq!(records.cells[0].check.reference, None);
-    let mut backend = MockBackend {
+    let backend = MockBackend {
         alter: Some(|_, observation| {
             observation.distances[1] = f64::NAN;
             None
         }),
         ..MockBackend::default()
     };
-    assert_eq!(run_mock(&plan, &mut backend).cells[0].status, Status::Wrong);
+    assert_eq!(run_mock(&plan, &backend).cells[0].status, Status::Wrong);
 }
 
 /// Asks to stop after a number of runs.
@@ -239,7 +246,7 @@ struct Impatient(usize);
 
 impl Listener for Impatient {
     fn step(&mut self, _: &Step<'_>) {
-        self.0 -= 1;
+        self.0 = self.0.saturating_sub(1);
     }
 
     fn interrupted(&self) -> bool {
@@ -251,13 +258,13 @@ impl Listener for Impatient {
 fn who_asks_to_stop_gets_what_is_done() {
     let plan = plan(&["cow", "horse"], "mmp,ich,vtp", "0");
     let stopped_after = |runs| {
-        let mut backend = MockBackend {
+        let backend = MockBackend {
             alter: Some(crash_ich),
             ..MockBackend::default()
         };
         let mut listener = Impatient(runs);
-        let records = run(&plan, &mut backend, None, None, &mut listener).unwrap();
-        assert_eq!(backend.log.len(), runs);
+        let records = run(&plan, &backend, None, None, &mut listener, 1).unwrap();
+        assert_eq!(backend.log().len(), runs);
         let cells = records.cells.iter();
         let cells: Vec<String> = cells
             .map(|cell| format!("{} {} {}", cell.model, cell.algorithm, cell.status.name()))
@@ -279,5 +286,88 @@ fn who_asks_to_stop_gets_what_is_done() {
         (3, 0, String::new()),
     ] {
         assert_eq!(stopped_after(runs), (models, cells), "{runs}");
+    }
+}
+
+/// Everything but the times, cell by cell.
+fn essence(cells: &[Cell]) -> Vec<Cell> {
+    let timeless = |cell: &Cell| Cell {
+        time: crate::schema::Time {
+            samples: vec![0.0; cell.time.samples.len()],
+            ..Default::default()
+        },
+        ..cell.clone()
+    };
+    cells.iter().map(timeless).collect()
+}
+
+/// Carries out `plan` with so many cells at the same time.
+fn run_jobs(plan: &Plan, backend: &MockBackend, jobs: usize) -> Records {
+    run(plan, backend, None, None, &mut NullListener, jobs).unwrap()
+}
+
+#[test]
+fn cells_at_the_same_time_have_the_results_of_one_after_the_other_in_the_same_order() {
+    let mut plan = plan(
+        &["cow", "broken", "horse", "spot"],
+        "mmp,ich,vtp,fwp-mmp",
+        "0,3,1",
+    );
+    for alter in [None, Some(crash_ich as _), Some(spoil_vtp as _)] {
+        for reference in ["mmp", "ch"] {
+            plan.reference = Reference::Algorithm(registry::select_one(reference).unwrap());
+            let backend = || MockBackend {
+                alter,
+                refuse: vec!["broken"],
+                ..MockBackend::default()
+            };
+            let (alone, together) = (backend(), backend());
+            let expected = run_jobs(&plan, &alone, 1);
+            let found = run_jobs(&plan, &together, 5);
+            assert_eq!(essence(&found.cells), essence(&expected.cells));
+            assert_eq!(found.models, expected.models);
+            let sorted = |backend: &MockBackend| {
+                let mut log = backend.log();
+                log.sort();
+                log
+            };
+            assert_eq!(sorted(&together), sorted(&alone), "the same runs");
+            // There are no rounds.
+            assert!(found.cells.iter().all(|cell| cell.time.places.is_empty()));
+        }
+    }
+}
+
+#[test]
+fn as_many_cells_run_at_the_same_time_as_asked_for_and_the_reference_comes_first() {
+    static RUNNING: AtomicUsize = AtomicUsize::new(0);
+    static MOST: AtomicUsize = AtomicUsize::new(0);
+    let plan = plan(&["cow"], "vtp,mmp,ich,fwp-mmp", "0");
+    let backend = MockBackend {
+        alter: Some(|_, _| {
+            let running = RUNNING.fetch_add(1, Ordering::SeqCst) + 1;
+            MOST.fetch_max(running, Ordering::SeqCst);
+            thread::sleep(Duration::from_millis(20));
+            RUNNING.fetch_sub(1, Ordering::SeqCst);
+            None
+        }),
+        ..MockBackend::default()
+    };
+    run_jobs(&plan, &backend, 3);
+    assert_eq!(MOST.load(Ordering::SeqCst), 3);
+    assert_eq!(backend.log()[0], "warm mmp 0");
+}
+
+#[test]
+fn an_interruption_ends_the_cells_that_run_at_the_same_time() {
+    let plan = plan(&["cow", "horse", "spot"], "mmp,ich,vtp", "0,1");
+    for runs in [1, 5, 9, 40] {
+        let backend = MockBackend::default();
+        let mut listener = Impatient(runs);
+        let records = run(&plan, &backend, None, None, &mut listener, 4).unwrap();
+        // Runs under way are finished.
+        assert!((runs..runs + 4).contains(&backend.log().len()), "{runs}");
+        assert!(records.cells.iter().all(|cell| cell.status == Status::Ok));
+        assert!(records.cells.len() <= runs / 8, "{runs}");
     }
 }

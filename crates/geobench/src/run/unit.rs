@@ -2,33 +2,43 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Arc;
+use std::slice;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use geobench_mesh::SplitMix64;
 use geobench_window::{Counter, precision};
 
+use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
-use crate::exec::{Failure, Listener, Observation, Pass, Session, Step};
+use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::Peaks;
 use crate::plan::sampling::Sampling;
 use crate::plan::{Plan, Reference};
 use crate::registry::{ProcessLifetime, Program, Selection};
 use crate::run::agreement;
+use crate::run::each;
 use crate::run::earlier::{self, Earlier, NOT_CHECKED};
 use crate::run::journal::{Journal, JournalLine, RunId, RunOutcome};
+use crate::run::log::RunLog;
 use crate::run::reference_check::{Answer, ReferenceCheck};
 use crate::schema::{Cell, Check, Memory, ModelRecord, SourceLabel, Status, Time};
 
-/// The cells of one model and source. Their runs are interleaved, so that drift of the machine
-/// affects all algorithms alike.
+/// The cells of one model and source. Unless several run at the same time, their runs are
+/// interleaved, so that drift of the machine affects all algorithms alike.
 pub(crate) struct Unit<'p> {
+    plan: UnitPlan<'p>,
+    /// One for each algorithm.
+    cells: Vec<CellRuns<'p>>,
+}
+
+/// What the cells of a unit have in common.
+struct UnitPlan<'p> {
     plan: &'p Plan,
     model: &'p ModelRecord,
     /// The source, or several together.
     source: SourceSpec,
     order: RunOrder,
-    /// One for each algorithm.
-    cells: Vec<CellRuns<'p>>,
+    is_interleaved: bool,
 }
 
 /// The runs that are done.
@@ -56,16 +66,20 @@ impl<'p> Unit<'p> {
         model: &'p ModelRecord,
         source: SourceSpec,
         past: Past<'_>,
+        is_interleaved: bool,
     ) -> Self {
         let algorithms = &plan.algorithms;
+        let cells = algorithms.iter().enumerate();
         let mut unit = Self {
-            plan,
-            model,
-            order: RunOrder::new(plan.seed, &model.name, &source.label(), algorithms.len()),
-            source,
-            cells: algorithms
-                .iter()
-                .map(|algorithm| CellRuns::new(algorithm, plan.sampling))
+            plan: UnitPlan {
+                plan,
+                model,
+                order: RunOrder::new(plan.seed, &model.name, &source.label(), algorithms.len()),
+                source,
+                is_interleaved,
+            },
+            cells: cells
+                .map(|(place, algorithm)| CellRuns::new(place, algorithm, plan.sampling))
                 .collect(),
         };
         // The reference has one warm-up even if the plan has none.
@@ -74,7 +88,7 @@ impl<'p> Unit<'p> {
         let last = [(Pass::Profile, 0), (Pass::Count, 0)];
         for (pass, round) in warmups.chain(times).chain(last) {
             for (place, algorithm) in algorithms.iter().enumerate() {
-                let run = unit.run_id(algorithm, pass, round);
+                let run = unit.plan.run_id(algorithm, pass, round);
                 let cell = &mut unit.cells[place];
                 if pass == Pass::Warmup && round == 0 {
                     let earlier = past.earlier;
@@ -98,7 +112,7 @@ impl<'p> Unit<'p> {
         self.cells.iter().all(CellRuns::is_complete)
     }
 
-    /// Carries out the runs that are missing.
+    /// Carries out the runs that are missing, those of all cells interleaved.
     ///
     /// # Errors
     ///
@@ -106,30 +120,68 @@ impl<'p> Unit<'p> {
     pub(crate) fn run(
         &mut self,
         session: &mut dyn Session,
-        journal: Option<&mut Journal>,
-        listener: &mut dyn Listener,
+        log: &RunLog<'_>,
     ) -> anyhow::Result<()> {
-        for cell in &self.cells {
-            for (pass, outcome) in cell.summaries() {
-                listener.ran(&self.as_step(cell.algorithm, pass, 1), outcome);
-            }
-        }
+        self.begin(log);
         if !self.is_complete() {
+            let check = Mutex::default();
             let mut context = RunContext {
                 session,
-                journal,
-                listener,
-                reference_check: ReferenceCheck::default(),
+                log,
+                check: &check,
             };
-            match self.make_runs(&mut context) {
-                Err(error) if error.is::<Interrupted>() => {}
-                done => done?,
+            let done = self
+                .plan
+                .prepare(&mut self.cells, &mut context)
+                .and_then(|warmed| self.plan.make_runs(&mut self.cells, warmed, &mut context));
+            stopped_or(done)?;
+        }
+        self.end(log);
+        Ok(())
+    }
+
+    /// Carries out the runs that are missing. As many cells run at the same time as this pool has
+    /// threads, each in a session of its own; the reference comes before them. One cell has
+    /// `first`, a session of the model that has made no run, if there is one.
+    ///
+    /// # Errors
+    ///
+    /// When the journal cannot be written.
+    pub(crate) fn run_cells<'s>(
+        &mut self,
+        first: Option<Box<dyn Session + 's>>,
+        backend: &'s dyn Backend,
+        model: &'s ModelRef,
+        log: &RunLog<'_>,
+    ) -> anyhow::Result<()> {
+        self.begin(log);
+        if !self.is_complete() {
+            stopped_or(self.plan.make_runs_of_cells(
+                &mut self.cells,
+                first,
+                &|| backend.open_further(model, self.plan.model),
+                log,
+            ))?;
+        }
+        self.end(log);
+        Ok(())
+    }
+
+    /// Tells the listener of the runs that are known.
+    fn begin(&self, log: &RunLog<'_>) {
+        for cell in &self.cells {
+            for (pass, outcome) in cell.summaries() {
+                let step = self.plan.as_step(cell.algorithm, pass, 1);
+                log.listener().ran(&step, outcome);
             }
         }
-        let planned = self.plan.runs_per_cell();
+    }
+
+    /// Tells the listener of the planned runs that were not made.
+    fn end(&self, log: &RunLog<'_>) {
+        let planned = self.plan.plan.runs_per_cell();
         let skipped = self.cells.iter().map(|e| planned.saturating_sub(e.made));
-        listener.skipped(skipped.sum());
-        Ok(())
+        log.listener().skipped(skipped.sum());
     }
 
     /// The records of the finished cells.
@@ -137,21 +189,21 @@ impl<'p> Unit<'p> {
         let ids: Vec<RunId> = self
             .cells
             .iter()
-            .map(|cell| self.run_id(cell.algorithm, Pass::Time, 0))
+            .map(|cell| self.plan.run_id(cell.algorithm, Pass::Time, 0))
             .collect();
         let earlier = self.cells.iter().filter_map(|cell| cell.earlier.clone());
         let earlier: Vec<Cell> = earlier.collect();
-        let cells = self.cells.into_iter().zip(ids).enumerate();
+        let cells = self.cells.into_iter().zip(ids);
         let mut cells: Vec<Cell> = cells
-            .filter(|(_, (cell, _))| cell.is_complete())
-            .map(|(place, (cell, id))| {
+            .filter(|(cell, _)| cell.is_complete())
+            .map(|(cell, id)| {
                 let placed = cell.timed().enumerate().filter_map(|(round, outcome)| {
                     // In journals of older programs every round has all algorithms.
-                    let in_round = || self.order.place(round, place);
+                    let in_round = || self.plan.place(round, cell.place);
                     outcome.place.or_else(in_round)
                 });
                 let places = placed.collect();
-                cell.finish(id, places, self.plan.group.wavefront)
+                cell.finish(id, places, self.plan.plan.group.wavefront)
             })
             .collect();
         let unchanged: Vec<(usize, Option<String>)> = cells
@@ -167,53 +219,151 @@ impl<'p> Unit<'p> {
         }
         cells
     }
+}
 
-    fn make_runs(&mut self, context: &mut RunContext<'_>) -> anyhow::Result<()> {
-        self.restore_clusters(context)?;
-        let warmed = self.find_reference(context)?;
-        let all = 0..self.cells.len();
+impl<'p> UnitPlan<'p> {
+    /// Carries out the runs that are missing of cells at the same time.
+    fn make_runs_of_cells<'s>(
+        &self,
+        cells: &mut [CellRuns<'p>],
+        first: Option<Box<dyn Session + 's>>,
+        open: &(dyn Fn() -> Result<Box<dyn Session + 's>, Refusal> + Sync),
+        log: &RunLog<'_>,
+    ) -> anyhow::Result<()> {
+        let check = Mutex::default();
+        let mut session = match first.map_or_else(open, Ok) {
+            Ok(session) => session,
+            Err(refusal) => return self.refuse(cells, &refusal, log),
+        };
+        let mut context = RunContext {
+            session: &mut *session,
+            log,
+            check: &check,
+        };
+        let warmed = self.prepare(cells, &mut context)?;
+        // Its session goes on with the cell that it has warmed up.
+        let heir = warmed.unwrap_or_default();
+        let session = Mutex::new(Some(session));
+        each(cells.iter_mut(), true, |cell| {
+            if cell.is_complete() {
+                return Ok(());
+            }
+            let own = if cell.place == heir {
+                lock(&session).take()
+            } else {
+                None
+            };
+            let cell = slice::from_mut(cell);
+            match own.map_or_else(open, Ok) {
+                Ok(mut session) => {
+                    let mut context = RunContext {
+                        session: &mut *session,
+                        log,
+                        check: &check,
+                    };
+                    self.make_runs(cell, warmed, &mut context)
+                }
+                Err(refusal) => self.refuse(cell, &refusal, log),
+            }
+        })
+    }
+
+    /// Ends cells whose model could not be opened again.
+    fn refuse(
+        &self,
+        cells: &mut [CellRuns<'p>],
+        refusal: &Refusal,
+        log: &RunLog<'_>,
+    ) -> anyhow::Result<()> {
+        if log.interrupted() {
+            return Err(Interrupted.into());
+        }
+        for cell in cells.iter_mut().filter(|cell| !cell.is_complete()) {
+            let failure = Failure {
+                status: Status::Refused,
+                message: refusal.message.clone(),
+            };
+            let outcome = RunOutcome {
+                failure: Some(failure),
+                ..RunOutcome::default()
+            };
+            self.keep(cell, Pass::Warmup, 0, outcome, log)?;
+        }
+        Ok(())
+    }
+
+    /// Makes the runs that come before those of the cells. Returns the place of the cell whose
+    /// first warm-up was one of them.
+    fn prepare(
+        &self,
+        cells: &mut [CellRuns<'p>],
+        context: &mut RunContext<'_, '_>,
+    ) -> anyhow::Result<Option<usize>> {
+        self.restore_clusters(cells, context)?;
+        self.find_reference(cells, context)
+    }
+
+    /// Makes the runs of these cells, interleaved. The cell at place `warmed` has had its first
+    /// warm-up.
+    fn make_runs(
+        &self,
+        cells: &mut [CellRuns<'p>],
+        warmed: Option<usize>,
+        context: &mut RunContext<'_, '_>,
+    ) -> anyhow::Result<()> {
         for round in 0..self.plan.warmup {
-            for place in all.clone() {
-                // The reference has had its first warm-up.
-                if round > 0 || warmed != Some(place) {
-                    self.step(place, Pass::Warmup, round, context)?;
+            for cell in &mut *cells {
+                if round > 0 || warmed != Some(cell.place) {
+                    self.step(cell, Pass::Warmup, round, context)?;
                 }
             }
         }
         for round in 0..self.plan.sampling.most() {
-            if !self.cells.iter().any(CellRuns::wants_time) {
+            if !cells.iter().any(CellRuns::wants_time) {
                 break;
             }
             for place in self.order.round(round) {
-                self.step(place, Pass::Time, round, context)?;
+                if let Some(cell) = cells.iter_mut().find(|cell| cell.place == place) {
+                    self.step(cell, Pass::Time, round, context)?;
+                }
             }
         }
         // Profile before Count: the storage of the counters fragments the heap, and the memory of
         // later runs could not be measured.
         for pass in [Pass::Profile, Pass::Count] {
-            for place in all.clone() {
-                self.step(place, pass, 0, context)?;
+            for cell in &mut *cells {
+                self.step(cell, pass, 0, context)?;
             }
         }
         Ok(())
     }
 
+    /// The place of the cell at `place` in a round of timed runs, if there are rounds.
+    fn place(&self, round: usize, place: usize) -> Option<usize> {
+        let place = self.order.place(round, place);
+        place.filter(|_| self.is_interleaved)
+    }
+
     /// Determines the reference answer. If that takes a run of an algorithm of the plan, the run
     /// counts as its warm-up and the index of its cell is returned.
-    fn find_reference(&mut self, context: &mut RunContext<'_>) -> anyhow::Result<Option<usize>> {
+    fn find_reference(
+        &self,
+        cells: &mut [CellRuns<'p>],
+        context: &mut RunContext<'_, '_>,
+    ) -> anyhow::Result<Option<usize>> {
         let reference = match &self.plan.reference {
             Reference::None => return Ok(None),
             Reference::Files(files) => {
                 let vertices = self.model.vertices.unwrap_or(0) as usize;
                 match files.find(Path::new(&self.model.path), &self.source.label(), vertices) {
                     Ok(field) => {
-                        context.reference_check.answer = Some(Answer {
+                        context.check().answer = Some(Answer {
                             name: field.path.display().to_string(),
                             distances: field.distances,
                             vertices,
                         });
                     }
-                    Err(error) => context.reference_check.unchecked = Some(error.to_string()),
+                    Err(error) => context.check().unchecked = Some(error.to_string()),
                 }
                 return Ok(None);
             }
@@ -224,44 +374,50 @@ impl<'p> Unit<'p> {
             let label = reference.label();
             Some(format!("the reference {label} failed: {}", failure.message))
         };
-        let known = context.journal.as_deref().and_then(|j| j.outcome(&run));
-        if let Some(failure) = known.and_then(|outcome| outcome.failure.as_ref()) {
+        let failure = |journal: &Journal| journal.outcome(&run)?.failure.clone();
+        let known = context.log.journal().as_deref().and_then(failure);
+        if let Some(failure) = known {
             // Not tried again.
-            context.reference_check.unchecked = failed(failure);
+            context.check().unchecked = failed(&failure);
             return Ok(None);
         }
-        let place = self
-            .cells
-            .iter()
-            .position(|e| e.algorithm.label() == reference.label());
+        let cell = cells
+            .iter_mut()
+            .find(|cell| cell.algorithm.label() == reference.label());
         let done = context.execute(&self.as_step(reference, Pass::Warmup, 1))?;
         match &done {
             Ok(observation) => {
-                context.reference_check.answer =
+                context.check().answer =
                     Some(Answer::of(reference.label(), &observation.distances));
             }
-            Err(failure) => context.reference_check.unchecked = failed(failure),
+            Err(failure) => context.check().unchecked = failed(failure),
         }
-        match place {
-            Some(place) if self.cells[place].lacks(Pass::Warmup, 0) => {
-                self.take_in(place, Pass::Warmup, 0, done, context)?;
+        match cell {
+            Some(cell) => {
+                // Else its timed runs are done. The new answer serves checks only.
+                if cell.lacks(Pass::Warmup, 0) {
+                    self.take_in(cell, Pass::Warmup, 0, done, context)?;
+                }
+                Ok(Some(cell.place))
             }
             // Not a cell of the plan. The journal keeps a failure, so that it is not tried again.
             None => {
-                let outcome = self.judge(reference, done, &mut context.reference_check);
-                context.keep(run, &outcome)?;
+                let found = self.judge(reference, done, &mut context.check());
+                context.log.keep(JournalLine::Run { id: run, found })?;
+                Ok(None)
             }
-            // The timed runs of its cell are done. The new answer serves checks only.
-            Some(_) => {}
         }
-        Ok(place)
     }
 
     /// Repeats runs whose answers differed from the reference before an interruption, so that later
     /// answers can be compared with them.
-    fn restore_clusters(&self, context: &mut RunContext<'_>) -> anyhow::Result<()> {
+    fn restore_clusters(
+        &self,
+        cells: &[CellRuns<'p>],
+        context: &mut RunContext<'_, '_>,
+    ) -> anyhow::Result<()> {
         let mut restored = Vec::new();
-        for cell in &self.cells {
+        for cell in cells {
             let Some(cluster) = cell.odd_cluster() else {
                 continue;
             };
@@ -269,7 +425,7 @@ impl<'p> Unit<'p> {
                 restored.push(cluster);
                 let done = context.execute(&self.as_step(cell.algorithm, Pass::Warmup, 1))?;
                 let answer = done.ok().map(|observation| observation.distances);
-                context.reference_check.clusters.restore(cluster, answer);
+                context.check().clusters.restore(cluster, answer);
             }
         }
         Ok(())
@@ -277,13 +433,12 @@ impl<'p> Unit<'p> {
 
     /// Makes a run, unless it is done or its cell has failed.
     fn step(
-        &mut self,
-        place: usize,
+        &self,
+        cell: &mut CellRuns<'p>,
         pass: Pass,
         round: usize,
-        context: &mut RunContext<'_>,
+        context: &mut RunContext<'_, '_>,
     ) -> anyhow::Result<()> {
-        let cell = &self.cells[place];
         if !cell.lacks(pass, round) {
             return Ok(());
         }
@@ -291,32 +446,44 @@ impl<'p> Unit<'p> {
         if pass == Pass::Time {
             solves = cell.solves();
             if round >= self.plan.sampling.fewest() {
-                context.listener.extended();
+                context.log.listener().extended();
             }
         }
         let done = context.execute(&self.as_step(cell.algorithm, pass, solves))?;
-        self.take_in(place, pass, round, done, context)
+        self.take_in(cell, pass, round, done, context)
     }
 
     /// Checks the result of a run, writes it to the journal and adds it to its cell.
     fn take_in(
-        &mut self,
-        place: usize,
+        &self,
+        cell: &mut CellRuns<'p>,
         pass: Pass,
         round: usize,
         done: Result<Observation, Failure>,
-        context: &mut RunContext<'_>,
+        context: &RunContext<'_, '_>,
     ) -> anyhow::Result<()> {
-        let run = self.run_id(self.cells[place].algorithm, pass, round);
-        let algorithm = self.cells[place].algorithm;
-        let mut outcome = self.judge(algorithm, done, &mut context.reference_check);
+        let mut outcome = self.judge(cell.algorithm, done, &mut context.check());
         if pass == Pass::Time {
-            outcome.place = self.order.place(round, place);
+            outcome.place = self.place(round, cell.place);
         }
-        context.keep(run, &outcome)?;
-        let step = self.as_step(algorithm, pass, 1);
-        context.listener.ran(&step, summary(&outcome));
-        let cell = &mut self.cells[place];
+        self.keep(cell, pass, round, outcome, context.log)
+    }
+
+    /// Writes the outcome of a run to the journal and adds it to its cell.
+    fn keep(
+        &self,
+        cell: &mut CellRuns<'p>,
+        pass: Pass,
+        round: usize,
+        outcome: RunOutcome,
+        log: &RunLog<'_>,
+    ) -> anyhow::Result<()> {
+        log.keep(JournalLine::Run {
+            id: self.run_id(cell.algorithm, pass, round),
+            found: outcome.clone(),
+        })?;
+        let step = self.as_step(cell.algorithm, pass, 1);
+        log.listener().ran(&step, summary(&outcome));
         cell.made += 1;
         cell.add(pass, round, outcome);
         if pass == Pass::Time {
@@ -379,11 +546,11 @@ impl<'p> Unit<'p> {
 }
 
 /// The environment of the runs.
-struct RunContext<'s> {
+struct RunContext<'s, 'l> {
     session: &'s mut dyn Session,
-    journal: Option<&'s mut Journal>,
-    listener: &'s mut dyn Listener,
-    reference_check: ReferenceCheck,
+    log: &'s RunLog<'l>,
+    /// The reference, and the answers that differ from it.
+    check: &'s Mutex<ReferenceCheck>,
 }
 
 /// A signal arrived.
@@ -391,26 +558,31 @@ struct RunContext<'s> {
 #[error("interrupted")]
 struct Interrupted;
 
-impl RunContext<'_> {
-    /// Writes the outcome of a run to the journal, if there is one.
-    fn keep(&mut self, run: RunId, outcome: &RunOutcome) -> anyhow::Result<()> {
-        match &mut self.journal {
-            Some(journal) => journal.keep(JournalLine::Run {
-                id: run,
-                found: outcome.clone(),
-            }),
-            None => Ok(()),
-        }
+/// A signal ends the runs without an error.
+fn stopped_or(done: anyhow::Result<()>) -> anyhow::Result<()> {
+    match done {
+        Err(error) if error.is::<Interrupted>() => Ok(()),
+        done => done,
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl<'s> RunContext<'s, '_> {
+    fn check(&self) -> MutexGuard<'s, ReferenceCheck> {
+        lock(self.check)
     }
 
     /// Makes a run, unless a signal arrives first.
     fn execute(&mut self, step: &Step<'_>) -> Result<Result<Observation, Failure>, Interrupted> {
-        if self.listener.interrupted() {
+        if self.log.interrupted() {
             return Err(Interrupted);
         }
-        self.listener.step(step);
+        self.log.listener().step(step);
         let done = self.session.execute(step);
-        if done.is_err() && self.listener.interrupted() {
+        if done.is_err() && self.log.interrupted() {
             return Err(Interrupted);
         }
         Ok(done)
@@ -420,6 +592,8 @@ impl RunContext<'_> {
 /// The outcomes of the runs of a cell.
 #[derive(Debug)]
 struct CellRuns<'p> {
+    /// Its place in the plan.
+    place: usize,
     algorithm: &'p Selection,
     outcomes: BTreeMap<(Pass, usize), RunOutcome>,
     /// Failure of the cell; no further runs are made.
@@ -434,8 +608,9 @@ struct CellRuns<'p> {
 }
 
 impl<'p> CellRuns<'p> {
-    const fn new(algorithm: &'p Selection, sampling: Sampling) -> Self {
+    const fn new(place: usize, algorithm: &'p Selection, sampling: Sampling) -> Self {
         Self {
+            place,
             algorithm,
             outcomes: BTreeMap::new(),
             failure: None,

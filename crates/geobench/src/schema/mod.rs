@@ -61,6 +61,11 @@ pub struct ResultFile {
 }
 
 impl ResultFile {
+    /// How many cells ran at the same time, if more than one.
+    pub fn jobs(&self) -> Option<usize> {
+        self.isolation.as_ref()?.jobs
+    }
+
     /// The machine that measured `cell`: that of its part of the plan, if that was split.
     pub fn host_of(&self, cell: &Cell) -> &Host {
         let of_shard = |session: &&SessionRecord| {
@@ -162,6 +167,9 @@ pub struct IsolationRecord {
     pub process: bool,
     /// Processors to which the cells were pinned; null if to none.
     pub cpus: Option<Vec<usize>>,
+    /// How many cells ran at the same time, which disturbs their times; absent for one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub jobs: Option<usize>,
 }
 
 /// A group of cells that are shown together.

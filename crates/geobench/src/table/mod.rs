@@ -177,9 +177,28 @@ impl Format {
     }
 }
 
-/// The tables of all groups.
+/// The tables of all groups. Each says if its times are disturbed.
 fn tables(result: &ResultFile) -> Vec<Table> {
-    results::groups(result).iter().map(results::table).collect()
+    let mut tables: Vec<Table> = results::groups(result).iter().map(results::table).collect();
+    if let Some(disturbance) = disturbance(result) {
+        for table in &mut tables {
+            let note = Note {
+                text: format!("the times are disturbed: {disturbance}"),
+                failure: false,
+            };
+            table
+                .parts
+                .iter_mut()
+                .for_each(|part| part.notes.push(note.clone()));
+        }
+    }
+    tables
+}
+
+/// That several cells ran at the same time, if they did.
+pub fn disturbance(result: &ResultFile) -> Option<String> {
+    let jobs = result.jobs()?;
+    Some(format!("{jobs} cells ran at the same time"))
 }
 
 /// The tables of all groups, written by `write`, with an empty line between them.
@@ -226,6 +245,9 @@ pub fn footnote(result: &ResultFile, look: Look) -> String {
     let batches = result.cells.iter().flat_map(|cell| &cell.time.solves);
     if let Some(solves) = batches.max() {
         times = format!("{times}runs have up to {solves} solves and their mean time; ");
+    }
+    if let Some(disturbance) = disturbance(result) {
+        times = format!("{times}disturbed, since {disturbance}; ");
     }
     let star = if look.styled { "" } else { "; * best" };
     let text = format!(

@@ -9,15 +9,15 @@ use crate::schema::{GroupRecord, ResultFile};
 pub(crate) fn mixed_with(spoilt: &str) -> ResultFile {
     let mut good = run_mock(
         &plan(&["horse"], "mmp,ich,vtp", "0"),
-        &mut MockBackend::default(),
+        &MockBackend::default(),
     );
-    let mut backend = MockBackend {
+    let backend = MockBackend {
         alter: Some(spoil_vtp),
         refuse: vec!["broken_mesh"],
         ..MockBackend::default()
     };
     let bad = plan(&[spoilt, "broken_mesh"], "mmp,ich,vtp", "3");
-    let bad = run_mock(&bad, &mut backend);
+    let bad = run_mock(&bad, &backend);
     good.models.extend(bad.models);
     good.cells.extend(bad.cells);
     result(good)
@@ -139,7 +139,7 @@ fn csv() {
 #[test]
 #[allow(clippy::too_many_lines)] // A whole file is shown.
 fn json() {
-    let records = run_mock(&plan(&["horse"], "vtp", "0"), &mut MockBackend::default());
+    let records = run_mock(&plan(&["horse"], "vtp", "0"), &MockBackend::default());
     insta::assert_snapshot!(Format::Json.render(&result(records)).unwrap(), @r#"
     {
       "schema": "geobench/1",
@@ -289,7 +289,7 @@ fn json() {
 fn several_sources_are_shown_by_their_median() {
     let records = run_mock(
         &plan(&["horse"], "mmp,vtp", "0,1,2"),
-        &mut MockBackend::default(),
+        &MockBackend::default(),
     );
     insta::assert_snapshot!(Format::Table.render(&result(records)).unwrap(), @r#"
     horse  (V: 4, F: 96,966)  median of 3 sources
@@ -313,7 +313,7 @@ fn several_sources_are_shown_by_their_median() {
 fn a_check_against_a_file_of_some_vertices_says_so() {
     let mut file = result(run_mock(
         &plan(&["horse"], "mmp,vtp", "0,1"),
-        &mut MockBackend::default(),
+        &MockBackend::default(),
     ));
     assert!(file.cells.iter().all(|c| c.check.compared == Some(4)));
     file.cells.last_mut().unwrap().check.compared = Some(3);
@@ -326,11 +326,11 @@ fn a_check_against_a_file_of_some_vertices_says_so() {
 
 #[test]
 fn one_failed_source_spoils_the_column() {
-    let mut backend = MockBackend {
+    let backend = MockBackend {
         alter: Some(crash_ich),
         ..MockBackend::default()
     };
-    let records = run_mock(&plan(&["horse"], "mmp,ich", "0,1"), &mut backend);
+    let records = run_mock(&plan(&["horse"], "mmp,ich", "0,1"), &backend);
     insta::assert_snapshot!(Format::Table.render(&result(records)).unwrap(), @r#"
     horse  (V: 4, F: 96,966)  median of 2 sources
     ┌─────────────────────────────────┬───────────┬─────────┐
@@ -386,7 +386,7 @@ fn ratios_of_times_are_those_of_pairs() {
     let mut plan = plan(&["horse", "cow"], "mmp,ich,vtp", "0,1");
     plan.group.ratios_to = Some("vtp".into());
     let group = plan.group.clone();
-    let mut result = result(run_mock(&plan, &mut MockBackend::default()));
+    let mut result = result(run_mock(&plan, &MockBackend::default()));
     result.groups.push(group);
     // The machine slows down; mmp always takes three times as long as vtp.
     for source in [0, 1] {
@@ -414,7 +414,7 @@ fn what_times_are_worth_is_said() {
     plan.group.ratios_to = Some("vtp".into());
     plan.sampling = crate::plan::sampling::Sampling::Fixed(3);
     let group = plan.group.clone();
-    let mut few = result(run_mock(&plan, &mut MockBackend::default()));
+    let mut few = result(run_mock(&plan, &MockBackend::default()));
     few.groups.push(group.clone());
     let mut outlier = few.clone();
     for cell in &mut outlier.cells {
@@ -430,7 +430,7 @@ fn what_times_are_worth_is_said() {
 fn instructions_that_are_counted_in_different_ways_are_named() {
     let mut file = result(run_mock(
         &plan(&["horse"], "mmp,vtp", "0,1"),
-        &mut MockBackend::default(),
+        &MockBackend::default(),
     ));
     for cell in &mut file.cells {
         cell.instructions = Some(7);

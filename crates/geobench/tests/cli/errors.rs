@@ -52,8 +52,13 @@ fn wrong_usage() {
             "invalid value 'yaml' for '--format <FORMAT>'",
         ),
         (
-            "run square.off --check nobody",
-            "--check: there is no algorithm `nobody`",
+            "run square.off --check mmpp",
+            "--check: there is no algorithm `mmpp`",
+        ),
+        ("run square.off --jobs 0", "0 is not in 1..="),
+        (
+            "run square.off --jobs 2 --isolate none",
+            "--jobs needs --isolate process",
         ),
         (
             "run square.off --check all",

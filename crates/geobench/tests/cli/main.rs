@@ -14,6 +14,7 @@ mod info;
 mod instructions;
 mod isolation;
 mod isolines;
+mod jobs;
 mod merge;
 mod outside;
 mod path;

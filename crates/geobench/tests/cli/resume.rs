@@ -82,6 +82,12 @@ fn killed_with_its_children_a_run_loses_and_repeats_nothing() {
     kill_again_and_again(arguments, 4 * 7 + 4 * 7, 5);
 }
 
+#[test]
+fn killed_with_several_cells_at_the_same_time_a_run_loses_and_repeats_nothing() {
+    let arguments = "gen:sphere,subdiv=2 --jobs 3 --source 3,1 --algo mmp,vtp,ich";
+    kill_again_and_again(arguments, 6 * 7 + 6 * 7, 5);
+}
+
 /// Runs the suite with these arguments, kills it at least so many times on the way, and compares
 /// with a run that is left alone. There are `runs` different runs in it.
 fn kill_again_and_again(arguments: &str, runs: usize, least: usize) {

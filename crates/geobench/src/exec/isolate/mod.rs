@@ -99,21 +99,8 @@ pub struct Isolated {
 }
 
 impl Backend for Isolated {
-    fn open<'b>(&'b mut self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal> {
-        let half_of_memory = || kibibytes("/proc/meminfo", "MemAvailable").map(|bytes| bytes / 2);
-        let mut pool = ChildPool {
-            options: self,
-            model,
-            budget: self.budget.or_else(half_of_memory).unwrap_or(u64::MAX),
-            record: ModelRecord::default(),
-            here: None,
-            source: None,
-            children: Vec::new(),
-            spare: None,
-            evicted: Vec::new(),
-            handover: None,
-            solved: BTreeMap::new(),
-        };
+    fn open<'b>(&'b self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal> {
+        let mut pool = ChildPool::new(self, model, ModelRecord::default());
         if self.here {
             let here = InProcess::open(model, self.limits.decompressed)?;
             pool.record = here.model().clone();
@@ -129,6 +116,18 @@ impl Backend for Isolated {
             pool.spare = Some(child);
         }
         Ok(Box::new(pool))
+    }
+
+    fn open_further<'b>(
+        &'b self,
+        model: &'b ModelRef,
+        record: &ModelRecord,
+    ) -> Result<Box<dyn Session + 'b>, Refusal> {
+        if self.here {
+            return self.open(model);
+        }
+        // Its children load the model.
+        Ok(Box::new(ChildPool::new(self, model, record.clone())))
     }
 }
 
@@ -264,7 +263,25 @@ impl Handover {
     }
 }
 
-impl ChildPool<'_> {
+impl<'b> ChildPool<'b> {
+    /// No child yet, for a model with this record.
+    fn new(options: &'b Isolated, model: &'b ModelRef, record: ModelRecord) -> Self {
+        let half_of_memory = || kibibytes("/proc/meminfo", "MemAvailable").map(|bytes| bytes / 2);
+        Self {
+            options,
+            model,
+            budget: options.budget.or_else(half_of_memory).unwrap_or(u64::MAX),
+            record,
+            here: None,
+            source: None,
+            children: Vec::new(),
+            spare: None,
+            evicted: Vec::new(),
+            handover: None,
+            solved: BTreeMap::new(),
+        }
+    }
+
     /// A child of this program that has loaded the model, and the record of the model.
     fn load(&self) -> Result<(Child, ModelRecord), Failure> {
         let settings = serde_json::json!(ChildSettings {

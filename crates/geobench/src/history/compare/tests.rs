@@ -10,7 +10,7 @@ use crate::table::{ComparisonFormat, Look};
 /// Two models and three algorithms, five samples each.
 fn file() -> ResultFile {
     let plan = plan(&["cow|2", "horse"], "mmp,ich,vtp", "0");
-    let mut file = result(run_mock(&plan, &mut MockBackend::default()));
+    let mut file = result(run_mock(&plan, &MockBackend::default()));
     for (place, model) in file.models.iter_mut().enumerate() {
         model.sha256 = Some(format!("{place:064}"));
     }

@@ -15,13 +15,14 @@ use crate::table::Look;
 /// and counts of all cells are equal.
 fn made_up(algorithms: &str) -> ResultFile {
     let plan = plan(&["small", "middle", "large"], algorithms, "0");
-    let mut made = result(run_mock(&plan, &mut MockBackend::default()));
+    let mut made = result(run_mock(&plan, &MockBackend::default()));
     made.command = ["geobench", "run", "--config", "bench-configs/s.toml"]
         .map(str::to_owned)
         .to_vec();
     let isolation = IsolationRecord {
         process: false,
         cpus: None,
+        jobs: None,
     };
     made.plan = Some(crate::plan::record(&[plan], isolation));
     for (i, model) in made.models.iter_mut().enumerate() {

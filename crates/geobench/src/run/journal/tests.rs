@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::{Journal, JournalHeader};
 use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
-use crate::exec::{Failure, Listener, Pass};
+use crate::exec::{Failure, InstructionCounter, Listener, Pass};
 use crate::plan::sampling::Sampling;
 use crate::plan::{Plan, Reference};
 use crate::registry;
@@ -43,9 +43,15 @@ impl Desk {
     }
 
     /// Opens the journal and carries out the plan.
-    fn run(&self, plan: &Plan, backend: &mut MockBackend) -> Records {
+    fn run(&self, plan: &Plan, backend: &MockBackend) -> Records {
+        self.run_jobs(plan, backend, 1)
+    }
+
+    /// Opens the journal and carries out the plan, with so many cells at the same time.
+    fn run_jobs(&self, plan: &Plan, backend: &MockBackend, jobs: usize) -> Records {
         let mut journal = self.open(plan).unwrap();
-        run(plan, backend, Some(&mut journal), None, &mut NullListener).unwrap()
+        let listener = &mut NullListener;
+        run(plan, backend, Some(&mut journal), None, listener, jobs).unwrap()
     }
 
     /// The message with which the journal is refused, in which the path is `J`.
@@ -72,6 +78,7 @@ fn isolation() -> IsolationRecord {
     IsolationRecord {
         process: true,
         cpus: None,
+        jobs: None,
     }
 }
 
@@ -125,18 +132,18 @@ fn essence(records: &Records) -> String {
 #[test]
 fn what_is_complete_is_not_repeated_and_not_even_loaded() {
     let desk = Desk::new();
-    let mut first = MockBackend::default();
-    let whole = desk.run(&small(), &mut first);
+    let first = MockBackend::default();
+    let whole = desk.run(&small(), &first);
     let lines = desk.text().lines().count();
     // A header, a session, two models, and every run.
-    assert_eq!(lines, 2 + 2 + first.log.len());
+    assert_eq!(lines, 2 + 2 + first.log().len());
 
-    let mut second = MockBackend {
+    let second = MockBackend {
         refuse: vec!["horse", "cow"],
         ..MockBackend::default()
     };
-    let again = desk.run(&small(), &mut second);
-    assert_eq!(second.log, [""; 0]);
+    let again = desk.run(&small(), &second);
+    assert_eq!(second.log(), [""; 0]);
     assert_eq!(
         serde_json::to_string(&again.cells).unwrap(),
         serde_json::to_string(&whole.cells).unwrap(),
@@ -154,8 +161,8 @@ fn wherever_a_run_is_killed_it_goes_on_to_the_same_result() {
             ..MockBackend::default()
         };
         let desk = Desk::new();
-        let mut undisturbed = backend();
-        let whole = essence(&desk.run(&small(), &mut undisturbed));
+        let undisturbed = backend();
+        let whole = essence(&desk.run(&small(), &undisturbed));
         let text = desk.text();
         let lines: Vec<&str> = text.split_inclusive('\n').collect();
         for kept in 0..=lines.len() {
@@ -164,8 +171,8 @@ fn wherever_a_run_is_killed_it_goes_on_to_the_same_result() {
                 part.push_str(&next[..(kept * 37) % next.len()]);
             }
             fs::write(desk.path(), &part).unwrap();
-            let mut rest = backend();
-            assert_eq!(essence(&desk.run(&small(), &mut rest)), whole, "{kept}");
+            let rest = backend();
+            assert_eq!(essence(&desk.run(&small(), &rest)), whole, "{kept}");
             let runs_kept = kept.saturating_sub(2);
             let timed = |log: &[String]| log.iter().filter(|l| !l.starts_with("warm")).count();
             let timed_in = lines[..kept]
@@ -173,13 +180,43 @@ fn wherever_a_run_is_killed_it_goes_on_to_the_same_result() {
                 .filter(|l| l.starts_with("{\"run\"") && !l.contains("warm_up"))
                 .count();
             assert_eq!(
-                timed(&rest.log) + timed_in,
-                timed(&undisturbed.log),
+                timed(&rest.log()) + timed_in,
+                timed(&undisturbed.log()),
                 "{kept}: every run but warm-ups is made exactly once"
             );
-            assert!(rest.log.len() + runs_kept <= undisturbed.log.len() + 2 + 4);
+            assert!(rest.log().len() + runs_kept <= undisturbed.log().len() + 2 + 4);
             let finished = desk.text();
             assert!(finished.starts_with(&lines[..kept].concat()));
+        }
+    }
+}
+
+#[test]
+fn cells_that_ran_at_the_same_time_are_not_repeated() {
+    for alter in [None, Some(spoil_vtp as _), Some(crash_ich as _)] {
+        let backend = || MockBackend {
+            alter,
+            ..MockBackend::default()
+        };
+        let desk = Desk::new();
+        let undisturbed = backend();
+        let whole = essence(&desk.run_jobs(&small(), &undisturbed, 3));
+        let text = desk.text();
+        let lines: Vec<&str> = text.split_inclusive('\n').collect();
+        for kept in 2..=lines.len() {
+            fs::write(desk.path(), lines[..kept].concat()).unwrap();
+            let rest = backend();
+            assert_eq!(essence(&desk.run_jobs(&small(), &rest, 3)), whole, "{kept}");
+            let timed = |log: &[String]| log.iter().filter(|l| !l.starts_with("warm")).count();
+            let timed_in = lines[..kept]
+                .iter()
+                .filter(|l| l.starts_with("{\"run\"") && !l.contains("warm_up"))
+                .count();
+            assert_eq!(
+                timed(&rest.log()) + timed_in,
+                timed(&undisturbed.log()),
+                "{kept}: every run but warm-ups is made exactly once"
+            );
         }
     }
 }
@@ -189,12 +226,13 @@ fn wherever_a_run_is_killed_it_goes_on_to_the_same_result() {
 struct Counting(u64);
 
 impl Listener for Counting {
-    fn count_instructions(&mut self, _: &ModelRecord, _: &Cell) -> Option<InstructionCount> {
+    fn instruction_counter(&mut self, _: &ModelRecord, _: &Cell) -> Option<InstructionCounter> {
         self.0 += 1;
-        Some(InstructionCount {
+        let found = InstructionCount {
             count: 1000 + self.0,
             simd: Some("avx2".to_owned()),
-        })
+        };
+        Some(Box::new(|_, _| Ok(found)))
     }
 }
 
@@ -203,8 +241,8 @@ fn instructions_are_counted_once() {
     let desk = Desk::new();
     let go = |listener: &mut Counting| {
         let mut journal = desk.open(&small()).unwrap();
-        let mut backend = MockBackend::default();
-        run(&small(), &mut backend, Some(&mut journal), None, listener).unwrap()
+        let backend = MockBackend::default();
+        run(&small(), &backend, Some(&mut journal), None, listener, 1).unwrap()
     };
     let mut first = Counting::default();
     let whole = go(&mut first);
@@ -219,21 +257,21 @@ fn instructions_are_counted_once() {
 fn a_cell_that_failed_is_not_tried_again() {
     let desk = Desk::new();
     let plan = plan(&["horse"], "mmp,vtp,ich", "0,3");
-    let mut crashing = MockBackend {
+    let crashing = MockBackend {
         alter: Some(crash_ich),
         ..MockBackend::default()
     };
-    desk.run(&plan, &mut crashing);
+    desk.run(&plan, &crashing);
     // Killed after ich has failed in the first round.
     let text = desk.text();
     let end = text.find("crashed").unwrap();
     let end = end + text[end..].find('\n').unwrap() + 1;
     fs::write(desk.path(), &text[..end]).unwrap();
-    let mut rest = MockBackend::default();
-    let records = desk.run(&plan, &mut rest);
-    assert!(!rest.log.contains(&"time ich 0".to_owned()));
-    assert!(!rest.log.contains(&"warm ich 0".to_owned()));
-    assert!(rest.log.contains(&"time ich 3".to_owned()));
+    let rest = MockBackend::default();
+    let records = desk.run(&plan, &rest);
+    assert!(!rest.log().contains(&"time ich 0".to_owned()));
+    assert!(!rest.log().contains(&"warm ich 0".to_owned()));
+    assert!(rest.log().contains(&"time ich 3".to_owned()));
     let statuses: Vec<Status> = records.cells.iter().map(|c| c.status).collect();
     assert_eq!(statuses[2], Status::Crashed);
     assert!(statuses[3..].iter().all(|&s| s == Status::Ok));
@@ -244,7 +282,7 @@ fn a_reference_that_failed_is_not_tried_again() {
     let desk = Desk::new();
     let mut plan = plan(&["horse"], "vtp,ich", "0");
     plan.reference = Reference::Algorithm(registry::select_one("mmp").unwrap());
-    let mut failing = MockBackend {
+    let failing = MockBackend {
         alter: Some(|step, _| {
             (step.algorithm.label() == "mmp").then(|| Failure {
                 status: Status::Timeout,
@@ -253,13 +291,13 @@ fn a_reference_that_failed_is_not_tried_again() {
         }),
         ..MockBackend::default()
     };
-    let whole = desk.run(&plan, &mut failing);
+    let whole = desk.run(&plan, &failing);
     let text = desk.text();
     let some: Vec<&str> = text.split_inclusive('\n').take(8).collect();
     fs::write(desk.path(), some.concat()).unwrap();
-    let mut rest = MockBackend::default();
-    let records = desk.run(&plan, &mut rest);
-    assert!(rest.log.iter().all(|line| !line.contains("mmp")));
+    let rest = MockBackend::default();
+    let records = desk.run(&plan, &rest);
+    assert!(rest.log().iter().all(|line| !line.contains("mmp")));
     assert_eq!(essence(&records), essence(&whole));
     assert_eq!(
         records.cells[1].message.as_deref(),
@@ -270,7 +308,7 @@ fn a_reference_that_failed_is_not_tried_again() {
 #[test]
 fn a_journal_of_another_run_is_refused_and_says_what_differs() {
     let desk = Desk::new();
-    desk.run(&small(), &mut MockBackend::default());
+    desk.run(&small(), &MockBackend::default());
     let refused = |change: fn(&mut Plan)| {
         let mut plan = small();
         change(&mut plan);
@@ -308,12 +346,12 @@ fn a_journal_of_another_run_is_refused_and_says_what_differs() {
 #[test]
 fn a_journal_grows_by_algorithms_models_sources_and_runs() {
     let desk = Desk::new();
-    let mut first = MockBackend::default();
-    let before = desk.run(&small(), &mut first);
+    let first = MockBackend::default();
+    let before = desk.run(&small(), &first);
     let mut larger = plan(&["horse", "cow", "cat"], "mmp,vtp,ich,fwp-ch", "0,1");
     larger.sampling = Sampling::Fixed(3);
-    let mut second = MockBackend::default();
-    let records = desk.run(&larger, &mut second);
+    let second = MockBackend::default();
+    let records = desk.run(&larger, &second);
     assert_eq!(records.cells.len(), 3 * 2 * 4);
     for cell in &before.cells {
         let same = |c: &&Cell| {
@@ -327,15 +365,18 @@ fn a_journal_grows_by_algorithms_models_sources_and_runs() {
         assert_eq!(grown.time.places.len(), 3);
     }
     // Of the six old cells a run each, of the 18 new ones three.
-    let timed = second.log.iter().filter(|run| run.starts_with("time"));
+    let timed = second
+        .log()
+        .into_iter()
+        .filter(|run| run.starts_with("time"));
     assert_eq!(timed.count(), 6 + 18 * 3);
 
     // Both plans go on from there without a run.
     let text = desk.text();
-    let mut third = MockBackend::default();
-    assert_eq!(desk.run(&larger, &mut third).cells, records.cells);
-    assert_eq!(desk.run(&small(), &mut third).cells, before.cells);
-    assert_eq!(third.log, [""; 0]);
+    let third = MockBackend::default();
+    assert_eq!(desk.run(&larger, &third).cells, records.cells);
+    assert_eq!(desk.run(&small(), &third).cells, before.cells);
+    assert_eq!(third.log(), [""; 0]);
     assert_eq!(desk.text().lines().count(), text.lines().count() + 2);
     assert_eq!(desk.text().matches("{\"plan\":").count(), 1);
 }
@@ -343,17 +384,18 @@ fn a_journal_grows_by_algorithms_models_sources_and_runs() {
 #[test]
 fn a_model_that_has_changed_is_refused() {
     let desk = Desk::new();
-    desk.run(&small(), &mut MockBackend::default());
+    desk.run(&small(), &MockBackend::default());
     let text = desk.text().replace("00ff", "beef");
     let cut = text.rfind("{\"run\"").unwrap();
     fs::write(desk.path(), &text[..cut]).unwrap();
     let mut journal = desk.open(&small()).unwrap();
     let error = run(
         &small(),
-        &mut MockBackend::default(),
+        &MockBackend::default(),
         Some(&mut journal),
         None,
         &mut NullListener,
+        1,
     )
     .unwrap_err();
     assert_eq!(
@@ -365,7 +407,7 @@ fn a_model_that_has_changed_is_refused() {
 #[test]
 fn only_the_last_line_may_be_torn() {
     let desk = Desk::new();
-    desk.run(&small(), &mut MockBackend::default());
+    desk.run(&small(), &MockBackend::default());
     let text = desk.text();
     let lines: Vec<&str> = text.split_inclusive('\n').collect();
     let with = |line: usize, replacement: &str| {
@@ -446,7 +488,7 @@ fn a_journal_that_is_let_go_of_soon_is_waited_for() {
 #[test]
 fn findings_are_read_as_they_were_written() {
     let desk = Desk::new();
-    desk.run(&small(), &mut MockBackend::default());
+    desk.run(&small(), &MockBackend::default());
     let text = desk.text();
     for line in text.lines().skip(1) {
         let read: super::JournalLine = serde_json::from_str(line).unwrap();

@@ -242,6 +242,9 @@ pub trait Solver: Send {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Propagate: Send {
+    /// Whether a run tells a probe where paths come from.
+    const TRACES: bool = true;
+
     /// The counters that this algorithm reports.
     fn counters() -> Vec<Counter>;
 
@@ -306,6 +309,9 @@ impl<T: Propagate> Solver for T {
     ) -> Result<(Solution, Origins), SolveError> {
         check_sources(self.vertex_count(), sources)?;
         check_goal(self.vertex_count(), goal)?;
+        if !T::TRACES {
+            return Err(SolveError::NoPaths);
+        }
         self.check()?;
         let mut until = Until::new(Origins::new(self.vertex_count()), goal);
         let mut solution = self.propagate(sources, &mut until);

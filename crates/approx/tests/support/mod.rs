@@ -74,7 +74,10 @@ impl Case {
         let found = solver.solve(&self.sources).unwrap().distances;
         assert_eq!(found.len(), self.exact.len());
         for (v, (&d, &exact)) in found.iter().zip(&self.exact).enumerate() {
-            let [least, most] = [exact * (1.0 - ROUNDING), exact * (1.0 + error) * (1.0 + ROUNDING)];
+            let [least, most] = [
+                exact * (1.0 - ROUNDING),
+                exact * (1.0 + error) * (1.0 + ROUNDING),
+            ];
             let fits = d == exact || least - place <= d && d <= most + place;
             assert!(fits, "{}, {what}, vertex {v}: {d} for {exact}", self.name);
         }

@@ -57,6 +57,11 @@ pub enum SolveError {
     /// A source is a point of another mesh.
     #[error("a source is no point of this mesh; ask this mesh for its points")]
     NoSuchPoint,
+    /// The matrices of a solver that keeps their factors have none.
+    #[error(
+        "there is no memory for the factors of the matrices of this mesh; choose another algorithm"
+    )]
+    NoFactor,
     /// The system did not start the threads of a parallel algorithm.
     #[error("the system does not start {threads} threads; ask for fewer, or raise its limits")]
     NoThreads {
@@ -208,6 +213,8 @@ pub trait Solver: Send {
 /// struct EdgesOnly(Mesh);
 ///
 /// impl Propagate for EdgesOnly {
+///     const TRACES: bool = false;
+///
 ///     fn counters() -> Vec<Counter> {
 ///         vec![Counter::QueuePushes]
 ///     }

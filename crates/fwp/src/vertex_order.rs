@@ -3,6 +3,7 @@
 use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
 use geobench_window::continuous::Surface;
 use geobench_window::queue::{Arena, Chain, Discipline, Event, EventKind, MinHeap};
+use geobench_window::trimming::ThinFaces;
 use geobench_window::{Counter, Probe};
 
 /// The vertex-sorted queue of VTP (Qin et al. 2016, sections 5.2 and 6.2), for windows one by one
@@ -11,6 +12,10 @@ use geobench_window::{Counter, Probe};
 /// Vertices are taken by distance. Each puts the faces around it into the *traversed area*. A
 /// window waits on its half-edge until the face that it is about to enter belongs to the area; then
 /// it is *released*, and released windows come first in, first out, before the next vertex.
+///
+/// Windows beside [thin faces](ThinFaces) are released into a queue by distance that they share
+/// with the vertices. First in, first out, they would wind around a needle before the windows that
+/// beat them have come. Hardly any mesh has such faces.
 ///
 /// Only vertices have to be kept in order, so the heap is about as long as the wavefront has
 /// vertices, a fiftieth of its windows and less.
@@ -45,6 +50,9 @@ pub struct VertexOrder {
     /// For each half-edge the windows that wait on it for its face.
     waiting: Vec<Chain>,
     released: Chain,
+    thin: ThinFaces,
+    /// Released windows beside thin faces.
+    nearest: MinHeap<Event>,
     /// For each face the step in which it joined the traversed area; 0 if it has not.
     joined: Vec<u32>,
     /// Vertices whose turn has come.
@@ -55,9 +63,14 @@ impl VertexOrder {
     /// An empty queue for the windows of `mesh`; O(faces).
     pub fn new(mesh: &Mesh) -> Self {
         let mut numbering = Surface::order(mesh);
+        let thin = ThinFaces::of(mesh, mesh.half_edge_count(), |h| {
+            numbering.new_half_edge(h).index()
+        });
         numbering.keep_new_faces();
         Self {
             mesh: mesh.clone(),
+            thin,
+            nearest: MinHeap::default(),
             numbering,
             vertices: MinHeap::default(),
             arena: Arena::default(),
@@ -76,9 +89,15 @@ impl VertexOrder {
             let joined = &mut self.joined[face.index()];
             if *joined == 0 {
                 *joined = self.step;
-                for corner in 0..3 {
-                    let waiting = &mut self.waiting[face.half_edge(corner).index()];
-                    self.arena.join(&mut self.released, waiting);
+                for h in [0, 1, 2].map(|corner| face.half_edge(corner).index()) {
+                    let waiting = &mut self.waiting[h];
+                    if self.thin.is_beside(h) {
+                        while let Some((label, event)) = self.arena.take(waiting) {
+                            self.nearest.push(label, event);
+                        }
+                    } else {
+                        self.arena.join(&mut self.released, waiting);
+                    }
                 }
             }
         }
@@ -110,6 +129,9 @@ impl Discipline for VertexOrder {
             EventKind::Window(h, _) => {
                 let chain = if self.joined[h.face().index()] == 0 {
                     &mut self.waiting[h.index()]
+                } else if self.thin.is_beside(h.index()) {
+                    self.nearest.push(label, event);
+                    return;
                 } else {
                     &mut self.released
                 };
@@ -121,6 +143,11 @@ impl Discipline for VertexOrder {
     #[inline]
     fn pop<P: Probe>(&mut self, _: &mut P) -> Option<(f64, Event)> {
         self.arena.take(&mut self.released).or_else(|| {
+            if let Some((label, _)) = self.nearest.peek()
+                && self.vertices.peek().is_none_or(|(d, _)| label < d)
+            {
+                return self.nearest.pop();
+            }
             let (label, v) = self.vertices.pop()?;
             self.pass(v);
             Some((label, Event::vertex(v)))
@@ -153,7 +180,8 @@ impl Discipline for VertexOrder {
     fn events(&self) -> impl Iterator<Item = (f64, Event)> {
         let vertices = self.vertices.iter();
         let vertices = vertices.map(|&(label, v)| (label, Event::vertex(v)));
-        self.arena.events().chain(vertices)
+        let nearest = self.nearest.iter().copied();
+        self.arena.events().chain(vertices).chain(nearest)
     }
 
     fn clear(&mut self) {
@@ -161,6 +189,7 @@ impl Discipline for VertexOrder {
         self.arena.clear();
         self.waiting.fill(Chain::EMPTY);
         self.released = Chain::EMPTY;
+        self.nearest.clear();
         self.joined.fill(0);
         self.step = 0;
     }

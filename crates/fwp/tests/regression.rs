@@ -6,10 +6,13 @@ use geobench_fwp::{
     lc_mmp_batched, vtp_ch, vtp_mmp, vtp_mmp_batched,
 };
 use geobench_mesh::Mesh;
+use geobench_mmp::Retention;
 
 #[macro_use]
 #[path = "../../window/tests/meshes/mod.rs"]
 mod meshes;
+#[path = "../../window/tests/meshes/seeds.rs"]
+mod seeds;
 
 use meshes::Solvers;
 
@@ -47,4 +50,65 @@ regression_tests! {
     windows_wound_around_a_needle_pi_over_its_angle_times
     a_tie_was_lost_where_sources_were_equal_up_to_rounding
     windows_that_had_replaced_others_were_given_up
+}
+
+/// Windows of the traversed area crossed first in, first out.
+#[test]
+fn windows_in_the_order_of_vertices_wound_around_needles() {
+    for (seed, most) in [(22444, 12_610), (59112, 2_400)] {
+        seeds::check(seed, most, solvers);
+    }
+}
+
+/// Windows that came around a needle again did not meet those that had come first.
+#[test]
+fn lists_beside_thin_faces_were_forgotten() {
+    let solvers = |mesh: &Mesh| -> Solvers {
+        let forget = Retention::Wavefront;
+        let labels = LabelCorrectingOptions::default();
+        vec![
+            (
+                "lc-mmp batched",
+                Box::new(lc_mmp_batched(mesh, labels).retaining(forget)),
+            ),
+            (
+                "vtp-mmp",
+                Box::new(vtp_mmp(mesh).map_policy(|policy| policy.retaining(forget))),
+            ),
+            (
+                "vtp-mmp batched",
+                Box::new(vtp_mmp_batched(mesh).retaining(forget)),
+            ),
+        ]
+    };
+    for (seed, most) in [
+        (21112, 4_290),
+        (30987, 4_770),
+        (25862, 2_000),
+        (43962, 2_970),
+    ] {
+        seeds::check(seed, most, solvers);
+    }
+}
+
+/// Of two equal windows the first one stayed and was filtered later, since it was longer by 3e-15
+/// on an edge of length 1.
+#[test]
+fn the_first_of_equal_windows_was_filtered_on_a_short_edge() {
+    let unbounded = |mesh: &Mesh| -> Solvers {
+        let lc = |beta| Box::new(lc_ch(mesh, LabelCorrectingOptions { beta }));
+        vec![
+            ("lc-ch, beta 1e6", lc(1e6)),
+            ("lc-ch without a threshold", lc(f64::INFINITY)),
+        ]
+    };
+    seeds::check(52057, u64::MAX, unbounded);
+}
+
+/// One distance of 9e-14 or 1.5e-10 beside edges 1e13 times as long. It is off, and said to be.
+#[test]
+fn distances_without_a_certain_digit_are_in_doubt() {
+    for seed in [14619, 89644] {
+        seeds::check_doubtful(seed, solvers);
+    }
 }

@@ -78,6 +78,7 @@ fn every_solver_can_be_stored_sent_and_asked_again() {
         Box::new(EdgeBased::new(&mesh)),
         Box::new(VtpFast::new(&mesh)),
         Box::new(Pvtp::new(&mesh, 2)),
+        Box::new(Pch::new(&mesh, 2)),
     ];
     drop(mesh);
     let ask = |mut solver: Box<dyn Solver>| {

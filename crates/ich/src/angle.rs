@@ -54,6 +54,10 @@ impl Angles {
         self.angles.fill(Angle::FREE);
     }
 
+    pub(crate) fn clear_at(&mut self, h: HalfEdgeId) {
+        self.angles[h.index()] = Angle::FREE;
+    }
+
     /// A window reaches the apex at distance `d`, its ray meeting `h` at the fraction `entry` of
     /// its length; NaN if rounding blurs that.
     ///

@@ -10,6 +10,7 @@
 //! Time is O(n² log n) for n faces in the worst case, space O(n).
 
 mod angle;
+mod parallel;
 mod splitting;
 mod tree;
 
@@ -18,6 +19,7 @@ use geobench_window::VertexFilter;
 use geobench_window::continuous::Continuous;
 use geobench_window::queue::{Fifo, Priority};
 
+pub use parallel::Pch;
 pub use splitting::Splitting;
 
 /// CH on one mesh: no filter, breadth first.

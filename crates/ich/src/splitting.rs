@@ -62,19 +62,24 @@ impl Splitting {
         ((surface.distance(lineage.root) < sigma) | self.angles.cuts_off(&lineage.guard))
             && self.kept.is_empty()
     }
+}
 
-    /// Whether a window that is beaten is so beyond the doubt that thin faces leave about it.
-    ///
-    /// Of windows that are equal to the rounding of a long edge the first one was kept, whose σ may
-    /// be greater by as much: too much for the margin of the short edges that it comes to next.
-    #[cold]
-    #[inline(never)]
-    #[allow(clippy::large_types_passed_by_value)] // The caller's is not to pass through memory.
-    fn is_beaten_beside_thin_faces(&self, h: HalfEdgeId, w: Window, surface: &Surface) -> bool {
-        let edge = surface.edge(h);
-        let [tail, head] = [edge.tail, edge.head].map(|d| d + self.kept.doubt());
-        is_beaten_from_ends(&w, edge.length, tail, head)
-    }
+/// Whether a window that is beaten is so beyond the doubt that thin faces leave about it.
+///
+/// Of windows that are equal to the rounding of a long edge the first one was kept, whose σ may
+/// be greater by as much: too much for the margin of the short edges that it comes to next.
+#[cold]
+#[inline(never)]
+#[allow(clippy::large_types_passed_by_value)] // The caller's is not to pass through memory.
+pub(crate) fn is_beaten_beside_thin_faces(
+    h: HalfEdgeId,
+    w: Window,
+    kept: &KeptWindows,
+    surface: &Surface,
+) -> bool {
+    let edge = surface.edge(h);
+    let [tail, head] = [edge.tail, edge.head].map(|d| d + kept.doubt());
+    is_beaten_from_ends(&w, edge.length, tail, head)
 }
 
 impl Policy for Splitting {
@@ -93,6 +98,14 @@ impl Policy for Splitting {
         self.leaves.clear();
         self.angles.clear();
         self.kept.clear();
+    }
+
+    fn reset_at(&mut self, half_edges: impl Iterator<Item = HalfEdgeId>) {
+        self.leaves.clear();
+        for h in half_edges {
+            self.angles.clear_at(h);
+            self.kept.clear_at(h.index());
+        }
     }
 
     fn root(&self, v: VertexId, _: &Surface) -> Lineage {
@@ -150,7 +163,7 @@ impl Policy for Splitting {
         if self.filter == VertexFilter::On
             && child.is_beaten
             && (self.kept.is_empty()
-                || self.is_beaten_beside_thin_faces(child.h, child.window, surface))
+                || is_beaten_beside_thin_faces(child.h, child.window, &self.kept, surface))
         {
             probe.add(Counter::Filtered, 1);
             return None;

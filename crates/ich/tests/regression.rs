@@ -1,6 +1,6 @@
 //! Defects of the CH kinds that were mended, each with a test that is named after what went wrong.
 
-use geobench_ich::{ich, ich1};
+use geobench_ich::{Pch, ich, ich1};
 use geobench_mesh::Mesh;
 
 #[macro_use]
@@ -10,7 +10,12 @@ mod meshes;
 use meshes::Solvers;
 
 fn solvers(mesh: &Mesh) -> Solvers {
-    vec![("ich", Box::new(ich(mesh))), ("ich1", Box::new(ich1(mesh)))]
+    vec![
+        ("ich", Box::new(ich(mesh))),
+        ("ich1", Box::new(ich1(mesh))),
+        ("pch", Box::new(Pch::new(mesh, 2))),
+        ("pch by levels", Box::new(Pch::with_bucket(mesh, 1, 1e6))),
+    ]
 }
 
 regression_tests! {

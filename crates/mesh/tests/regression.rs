@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use geobench_mesh::io::{self, FileError, Format, ReadOptions};
+use geobench_mesh::{FaceId, Mesh};
 
 /// Gzip data of many members that each hold a mebibyte of spaces, `mebibytes` in total.
 fn bomb(mebibytes: usize) -> Vec<u8> {
@@ -81,4 +82,46 @@ fn a_polygon_of_many_corners_took_hours() {
          it into triangles takes too long; cut it into smaller faces"
     );
     assert!(start.elapsed() < Duration::from_secs(60));
+}
+
+/// Splits a face of which one side, `short`, is far shorter than the others at `points`, which are
+/// weights of its corners; whichever corner is the first one.
+fn check_split_of_a_needle(short: [f64; 2], points: &[[f64; 3]]) {
+    let [x, y] = short;
+    let positions = [[0.0; 3], [1.0, 0.0, 0.0], [1.0 + x, y, 0.0]];
+    for turn in 0..3 {
+        let turned = |w: [f64; 3]| [0, 1, 2].map(|k| w[(k + turn) % 3]);
+        let corners = [0, 1, 2].map(|k| positions[(k + turn) % 3]);
+        let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
+        let point = |w: &[f64; 3]| mesh.point_in_face(FaceId::new(0), turned(*w)).unwrap();
+        let points: Vec<_> = points.iter().map(point).collect();
+        let refined = mesh.with_points(&points).unwrap();
+        refined.mesh.sanity_check().unwrap();
+    }
+}
+
+/// The direction of the short side was the difference of the two long ones, so that the parts had
+/// other angles than the face: a distance behind it came out a thousandth too short.
+#[test]
+fn a_point_on_a_long_side_of_a_needle_changed_its_angles() {
+    for x in [-2e-14, 1e-15, 2e-14] {
+        check_split_of_a_needle([x, 9e-15], &[[0.2, 0.8, 0.0]]);
+        check_split_of_a_needle([x, 9e-15], &[[0.3, 0.0, 0.7], [0.3, 0.7, 0.0]]);
+    }
+}
+
+/// Its area was the difference of two products that are equal to nine digits.
+#[test]
+fn a_part_beside_a_corner_had_another_area() {
+    let beside = [6e-10, 0.0, 1.0 - 6e-10];
+    check_split_of_a_needle([5e-11, 1.4e-10], &[[0.0, 0.63, 0.37], beside]);
+    check_split_of_a_needle([5e-11, 1.4e-10], &[[0.0, 0.37, 0.63], beside]);
+}
+
+/// It was the sum of two long vectors that are nearly opposite.
+#[test]
+fn a_short_line_across_a_needle_had_another_length() {
+    let (a, b) = (0.008_062_796_637_315_572, 0.008_062_796_638_285_685);
+    let points = [[a, 1.0 - a, 0.0], [0.0, 1.0 - b, b]];
+    check_split_of_a_needle([2e-11, 1.2e-10], &points.map(|[x, y, z]| [y, z, x]));
 }

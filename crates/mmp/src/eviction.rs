@@ -58,6 +58,9 @@ const PERIOD: u32 = 64;
 /// the edge. So once no window of a list waits and the queue has come to that distance, the
 /// content of the list has no effect. A window that arrives later is dropped if its least distance
 /// is larger; otherwise the list is reopened, which costs at most the propagation of that window.
+///
+/// Lists beside [thin faces](geobench_window::trimming::ThinFaces) must not be noted: windows that
+/// wind around a needle end only where they meet those that came before them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Eviction {
     /// Lists in which no window waited when they were noted, oldest first, with the distance from

@@ -186,10 +186,10 @@ impl EdgeWindows {
         count
     }
 
-    /// Whether any window waits on edge `e` that crosses in this direction.
-    pub(crate) fn any_waits(&self, e: usize, is_reversed: bool) -> bool {
-        let mut list = self.list(e).iter();
-        list.any(|s| s.waits() && s.is_reversed() == is_reversed)
+    /// The windows that wait on edge `e` and cross in this direction.
+    pub(crate) fn waiting_on(&self, e: usize, is_reversed: bool) -> impl Iterator<Item = &Stored> {
+        let list = self.list(e).iter();
+        list.filter(move |s| s.waits() && s.is_reversed() == is_reversed)
     }
 
     /// Moves the windows that wait on edge `e` and cross in this direction into `batch`, in the
@@ -423,7 +423,8 @@ mod tests {
         let mut batch = Vec::new();
         lists.take_all(0, true, &mut batch);
         assert_eq!((batch.len(), lists.waiting()), (1, 1));
-        assert!(lists.any_waits(0, false) && !lists.any_waits(0, true));
+        assert_eq!(lists.waiting_on(0, false).count(), 1);
+        assert_eq!(lists.waiting_on(0, true).count(), 0);
     }
 
     #[test]

@@ -43,7 +43,7 @@ pub(crate) struct Arrival {
 pub(crate) struct Wave {
     pub(crate) mesh: Mesh,
     pub(crate) faces: Faces,
-    thin: ThinFaces,
+    pub(crate) thin: ThinFaces,
     filter: VertexFilter,
     pub(crate) distances: Vec<f64>,
     pub(crate) labels: Vec<u32>,
@@ -239,11 +239,12 @@ impl Wave {
         is_kept
     }
 
-    /// Whether a path along the edge beats all of `window`.
+    /// Whether a path along the edge beats all of `window` beyond the doubt that thin faces leave
+    /// about it: of windows that are equal to the rounding of a long edge the first one stays.
     #[inline]
     fn is_beaten(&self, h: HalfEdgeId, window: &Window, l: f64) -> bool {
         let [tail, head, _] = self.faces.corners(h);
-        let [d0, d1] = [tail, head].map(|v| self.distances[v.index()]);
+        let [d0, d1] = [tail, head].map(|v| self.distances[v.index()] + self.thin.doubt());
         is_beaten_from_ends(window, l, d0, d1)
     }
 

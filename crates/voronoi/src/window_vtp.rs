@@ -69,6 +69,9 @@ pub struct WindowVtp {
     ready: VecDeque<HalfEdgeId>,
     is_ready: Vec<bool>,
     batch: Vec<Stored>,
+    /// Windows of the area beside thin faces, by their distances. First in, first out, they would
+    /// wind around a needle before the ones that beat them have come.
+    thin: MinHeap<(HalfEdgeId, u32)>,
 }
 
 impl WindowVtp {
@@ -88,6 +91,7 @@ impl WindowVtp {
             ready: VecDeque::new(),
             is_ready: vec![false; mesh.half_edge_count()],
             batch: Vec::new(),
+            thin: MinHeap::default(),
         }
     }
 
@@ -95,6 +99,7 @@ impl WindowVtp {
         let (vertices, faces) = (self.wave.mesh.vertex_count(), self.wave.mesh.face_count());
         self.remover.reset(faces);
         self.queue.clear();
+        self.thin.clear();
         self.keys.clear();
         self.keys.resize(vertices, f64::INFINITY);
         self.joined.clear();
@@ -105,26 +110,44 @@ impl WindowVtp {
         for &s in sources {
             self.push(0.0, Turn::Spawn(s), probe);
         }
-        while let Some((d, turn)) = self.queue.pop() {
-            match turn {
-                Turn::Join(v) if self.keys[v.index()] == d => {
-                    self.keys[v.index()] = f64::INFINITY;
-                    self.join(v);
+        loop {
+            let [next_turn, next_thin] = [self.next_turn(), self.next_thin()];
+            let propagated = if next_thin < next_turn {
+                self.cross_nearest(probe)
+            } else if let Some((d, turn)) = self.queue.pop() {
+                match turn {
+                    Turn::Join(v) if self.keys[v.index()] == d => {
+                        self.keys[v.index()] = f64::INFINITY;
+                        self.join(v);
+                    }
+                    Turn::Spawn(v) if self.wave.distances[v.index()] == d => {
+                        self.join(v);
+                        self.wave.spawn(v, probe);
+                        self.receive(probe);
+                    }
+                    // The vertex has had its turn, or has improved since.
+                    _ => continue,
                 }
-                Turn::Spawn(v) if self.wave.distances[v.index()] == d => {
-                    self.join(v);
-                    self.wave.spawn(v, probe);
-                    self.receive(probe);
-                }
-                // The vertex has had its turn, or has improved since.
-                _ => continue,
-            }
-            let propagated = self.cross_ready(probe);
-            let next = self.queue.peek().map_or(f64::INFINITY, |(d, _)| d);
+                0
+            } else {
+                break;
+            };
+            let propagated = propagated + self.cross_ready(probe);
+            let next = self.next_turn().min(self.next_thin());
             self.remover.step(&mut self.wave, propagated, next);
         }
         self.remover.step(&mut self.wave, 0, f64::INFINITY);
         self.wave.finish(probe);
+    }
+
+    /// The distance at which the next vertex has its turn.
+    fn next_turn(&self) -> f64 {
+        self.queue.peek().map_or(f64::INFINITY, |(d, _)| d)
+    }
+
+    /// The least distance of the windows beside thin faces that can cross.
+    fn next_thin(&self) -> f64 {
+        self.thin.peek().map_or(f64::INFINITY, |(d, _)| d)
     }
 
     fn push<P: Probe>(&mut self, d: f64, turn: Turn, probe: &mut P) {
@@ -143,7 +166,12 @@ impl WindowVtp {
             for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
                 if let Some(twin) = self.wave.faces.twin(h) {
                     let (e, is_reversed) = edge_of(h, twin);
-                    if self.wave.store.any_waits(e, is_reversed) {
+                    if self.wave.thin.is_beside(h.index()) {
+                        for stored in self.wave.store.waiting_on(e, is_reversed) {
+                            let label = stored.window.min_distance();
+                            self.thin.push(label, (h, stored.serial));
+                        }
+                    } else if self.wave.store.waiting_on(e, is_reversed).next().is_some() {
                         self.make_ready(h);
                     }
                 }
@@ -186,13 +214,48 @@ impl WindowVtp {
         propagated
     }
 
+    /// Takes the nearest window beside a thin face across it. Returns how many were propagated.
+    #[cold]
+    fn cross_nearest<P: Probe>(&mut self, probe: &mut P) -> u64 {
+        let Some((label, (h, serial))) = self.thin.pop() else {
+            return 0;
+        };
+        let Some(twin) = self.wave.faces.twin(h) else {
+            return 0;
+        };
+        let (e, is_reversed) = edge_of(h, twin);
+        let Some(stored) = self.wave.store.find(e, serial) else {
+            return 0;
+        };
+        let (source, window) = (stored.source(), stored.window);
+        let now = window.min_distance();
+        if now > label {
+            self.thin.push(now, (h, serial));
+            return 0;
+        }
+        self.wave.store.take(e, serial);
+        let window = if is_reversed {
+            window.reversed(self.wave.faces.length(h))
+        } else {
+            window
+        };
+        let propagated = self.wave.cross(h, &window, source, probe);
+        self.wave.sample(1, probe);
+        self.receive(probe);
+        propagated
+    }
+
     /// Windows that have arrived can cross, or wait for one of the vertices of their edge.
     fn receive<P: Probe>(&mut self, probe: &mut P) {
         let mut arrivals = std::mem::take(&mut self.wave.arrivals);
         for arrival in arrivals.drain(..) {
             let h = arrival.h;
             if self.joined[h.face().index()] {
-                self.make_ready(h);
+                if self.wave.thin.is_beside(h.index()) {
+                    self.thin.push(arrival.label, (h, arrival.serial));
+                } else {
+                    self.make_ready(h);
+                }
                 continue;
             }
             let [tail, head, _] = self.wave.faces.corners(h);

@@ -1,6 +1,7 @@
 //! The traversed area, and the lists of windows on its border.
 
 use geobench_window::Window;
+use geobench_window::queue::MinHeap;
 
 use crate::engine::store::{Block, COLUMNS, Columns, NO_LIST, WindowStore};
 use crate::engine::surface::{half_edge, parts};
@@ -43,12 +44,20 @@ pub(crate) struct Front {
     /// Half-edges whose lists are about to cross a face of the area, and how many of them have.
     ready: Vec<u32>,
     crossed: usize,
+    /// By half-edge, whether a face beside it is thin; empty if none is.
+    thin: Vec<bool>,
+    /// Half-edges of thin faces of the area whose lists wait, by the least distance of their
+    /// windows. First in, first out, these would wind around a needle before the windows that beat
+    /// them have come.
+    nearest: MinHeap<u32>,
 }
 
 impl Front {
-    /// No face of as many.
-    pub(crate) fn new(faces: usize) -> Self {
+    /// No face of as many; `thin` tells the half-edges of thin faces, and is empty without any.
+    pub(crate) fn new(faces: usize, thin: Vec<bool>) -> Self {
         Self {
+            thin,
+            nearest: MinHeap::default(),
             places: vec![Place::default(); faces],
             store: WindowStore::new(),
             step: 0,
@@ -66,6 +75,7 @@ impl Front {
                 (0..3).for_each(|corner| self.clear(half_edge(face, corner)));
             }
         }
+        self.nearest.clear();
         self.before = self.step;
         // A run has fewer steps than that.
         if self.step > u32::MAX / 2 {
@@ -112,9 +122,37 @@ impl Front {
         let (face, corner) = parts(h);
         let place = &mut self.places[face];
         if place.joined > self.before && !place.queued[corner] {
+            if !self.thin.is_empty() && self.thin[h as usize] {
+                self.wait_by_distance(h);
+                return;
+            }
             place.queued[corner] = true;
             self.ready.push(h);
         }
+    }
+
+    /// Queues the lists on `h`, beside a thin face, by the least distance of their windows.
+    #[cold]
+    fn wait_by_distance(&mut self, h: u32) {
+        let distance = self.least_distance(h);
+        self.nearest.push(distance, h);
+    }
+
+    /// The least distance of the windows on `h`.
+    #[cold]
+    pub(crate) fn least_distance(&self, h: u32) -> f64 {
+        let (face, corner) = parts(h);
+        let windows = (self.places[face].lists[corner].into_iter())
+            .flat_map(|list| self.store.windows_at(list, 0..self.store.len(list)));
+        windows.fold(f64::INFINITY, |d, w| d.min(w.min_distance()))
+    }
+
+    /// Takes the half-edge beside a thin face on which the nearest window waits, if that is nearer
+    /// than `d`. Its lists may be gone.
+    #[inline]
+    pub(crate) fn next_thin(&mut self, d: f64) -> Option<u32> {
+        self.nearest.peek().filter(|&(nearest, _)| nearest < d)?;
+        self.nearest.pop().map(|(_, h)| h)
     }
 
     /// Takes the half-edge that has been ready longest.
@@ -287,7 +325,7 @@ mod tests {
 
     #[test]
     fn left_children_come_first_and_lists_are_used_again() {
-        let mut front = Front::new(2);
+        let mut front = Front::new(2, Vec::new());
         let h = half_edge(1, 2);
         for round in 0..3 {
             front.push(h, Arrival::AsRightChild, window(3.0));
@@ -303,7 +341,7 @@ mod tests {
 
     #[test]
     fn late_windows_are_put_in_their_places() {
-        let mut front = Front::new(1);
+        let mut front = Front::new(1, Vec::new());
         for (arrival, b0) in [
             (Arrival::AsRightChild, 4.0),
             (Arrival::AsLeftChild, 2.0),
@@ -330,7 +368,7 @@ mod tests {
 
     #[test]
     fn a_face_joins_once_a_run_and_its_lists_are_ready_then() {
-        let mut front = Front::new(2);
+        let mut front = Front::new(2, Vec::new());
         for _ in 0..2 {
             front.reset();
             front.advance();

@@ -66,13 +66,15 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         numbering.keep_new_vertices();
         let faces = mesh.face_count();
         let kept = surface.kept.clone();
+        let half_edges = if kept.is_empty() { 0 } else { 4 * faces };
+        let thin = (0..half_edges).map(|h| kept.holds(h)).collect();
         Self {
             mesh: mesh.clone(),
             simd: Simd::new(Instructions::detect()),
             numbering,
             surface,
             schedule: S::new(faces),
-            front: Front::new(faces),
+            front: Front::new(faces, thin),
             active: ActiveList::new(),
             exits: E::new(faces),
             passed: Vec::new(),
@@ -215,7 +217,11 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 gate: &gate,
                 keep: &mut self.active.keep,
             };
-            let offer = self.simd.run(program);
+            let mut offer = self.simd.run(program);
+            if self.kept.holds(h as usize) {
+                // Beside a thin face, windows may wind around a needle at less than that.
+                offer = self.front.least_distance(h);
+            }
             self.schedule.wait(parts(h).0 as u32, offer, probe);
         }
         self.front.make_ready(h);
@@ -450,6 +456,10 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
             while let Some(h) = self.front.next_ready() {
                 self.prefetch();
                 self.cross(h, probe);
+            }
+            if let Some(h) = self.front.next_thin(self.schedule.next()) {
+                self.cross(h, probe);
+                continue;
             }
             let turn = self.schedule.pop();
             if let Some((d, _)) = turn

@@ -32,6 +32,9 @@ pub trait Schedule: Send {
     /// their edge has length `offer`.
     fn wait<P: Probe>(&mut self, face: u32, offer: f64, probe: &mut P);
 
+    /// The distance of the next turn; infinite without any.
+    fn next(&self) -> f64;
+
     /// Takes the next turn, with the distance that it was queued for.
     fn pop(&mut self) -> Option<(f64, Turn)>;
 }
@@ -61,6 +64,10 @@ impl Schedule for NearestVertex {
     }
 
     fn wait<P: Probe>(&mut self, _: u32, _: f64, _: &mut P) {}
+
+    fn next(&self) -> f64 {
+        self.front.peek().map_or(f64::INFINITY, |(d, _)| d)
+    }
 
     #[inline]
     fn pop(&mut self) -> Option<(f64, Turn)> {
@@ -103,6 +110,10 @@ impl Schedule for NearestFace {
             *least = offer;
             push(&mut self.front, offer, Turn::Face(face), probe);
         }
+    }
+
+    fn next(&self) -> f64 {
+        self.front.peek().map_or(f64::INFINITY, |(d, _)| d)
     }
 
     fn pop(&mut self) -> Option<(f64, Turn)> {

@@ -10,6 +10,8 @@ use geobench_window::simd::Instructions;
 #[macro_use]
 #[path = "../../window/tests/meshes/mod.rs"]
 mod meshes;
+#[path = "../../window/tests/meshes/seeds.rs"]
+mod seeds;
 
 use meshes::Solvers;
 
@@ -56,4 +58,31 @@ regression_tests! {
     windows_wound_around_a_sharp_fan_without_end
     windows_wound_around_a_needle_pi_over_its_angle_times
     a_tie_was_lost_where_sources_were_equal_up_to_rounding
+}
+
+/// Rule 1 cut rays of a source 3e-12 of the edge away from it.
+#[test]
+fn rule_1_cut_rays_beside_a_source_near_the_edge() {
+    for seed in [10_549, 14_123] {
+        seeds::check(seed, u64::MAX, solvers);
+    }
+}
+
+/// Lists of the traversed area crossed first in, first out: 20,000 times around one needle.
+#[test]
+fn lists_wound_around_needles_before_those_that_beat_them_had_come() {
+    for (seed, most) in [
+        (4887, 2_650),
+        (14587, 4_370),
+        (22444, 12_610),
+        (98587, 9_620),
+    ] {
+        seeds::check(seed, most, solvers);
+    }
+}
+
+/// Faces had their turns by the distance of their far vertex, windows beside them by their own.
+#[test]
+fn a_window_wound_around_a_needle_before_the_next_face_joined() {
+    seeds::check(95587, 4_670, solvers);
 }

@@ -85,6 +85,8 @@ counters! {
     Prime = "prime",
     /// Child windows tried while crossing a face that was in the traversed area already.
     Secondary = "secondary",
+    /// Bytes of the graph that set-up has built and that the run searches.
+    GraphBytes = "graph_bytes",
 }
 
 /// The counts of one run; a counter that the algorithm does not have is `None`, never 0.

@@ -45,6 +45,9 @@ pub trait Probe {
     /// Whether it is told where paths come from.
     const TRACES: bool = false;
 
+    /// Whether it is told which vertices are reached, and from where.
+    const EXPLORES: bool = false;
+
     /// Adds `n` to a counter.
     #[inline]
     fn add(&mut self, counter: Counter, n: u64) {
@@ -90,6 +93,14 @@ pub trait Probe {
     #[inline]
     fn reach(&mut self, v: VertexId, corner: HalfEdgeId, way: Way) {
         let _ = (v, corner, way);
+    }
+
+    /// A path of length `d` to `v` is the shortest so far; it turns last at a vertex at distance
+    /// `sigma`. Told to a probe that [explores](Self::EXPLORES), by solvers that take one window at
+    /// a time.
+    #[inline]
+    fn improve(&mut self, v: VertexId, d: f64, sigma: f64) {
+        let _ = (v, d, sigma);
     }
 
     /// The run has ended. The solver has the number `vertex(v)` for vertex `v` of `mesh`, and

@@ -57,6 +57,11 @@ pub enum SolveError {
     /// A source is a point of another mesh.
     #[error("a source is no point of this mesh; ask this mesh for its points")]
     NoSuchPoint,
+    /// The matrices of a solver that keeps their factors have none.
+    #[error(
+        "there is no memory for the factors of the matrices of this mesh; choose another algorithm"
+    )]
+    NoFactor,
     /// The system did not start the threads of a parallel algorithm.
     #[error("the system does not start {threads} threads; ask for fewer, or raise its limits")]
     NoThreads {
@@ -225,6 +230,8 @@ pub trait Solver: Send {
 /// struct EdgesOnly(Mesh);
 ///
 /// impl Propagate for EdgesOnly {
+///     const TRACES: bool = false;
+///
 ///     fn counters() -> Vec<Counter> {
 ///         vec![Counter::QueuePushes]
 ///     }
@@ -259,6 +266,9 @@ pub trait Solver: Send {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Propagate: Send {
+    /// Whether a run tells a probe where paths come from.
+    const TRACES: bool = true;
+
     /// The counters that this algorithm reports.
     fn counters() -> Vec<Counter>;
 
@@ -323,6 +333,9 @@ impl<T: Propagate> Solver for T {
     ) -> Result<(Solution, Origins), SolveError> {
         check_sources(self.vertex_count(), sources)?;
         check_goal(self.vertex_count(), goal)?;
+        if !T::TRACES {
+            return Err(SolveError::NoPaths);
+        }
         self.check()?;
         let mut until = Until::new(Origins::new(self.vertex_count()), goal);
         let mut solution = self.propagate(sources, &mut until);

@@ -1,9 +1,16 @@
 //! Algorithms that split and filter windows and keep none.
 
-use geobench_ich::{ch, ich, ich1};
+use geobench_ich::{Pch, ch, ich, ich1};
 
-use super::Algorithm;
-use super::single;
+use super::parameter::THREADS;
+use super::{Algorithm, Parameter, single};
+
+const BUCKET: Parameter = Parameter::real(
+    "bucket",
+    Pch::BUCKET,
+    0.001..=1e6,
+    "takes windows together whose least distances are within so many mean edge lengths",
+);
 
 pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
@@ -40,6 +47,22 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with published figures of ICH; when memory is short and simplicity counts",
         build: |mesh, values| single(ich(mesh), mesh, values),
+        ..Algorithm::EXACT
+    },
+    Algorithm {
+        name: "pch",
+        family: "ch-family",
+        paper: "Ying, Xin, He 2014; Xu et al. 2015, section 7.3",
+        summary: "ich in rounds of windows that cross at once, on several threads",
+        departs: "runs on the threads of the processor; takes all windows of a bucket where the paper selects the k nearest; as ich",
+        complexity: "time O(n^2 log n), space without a proven bound",
+        keeps: "the windows of the wavefront and one record for each angle",
+        choose: "to compare pvtp with the papers' parallel algorithm",
+        parameters: &[THREADS, BUCKET],
+        build: |mesh, values| {
+            let threads = values.integer_or_word(&THREADS).unwrap_or(1) as usize;
+            Box::new(Pch::with_bucket(mesh, threads, values.real(&BUCKET)))
+        },
         ..Algorithm::EXACT
     },
 ];

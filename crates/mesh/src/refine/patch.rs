@@ -15,7 +15,7 @@ const FLIP_SLACK: f64 = 1e-9;
 /// The shape of a face, from which distances between its points follow.
 ///
 /// Points are barycentric coordinates. A vector between two points is the sum of two edges of the
-/// face from the corner that is nearest to both, times differences of coordinates. These are exact
+/// face from one of its corners, times [differences](difference) of coordinates. These are exact
 /// for close points, so that a vector has an error relative to itself, however short it is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
@@ -49,11 +49,17 @@ impl Shape {
 
     /// The vector from point `p` to point `q`.
     fn vector(&self, p: [f64; 3], q: [f64; 3]) -> [f64; 2] {
-        let base = nearest_corner(p, q);
-        let (next, last) = ((base + 1) % 3, (base + 2) % 3);
-        let (along, back) = (q[next] - p[next], q[last] - p[last]);
+        let all = difference(p, q);
+        let others = |base: usize| ((base + 1) % 3, (base + 2) % 3);
+        // Of the three sums that are the vector, that with the least terms loses the least.
+        let size = |base: usize| {
+            let (next, last) = others(base);
+            all[next].abs() * self.lengths[base] + all[last].abs() * self.lengths[last]
+        };
+        let base = largest([0, 1, 2].map(|k| -size(k)));
+        let (next, last) = others(base);
         let (there, home) = (self.edges[base], self.edges[last]);
-        [0, 1].map(|i| along * there[i] - back * home[i])
+        [0, 1].map(|i| all[next] * there[i] - all[last] * home[i])
     }
 
     /// The distance of two points.
@@ -63,15 +69,10 @@ impl Shape {
     }
 }
 
-/// The corner of the face nearest to two points, by their coordinates. Those of the other two
-/// corners are small there, and so is the rounding of their differences.
-fn nearest_corner(p: [f64; 3], q: [f64; 3]) -> usize {
-    largest([0, 1, 2].map(|k| p[k].min(q[k])))
-}
-
 /// The coordinates of `q` less those of `p`, with an error relative to the largest of the three.
+/// The one with the greatest rounding follows from the other two.
 fn difference(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
-    let base = nearest_corner(p, q);
+    let base = largest([0, 1, 2].map(|k| p[k].max(q[k])));
     let mut all = [0, 1, 2].map(|k| q[k] - p[k]);
     all[base] = -(all[(base + 1) % 3] + all[(base + 2) % 3]);
     all
@@ -88,7 +89,13 @@ fn oriented([p, q, r]: [[f64; 3]; 3]) -> (f64, f64) {
         1 => (w, u),
         _ => (u, v),
     };
-    (s[0] * t[1] - s[1] * t[0], size(s) * size(t))
+    // The coordinates of a vector add up to 0, so that any two give the area.
+    let products = [0, 1, 2].map(|k| {
+        let next = (k + 1) % 3;
+        [s[k] * t[next], s[next] * t[k]]
+    });
+    let [a, b] = products[largest(products.map(|[a, b]| -(a.abs() + b.abs())))];
+    (a - b, size(s) * size(t))
 }
 
 /// What is across an edge of a triangle of a patch.

@@ -240,7 +240,7 @@ impl<Q: Discipline> State<Q> {
     /// than `label`, were taken from the list of `h`.
     #[inline]
     fn evict_passed(&mut self, h: HalfEdgeId, face: &FaceView, windows: usize, label: f64) {
-        if !self.store.is_waited_for(h.index()) {
+        if !self.store.is_waited_for(h.index()) && !self.thin.is_beside(h.index()) {
             let [tail, head, _] = face.corners;
             let ends = [tail, head].map(|v| self.surface.distance(v));
             self.eviction.note(h, reach(ends, face.frame.l));

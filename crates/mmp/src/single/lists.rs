@@ -112,6 +112,18 @@ impl Lists {
     /// Makes all lists empty.
     pub(crate) fn clear(&mut self) {
         self.heads.fill(ListHead::default());
+        self.clear_windows();
+    }
+
+    /// Makes all lists empty, of which no others than `lists` hold windows.
+    pub(crate) fn clear_at(&mut self, lists: impl Iterator<Item = usize>) {
+        for i in lists {
+            self.heads[i] = ListHead::default();
+        }
+        self.clear_windows();
+    }
+
+    fn clear_windows(&mut self) {
         self.places.clear();
         self.free_blocks.clear();
         self.windows.clear();

@@ -156,6 +156,20 @@ impl Policy for Trimming {
         self.levels.clear();
     }
 
+    fn reset_at(&mut self, half_edges: impl Iterator<Item = HalfEdgeId>) {
+        // With `Carrier::Edge`, the list of an edge is that of one of its half-edges.
+        self.lists.clear_at(half_edges.map(HalfEdgeId::index));
+        self.eviction.clear();
+        self.stored = 0;
+        self.levels.clear();
+    }
+
+    fn waiting(&self, _: HalfEdgeId, id: u32) -> Option<&Window> {
+        self.lists
+            .waits(id)
+            .then(|| &self.lists.windows()[id as usize])
+    }
+
     fn root(&self, _: VertexId, _: &Surface) -> u32 {
         0
     }
@@ -240,7 +254,7 @@ impl Policy for Trimming {
             Turn::Void => return Turn::Void,
         };
         if self.retention == Retention::Wavefront {
-            if !self.lists.is_waited_for(place.index()) {
+            if !self.lists.is_waited_for(place.index()) && !self.thin.is_beside(place.index()) {
                 let edge = surface.edge(place);
                 let within = reach([edge.tail, edge.head], edge.length);
                 self.eviction.note(place, within);

@@ -4,8 +4,10 @@
 //! lines from the sides, so each part of a cell touches a side: the borders inside form a forest
 //! whose leaves are the changes on the sides. Two changes are joined by one border; changes between
 //! cells that are all different meet in one vertex, if there is a point that is equally far from
-//! all. Everything else is cut in two, until each part is as simple, or too small to matter. So the
-//! outcome is always a division of the face, whatever rounding does.
+//! all. Everything else is cut in two, the largest part first, until each part is as simple, or too
+//! small to matter. So the outcome is always a division of the face, whatever rounding does.
+
+use geobench_window::queue::MinHeap;
 
 use super::curve::{Bisector, newton_across};
 use super::line::{Change, Line};
@@ -67,17 +69,21 @@ pub(crate) struct Arrangement {
     pub(crate) vertices: Vec<(usize, Vec<u32>)>,
 }
 
-/// Size of a triangle that is too small to matter, as a fraction of the face.
-const SMALL: f64 = 1e-11;
+/// Size of a triangle that is too small to matter, as a fraction of the face: along any border in
+/// it the distances of both cells differ by at most twice that.
+const SMALL: f64 = 1e-10;
 
 /// Triangles of a face that are cut in two; some eighty lie around each point that is in doubt.
 const MOST_CUTS: u32 = 1000;
+
+/// Such triangles after which the face is divided anew with [ranked](FaceSites::ranked) sites.
+const FEW_CUTS: u32 = 300;
 
 /// Points of a border that are looked at to find where its bisectors change: at most some 90 for
 /// each.
 const MOST_STEPS: u32 = 600;
 
-/// How far beside a triangle a point may come to lie by rounding, as a fraction of its size.
+/// How far beside a triangle a point may come to lie by rounding, as a fraction of its width.
 const BESIDE: f64 = 1e-9;
 
 /// The same, as a fraction of the face.
@@ -193,9 +199,16 @@ impl Triangle {
         stops
     }
 
+    /// The longest side.
     fn size(&self) -> f64 {
         let [a, b, c] = self.corners;
         norm(sub(b, a)).max(norm(sub(c, b))).max(norm(sub(a, c)))
+    }
+
+    /// The height over the longest side.
+    fn width(&self) -> f64 {
+        let [a, b, c] = self.corners;
+        cross(sub(b, a), sub(c, a)).abs() / self.size()
     }
 
     /// Whether `x` is inside, or beside it by no more than `slack`.
@@ -221,19 +234,47 @@ impl Triangle {
 
 /// Divides a face along whose sides the cells are `lines`, with these numbers of the runs; those
 /// inside are numbered from `next_run` on.
+///
+/// A face in which paths of several cells are equally long all over some part has no borders to be
+/// found there; it is divided as if the first source were a little nearer than the second.
 pub(crate) fn arrange(
     sites: &FaceSites,
     lines: &[Line; 3],
-    runs: [Vec<u32>; 3],
+    runs: &[Vec<u32>; 3],
     next_run: u32,
 ) -> Arrangement {
+    let simple = arrange_within(FEW_CUTS, sites, lines, runs, next_run);
+    if simple.1 == 0.0 {
+        return simple.0;
+    }
+    let ranked = arrange_within(MOST_CUTS, &sites.ranked(), lines, runs, next_run);
+    if ranked.1 == 0.0 {
+        return ranked.0;
+    }
+    let thorough = arrange_within(MOST_CUTS, sites, lines, runs, next_run);
+    if thorough.1 <= ranked.1 {
+        thorough.0
+    } else {
+        ranked.0
+    }
+}
+
+/// The same with at most so many cuts, and the size of the largest part that is still in doubt.
+fn arrange_within(
+    most_cuts: u32,
+    sites: &FaceSites,
+    lines: &[Line; 3],
+    runs: &[Vec<u32>; 3],
+    next_run: u32,
+) -> (Arrangement, f64) {
     let mut arranger = Arranger {
         sites,
         next_run,
         cut: 0,
+        most_cuts,
+        doubt: 0.0,
         found: Arrangement::default(),
     };
-    let mut runs = runs.into_iter();
     let sides = [0, 1, 2].map(|k| {
         let (from, to) = (sites.corners[k], sites.corners[(k + 1) % 3]);
         let place = |(i, change): (usize, &Change)| {
@@ -253,12 +294,12 @@ pub(crate) fn arrange(
         Side {
             first: lines[k].first,
             marks: lines[k].changes.iter().enumerate().map(place).collect(),
-            runs: runs.next().unwrap_or_default(),
+            runs: runs[k].clone(),
         }
     });
     let corners = sites.corners;
-    arranger.solve(&Triangle { corners, sides });
-    arranger.found
+    arranger.solve(Triangle { corners, sides });
+    (arranger.found, arranger.doubt)
 }
 
 struct Arranger<'a> {
@@ -266,6 +307,9 @@ struct Arranger<'a> {
     next_run: u32,
     /// Triangles that have been cut in two.
     cut: u32,
+    most_cuts: u32,
+    /// Size of the largest triangle that should have been cut.
+    doubt: f64,
     found: Arrangement,
 }
 
@@ -275,7 +319,28 @@ impl Arranger<'_> {
         self.found.nodes.len() - 1
     }
 
-    fn solve(&mut self, triangle: &Triangle) {
+    /// Divides a triangle, the largest of its parts first: when the most cuts have been made, what
+    /// is left is small.
+    fn solve(&mut self, whole: Triangle) {
+        let mut largest = MinHeap::default();
+        largest.push(-whole.size(), 0);
+        let mut parts = vec![Some(whole)];
+        while let Some((_, part)) = largest.pop() {
+            let Some(triangle) = parts[part].take() else {
+                continue;
+            };
+            if !self.try_solve(&triangle) {
+                self.cut += 1;
+                for half in self.halves(&triangle) {
+                    largest.push(-half.size(), parts.len());
+                    parts.push(Some(half));
+                }
+            }
+        }
+    }
+
+    /// Divides a triangle that is simple enough; `false` if it has to be cut.
+    fn try_solve(&mut self, triangle: &Triangle) -> bool {
         let stops = triangle.stops();
         if stops.is_empty() {
             self.found.regions.push(Region {
@@ -284,25 +349,28 @@ impl Arranger<'_> {
                 pieces: Vec::new(),
                 runs: triangle.sides.iter().map(|side| side.runs[0]).collect(),
             });
-            return;
+            return true;
         }
         let before = (
             self.found.nodes.len(),
             self.found.pieces.len(),
             self.found.regions.len(),
         );
-        let is_small = triangle.size() <= SMALL * self.sites.size;
-        let is_last = is_small || self.cut >= MOST_CUTS;
-        if self.solve_simple(triangle, &stops, is_last).is_some() {
-            return;
+        let small = SMALL * self.sites.size;
+        // A border from one end of a narrow triangle to the other is near its chord. Where several
+        // meet, it matters where.
+        let is_small = triangle.size() <= small || stops.len() == 2 && triangle.width() <= small;
+        if self.solve_simple(triangle, &stops, is_small).is_some() {
+            return true;
         }
         self.found.nodes.truncate(before.0);
         self.found.pieces.truncate(before.1);
         self.found.regions.truncate(before.2);
-        self.cut += 1;
-        for part in self.halves(triangle) {
-            self.solve(&part);
+        if self.cut < self.most_cuts {
+            return false;
         }
+        self.doubt = self.doubt.max(triangle.size());
+        self.solve_simple(triangle, &stops, true).is_some()
     }
 
     /// Cuts a triangle in two at the middle of its longest side, so that needles become shorter.
@@ -333,10 +401,7 @@ impl Arranger<'_> {
 
     /// The cells along a segment inside the face.
     fn cut(&mut self, from: Point, to: Point, ends: [u32; 2]) -> Side {
-        let l = norm(sub(to, from));
-        let sites = self.sites.sites.iter();
-        let windows = sites.filter_map(|s| Some((s.window(from, to, l)?, s.source)));
-        let line = Line::envelope(windows, l, ends);
+        let line = self.sites.line(from, to, ends);
         let runs = line.cells().map(|source| {
             self.found.cuts.push(source);
             self.next_run + self.found.cuts.len() as u32 - 1
@@ -431,7 +496,7 @@ impl Arranger<'_> {
     }
 
     fn slack(&self, triangle: &Triangle) -> f64 {
-        BESIDE * triangle.size() + BESIDE_FACE * self.sites.size
+        BESIDE * triangle.width() + BESIDE_FACE * self.sites.size
     }
 
     /// Joins two nodes by a border with these cells on its left and on its right; `None` if the way
@@ -545,7 +610,8 @@ impl Way<'_> {
     /// Where two images coincide the border is no bisector: it is the line up to which the one sees
     /// and from which on the other does, since both look past the same vertex.
     fn is_straight(&self, [from, to]: [Point; 2]) -> bool {
-        [0.5, 0.125, 0.875]
+        // Curves may cross their chord at a few points, in symmetric faces at round fractions.
+        [0.5, 0.125, 0.875, 0.04, 0.27, 0.37, 0.66, 0.81, 0.97]
             .into_iter()
             .all(|t| self.pair(between(from, to, t)).is_some())
     }
@@ -609,7 +675,7 @@ impl Way<'_> {
             return false;
         }
         self.holds(pair, middle)
-            && [0.2, 0.8].into_iter().all(|t| {
+            && [0.2, 0.8, 0.03, 0.37, 0.66, 0.97].into_iter().all(|t| {
                 let x = curve.beside(ends[0], ends[1], t);
                 x.is_some_and(|x| self.holds(pair, x))
             })

@@ -25,6 +25,12 @@ const GAUSS: [(f64, f64); 8] = [
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
 ];
 
+/// Rate at which a function changes across a border below which rounding hides where the border is.
+///
+/// Two paths that run nearly side by side, as where one source is right behind the other, are equally
+/// long in a wide strip.
+const FLAT: f64 = 1e-6;
+
 /// Steps of Newton's method after which it is given up.
 const STEPS: usize = 40;
 
@@ -90,7 +96,7 @@ impl Bisector {
 }
 
 /// The point nearest to `start` across `direction` at which a function vanishes, by Newton's
-/// method; `function` gives its value and its gradient.
+/// method, or a point around which it hardly changes; `function` gives its value and its gradient.
 pub(crate) fn newton_across(
     start: Point,
     direction: Point,
@@ -106,6 +112,9 @@ pub(crate) fn newton_across(
     for _ in 0..STEPS {
         let (value, gradient) = function(x)?;
         let slope = super::plane::dot(gradient, normal);
+        if slope.abs() < FLAT {
+            return Some(x);
+        }
         let step = (-value / slope).clamp(-chord, chord);
         if step.is_nan() || step.abs() >= last {
             // As near as rounding allows, or lost.

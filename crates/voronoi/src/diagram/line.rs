@@ -3,6 +3,8 @@
 use geobench_window::Window;
 use geobench_window::trimming::{Division, Owner};
 
+use super::sites::ROUNDING;
+
 /// The cells along a segment of length 1: the first one, and where they change.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Line {
@@ -101,6 +103,30 @@ impl Line {
         line
     }
 
+    /// The line corrected by distances, in a face whose longest edge is `size`. `nearest` tells the
+    /// length of the shortest path to a place, and its source: of all paths, or of those from one
+    /// source.
+    ///
+    /// Trimming drops slivers, and then windows that are longer, but wide enough to stay, come to
+    /// light beside them. The paths around the ends of intervals, which count here, are shorter.
+    pub(crate) fn settled(
+        self,
+        size: f64,
+        nearest: impl Fn(f64, Option<u32>) -> (f64, u32),
+    ) -> Self {
+        let settler = Settler { size, nearest };
+        let mut line = self;
+        if !settler.agrees(&line) {
+            let samples = settler.samples(&line);
+            line = Self::of(line.first);
+            for pair in samples.windows(2) {
+                settler.part(pair[0], pair[1], &mut line.changes);
+            }
+        }
+        settler.simplify(&mut line);
+        line
+    }
+
     /// The same line from its other end.
     pub(crate) fn reversed(&self) -> Self {
         let mut before: Vec<u32> = self.cells().collect();
@@ -113,6 +139,119 @@ impl Line {
         let mut changes: Vec<Change> = changes.collect();
         changes.reverse();
         Self { first, changes }
+    }
+}
+
+/// See [`Line::settled`].
+struct Settler<F> {
+    size: f64,
+    nearest: F,
+}
+
+/// A place of a line, from 0 to 1, and its cell.
+type Sample = (f64, u32);
+
+/// Length of a part of a line that is too short to be parted.
+const SHORT: f64 = 1e-13;
+
+impl<F: Fn(f64, Option<u32>) -> (f64, u32)> Settler<F> {
+    /// Whether no other cell is nearer than `source` at `t`, up to rounding.
+    fn is_nearest(&self, t: f64, source: u32) -> bool {
+        let (least, _) = (self.nearest)(t, None);
+        let (own, _) = (self.nearest)(t, Some(source));
+        own <= least + ROUNDING * (least + self.size)
+    }
+
+    /// Whether both cells are the nearest wherever they change, and those between in their middle.
+    fn agrees(&self, line: &Line) -> bool {
+        let mut before = line.first;
+        let mut start = 0.0;
+        for change in &line.changes {
+            let both = [before, change.next];
+            if both
+                .iter()
+                .any(|&source| !self.is_nearest(change.at, source))
+                || !self.is_nearest(0.5 * (start + change.at), before)
+            {
+                return false;
+            }
+            (before, start) = (change.next, change.at);
+        }
+        line.changes.is_empty() || self.is_nearest(0.5 * (start + 1.0), before)
+    }
+
+    /// The ends of a line, whose cells stay, and the middles of its parts.
+    fn samples(&self, line: &Line) -> Vec<Sample> {
+        let mut samples = vec![(0.0, line.first)];
+        let mut start = 0.0;
+        for end in line.changes.iter().map(|change| change.at).chain([1.0]) {
+            if end > start {
+                let middle = 0.5 * (start + end);
+                samples.push((middle, (self.nearest)(middle, None).1));
+            }
+            start = end;
+        }
+        samples.push((1.0, line.last()));
+        samples
+    }
+
+    /// Removes changes that rounding alone makes: where the cell before is as near all along, it goes
+    /// on.
+    fn simplify(&self, line: &mut Line) {
+        let mut before = line.first;
+        let mut i = 0;
+        while let [change, behind, ..] = line.changes[i..] {
+            let middle = 0.5 * (change.at + behind.at);
+            if self.is_nearest(middle, before) && self.is_nearest(behind.at, before) {
+                line.changes.remove(i);
+                if behind.next == before {
+                    line.changes.remove(i);
+                }
+            } else {
+                before = change.next;
+                i += 1;
+            }
+        }
+    }
+
+    /// Appends the changes between two places.
+    fn part(&self, from: Sample, to: Sample, changes: &mut Vec<Change>) {
+        let ((u, before), (v, next)) = (from, to);
+        if before == next {
+            return;
+        }
+        let t = self.tie(from, to);
+        let (least, third) = (self.nearest)(t, None);
+        let own = [before, next].map(|source| (self.nearest)(t, Some(source)).0);
+        let slack = ROUNDING * (least + self.size);
+        if own[0].min(own[1]) <= least + slack || v - u <= SHORT {
+            changes.push(Change { at: t, next });
+        } else {
+            self.part(from, (t, third), changes);
+            self.part((t, third), to, changes);
+        }
+    }
+
+    /// A place between two others at which their cells are equally far.
+    fn tie(&self, (mut u, before): Sample, (mut v, next): Sample) -> f64 {
+        let lead = |t| (self.nearest)(t, Some(before)).0 - (self.nearest)(t, Some(next)).0;
+        if lead(u) >= 0.0 {
+            return u;
+        }
+        if lead(v) <= 0.0 {
+            return v;
+        }
+        loop {
+            let middle = 0.5 * (u + v);
+            if middle <= u || middle >= v {
+                return middle;
+            }
+            if lead(middle) < 0.0 {
+                u = middle;
+            } else {
+                v = middle;
+            }
+        }
     }
 }
 

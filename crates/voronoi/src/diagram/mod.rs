@@ -110,6 +110,9 @@ impl Arc {
     /// The point beside fraction `t` of its chord, in the plane of the face.
     pub fn point(&self, t: f64) -> [f64; 2] {
         let [from, to] = self.ends;
+        if t == 0.0 || t == 1.0 {
+            return self.ends[usize::from(t == 1.0)];
+        }
         let curve = self.bisector.and_then(|b| b.beside(from, to, t));
         curve.unwrap_or_else(|| plane::between(from, to, t))
     }
@@ -434,9 +437,18 @@ impl<'a> Builder<'a> {
             return None;
         }
         let l = self.field.mesh.length(h);
-        let windows = list.iter().map(|s| (s.window, s.source()));
-        let windows = windows.chain(end_windows(ends, l));
-        Some(Line::envelope(windows, l, [first, ends[1].1]))
+        let windows = || {
+            let windows = list.iter().map(|s| (s.window, s.source()));
+            windows.chain(end_windows(ends, l))
+        };
+        let line = Line::envelope(windows(), l, [first, ends[1].1]);
+        Some(line.settled(l, |t, wanted| {
+            let windows = windows().filter(|(_, s)| wanted.is_none_or(|source| source == *s));
+            let paths = windows.map(|(window, source)| (path_to(&window, t * l), source));
+            paths.fold((f64::INFINITY, NO_SOURCE), |least, path| {
+                if path.0 < least.0 { path } else { least }
+            })
+        }))
     }
 
     /// The cells along an edge of the boundary, where no windows are stored: those of the sites of
@@ -448,11 +460,8 @@ impl<'a> Builder<'a> {
         if sites.sites.iter().all(|site| site.source == first) {
             return None;
         }
-        let l = self.field.mesh.length(h);
         let [from, to] = side_of(self.field.mesh, h);
-        let windows = sites.sites.iter();
-        let windows = windows.filter_map(|s| Some((s.window(from, to, l)?, s.source)));
-        Some(Line::envelope(windows, l, [first, ends[1].1]))
+        Some(sites.line(from, to, [first, ends[1].1]))
     }
 
     /// The number of the line along `h`, and whether it runs the other way; `None` if there is but
@@ -518,7 +527,7 @@ impl<'a> Builder<'a> {
         });
         let runs = [0, 1, 2].map(|k| self.runs_along(vertices[k], vertices[(k + 1) % 3], along[k]));
         let next_run = self.unions.next();
-        let arrangement = arrange(&sites, &lines, runs, next_run);
+        let arrangement = arrange(&sites, &lines, &runs, next_run);
         for &source in &arrangement.cuts {
             self.unions.add(source);
         }
@@ -546,14 +555,13 @@ impl<'a> Builder<'a> {
             };
             self.add_arc(arc);
         }
-        for (k, line) in lines.iter().enumerate() {
-            let (from, to) = (sites.corners[k], sites.corners[(k + 1) % 3]);
-            let mut at = from;
-            let ends = line.changes.iter().map(|c| plane::between(from, to, c.at));
-            for (source, end) in line.cells().zip(ends.chain([to])) {
-                self.cells[source as usize].area += 0.5 * cross(at, end);
-                at = end;
-            }
+        // Seen from the first corner, only the opposite side has an area behind it: that of the face.
+        let [_, second, third] = sites.corners;
+        let mut at = 0.0;
+        let ends = lines[1].changes.iter().map(|change| change.at);
+        for (source, end) in lines[1].cells().zip(ends.chain([1.0])) {
+            self.cells[source as usize].area += 0.5 * (end - at) * cross(second, third);
+            at = end;
         }
         for region in &arrangement.regions {
             self.cells[region.source as usize].euler += 1;
@@ -720,6 +728,12 @@ fn end_windows(ends: [(f64, u32); 2], l: f64) -> impl Iterator<Item = (Window, u
             };
             (window, source)
         })
+}
+
+/// The length of the shortest path through the interval of `window` to a point of its edge.
+fn path_to(window: &Window, x: f64) -> f64 {
+    let turn = x.clamp(window.b0, window.b1);
+    window.distance(turn) + (x - turn).abs()
 }
 
 /// The ends of `h` in the plane of its face.

@@ -3,7 +3,8 @@
 use geobench_mesh::{FaceId, Mesh};
 use geobench_window::Window;
 
-use super::plane::{Point, cross, dot, norm, sub};
+use super::line::Line;
+use super::plane::{Point, between, cross, dot, norm, sub};
 use crate::field::{Field, NO_SOURCE};
 use crate::store::{Stored, edge_of};
 
@@ -144,6 +145,7 @@ impl FaceSites {
     pub(crate) fn new(field: &Field<'_>, face: FaceId) -> Self {
         let mesh = field.mesh;
         let corners = corners(mesh, face);
+        let directions = directions(mesh, face);
         let mut sites = Vec::new();
         for k in 0..3 {
             let h = face.half_edge(k);
@@ -152,8 +154,7 @@ impl FaceSites {
             };
             let (e, is_reversed) = edge_of(h, twin);
             let l = mesh.length(h);
-            let origin = corners[k as usize];
-            let u = sub(corners[(k as usize + 1) % 3], origin).map(|c| c / l);
+            let (origin, u) = (corners[k as usize], directions[k as usize]);
             let place = |x: f64, y: f64| {
                 [
                     origin[0] + x * u[0] - y * u[1],
@@ -194,6 +195,21 @@ impl FaceSites {
         }
     }
 
+    /// The same face with paths of each source a little longer than those of the one before, by more
+    /// than what counts as rounding, so that no two are equally long all over a part of the face.
+    pub(crate) fn ranked(&self) -> Self {
+        let mut ranked = self.clone();
+        let mut sources: Vec<u32> = self.sites.iter().map(|site| site.source).collect();
+        sources.sort_unstable();
+        sources.dedup();
+        let step = RANK * (self.distance(self.corners[0]) + self.size);
+        for site in &mut ranked.sites {
+            let rank = sources.partition_point(|&source| source < site.source);
+            site.sigma += rank as f64 * step;
+        }
+        ranked
+    }
+
     /// The site of `source` whose path to `x` is the shortest, the length of that path and its
     /// direction there; the length is infinite without any.
     ///
@@ -227,6 +243,23 @@ impl FaceSites {
         nearest
     }
 
+    /// The cells along a segment of the face, with those at its ends.
+    pub(crate) fn line(&self, from: Point, to: Point, ends: [u32; 2]) -> Line {
+        let l = norm(sub(to, from));
+        let windows = self.sites.iter();
+        let windows = windows.filter_map(|s| Some((s.window(from, to, l)?, s.source)));
+        let line = Line::envelope(windows, l, ends);
+        line.settled(self.size, |t, wanted| {
+            let x = between(from, to, t);
+            let sites = self.sites.iter();
+            let sites = sites.filter(|site| wanted.is_none_or(|source| site.source == source));
+            let paths = sites.map(|site| (site.path(x).length, site.source));
+            paths.fold((f64::INFINITY, NO_SOURCE), |least, path| {
+                if path.0 < least.0 { path } else { least }
+            })
+        })
+    }
+
     /// The length of the shortest path to `x`.
     pub(crate) fn distance(&self, x: Point) -> f64 {
         let lengths = self.sites.iter().map(|site| site.path(x).length);
@@ -245,7 +278,11 @@ const FROM_VERTEX: f64 = 1e-15;
 const BENT: f64 = 1e-13;
 
 /// Relative error of distances at a point of a face.
-const ROUNDING: f64 = 2e-13;
+pub(crate) const ROUNDING: f64 = 2e-13;
+
+/// By how much paths differ from one source to the next in [ranked](FaceSites::ranked) sites,
+/// relative to their length: more than trimming and [`ROUNDING`] leave undecided.
+const RANK: f64 = 1e-12;
 
 /// See [`FaceSites::nearest_of`].
 #[derive(Clone, Copy, Debug)]
@@ -267,4 +304,20 @@ impl Nearest {
 pub(crate) fn corners(mesh: &Mesh, face: FaceId) -> [Point; 3] {
     let h = face.half_edge(0);
     [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)]
+}
+
+/// The directions of the sides of `face` in the frame of its first half-edge.
+///
+/// Images far away turn with the direction of a short side. The corners of a long face do not tell
+/// that: it follows from the angle to the first side, in the frame in which that is known best.
+fn directions(mesh: &Mesh, face: FaceId) -> [Point; 3] {
+    let [third, first, second] = mesh.apexes(face);
+    let lengths = [0, 2].map(|k| mesh.length(face.half_edge(k)));
+    let last = if lengths[0] < lengths[1] {
+        [-third[0], -third[1]]
+    } else {
+        [second[0] - lengths[1], -second[1]]
+    };
+    let unit = |p: Point| p.map(|c| c / norm(p));
+    [[1.0, 0.0], unit([-first[0], first[1]]), unit(last)]
 }

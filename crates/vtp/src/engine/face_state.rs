@@ -59,6 +59,11 @@ impl FaceState {
         self.run = 0;
     }
 
+    /// Whether the face has joined in this run.
+    pub(crate) fn has_joined(&self, run: u8) -> bool {
+        self.run == run
+    }
+
     /// The face joins; returns whether it had not in this run.
     #[inline(always)]
     pub(crate) fn join(&mut self, run: u8) -> bool {

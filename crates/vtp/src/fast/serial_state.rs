@@ -68,6 +68,10 @@ impl SurfaceState for SerialState {
         self.surface.faces[f].state.enqueue(corner, self.run)
     }
 
+    fn contains(&self, f: usize) -> bool {
+        self.surface.faces[f].state.has_joined(self.run)
+    }
+
     #[inline(always)]
     fn join(&mut self, f: usize) -> bool {
         self.surface.faces[f].state.join(self.run)

@@ -11,6 +11,7 @@
 mod surface_state;
 
 use geobench_mesh::{HalfEdgeId, VertexId};
+use geobench_window::queue::MinHeap;
 use geobench_window::simd::{Lanes, Program, Scalar};
 use geobench_window::trimming::KeptWindows;
 use geobench_window::{Counter, Lookout, Phase, Probe, Way};
@@ -55,6 +56,9 @@ pub(crate) struct Wavefront {
     pub(crate) store: WindowStore,
     /// Half-edges whose lists are about to cross.
     ready: Vec<u32>,
+    /// Half-edges beside thin faces, by the least distance of their windows, that are to cross when
+    /// no others are ready.
+    nearest: MinHeap<u32>,
     pub(crate) buckets: Buckets,
     /// Vertices that have their turns.
     turn: Vec<u32>,
@@ -85,6 +89,7 @@ impl Wavefront {
             spawn_wedge: options.spawn_wedge,
             store: WindowStore::new(),
             ready: Vec::new(),
+            nearest: MinHeap::default(),
             buckets: Buckets::new(vertices, options.bucket * surface.mean_length),
             turn: Vec::new(),
             passed: Vec::new(),
@@ -150,6 +155,7 @@ impl Wavefront {
     pub(crate) fn reset(&mut self) {
         let vertices = self.origins.len();
         self.buckets.reset();
+        self.nearest.clear();
         self.lookout.clear();
         self.joined.clear();
         self.turn.clear();
@@ -207,9 +213,40 @@ impl Wavefront {
     /// Queues the list on half-edge `corner` of face `f` if that has joined.
     #[inline(always)]
     pub(crate) fn make_ready(&mut self, state: &mut impl SurfaceState, f: usize, corner: usize) {
-        if state.enqueue(f, corner) {
+        if !self.kept.is_empty() && self.kept.holds(half_edge(f as u32, corner) as usize) {
+            self.wait_by_distance(state, f, corner);
+        } else if state.enqueue(f, corner) {
             self.ready.push(half_edge(f as u32, corner));
         }
+    }
+
+    /// Queues the list on a half-edge beside a thin face by the least distance of its windows, if
+    /// the face has joined. First in, first out, they would wind around a needle before the windows
+    /// that beat them have come.
+    #[cold]
+    #[inline(never)]
+    fn wait_by_distance(&mut self, state: &impl SurfaceState, f: usize, corner: usize) {
+        if state.contains(f) {
+            let list = state.list(f, corner);
+            let windows = self.store.windows_at(list, 0..self.store.len(list));
+            let nearest = windows.fold(f64::INFINITY, |d, w| d.min(w.min_distance()));
+            self.nearest.push(nearest, half_edge(f as u32, corner));
+        }
+    }
+
+    /// Makes the nearest list beside a thin face ready. Returns whether there was one.
+    #[cold]
+    #[inline(never)]
+    fn make_nearest_ready(&mut self, state: &mut impl SurfaceState) -> bool {
+        while let Some((_, h)) = self.nearest.pop() {
+            let (f, corner) = parts(h);
+            // The list has crossed already if it came nearer since.
+            if state.list(f, corner) != NO_LIST && state.enqueue(f, corner) {
+                self.ready.push(h);
+                return true;
+            }
+        }
+        false
     }
 
     /// Defers the effects of an improvement if `news`. There is room for one.
@@ -425,7 +462,10 @@ impl Wavefront {
                 self.settle(state, probe);
             }
             let Some(&h) = self.ready.get(place) else {
-                break;
+                if self.kept.is_empty() || !self.make_nearest_ready(state) {
+                    break;
+                }
+                continue;
             };
             self.prefetch_face(state, place + 6);
             self.prefetch_beyond(state, place + 3);

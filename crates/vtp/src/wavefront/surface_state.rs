@@ -24,6 +24,9 @@ pub(crate) trait SurfaceState {
     /// was not and is now.
     fn enqueue(&mut self, f: usize, corner: usize) -> bool;
 
+    /// Whether a face has joined the traversed area of this wavefront.
+    fn contains(&self, f: usize) -> bool;
+
     /// A face joins the traversed area of this wavefront; returns whether it had not.
     fn join(&mut self, f: usize) -> bool;
 

@@ -36,7 +36,7 @@ pub struct Behind {
 impl Edge {
     /// The edge by which a window leaves a face; `distances` are those of the exit's corners.
     #[inline]
-    pub(super) fn behind(exit: &Exit, distances: [f64; 3]) -> Self {
+    pub fn behind(exit: &Exit, distances: [f64; 3]) -> Self {
         let [tail, head, distance] = distances;
         Self {
             length: exit.length,

@@ -7,14 +7,18 @@
 //! algorithms that differ in one choice differ in nothing else.
 
 mod edge;
+mod explorer;
 mod lookahead;
 mod policy;
 mod propagation;
+mod relaying;
 mod surface;
 
 pub use edge::{Behind, Edge};
+pub use explorer::{Explorer, Neighbour};
 pub use policy::{Arrival, Child, Policy, Turn};
 pub use propagation::Continuous;
+pub use relaying::Relaying;
 pub use surface::Surface;
 
 #[cfg(doc)]

@@ -61,8 +61,25 @@ pub trait Policy: Send {
     /// Bytes that a waiting window takes.
     const WINDOW_BYTES: usize;
 
+    /// Whether all vertices relay paths, [approximately](super::Relaying).
+    const RELAYS: bool = false;
+
     /// Forgets the last run, keeping the memory.
     fn reset(&mut self);
+
+    /// As [`reset`](Self::reset), after a run whose windows came to no half-edges but
+    /// `half_edges`. A policy that is to [explore](super::Explorer) small parts of a mesh takes
+    /// time for these only.
+    fn reset_at(&mut self, half_edges: impl Iterator<Item = HalfEdgeId>) {
+        let _ = half_edges;
+        self.reset();
+    }
+
+    /// Window `id` on `h`, which has an event in the queue, if it exists and waits.
+    fn waiting(&self, h: HalfEdgeId, id: u32) -> Option<&Window> {
+        let _ = h;
+        self.foresee(id)
+    }
 
     /// The lineage of windows that start from `v`.
     fn root(&self, v: VertexId, surface: &Surface) -> Self::Lineage;

@@ -8,6 +8,8 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use super::edge::Edge;
 use super::lookahead::Lookahead;
 use super::policy::{Arrival, Child, Policy, Turn};
+#[cfg(doc)]
+use super::relaying::Relaying;
 use super::surface::Surface;
 use crate::counters::Counter;
 use crate::crossing::Crossing;
@@ -40,14 +42,16 @@ const AHEAD: usize = 5;
 /// An algorithm that takes one window at a time: `policy` under `queue`, on one mesh.
 #[derive(Clone, Debug)]
 pub struct Continuous<W, Q> {
-    mesh: Mesh,
-    surface: Surface,
-    policy: W,
-    queue: Q,
+    pub(super) mesh: Mesh,
+    pub(super) surface: Surface,
+    pub(super) policy: W,
+    pub(super) queue: Q,
     lookahead: Lookahead,
     lookout: Lookout,
     /// Children narrower than this are dropped.
     threshold: f64,
+    /// The share of the way since the last turn that a vertex need not pay.
+    advantage: f64,
 }
 
 impl<W: Policy, Q: Discipline> Continuous<W, Q> {
@@ -61,6 +65,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             lookahead: Lookahead::default(),
             lookout: Lookout::default(),
             threshold: 0.0,
+            advantage: 0.0,
         }
     }
 
@@ -73,6 +78,52 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             threshold: width,
             ..self
         }
+    }
+
+    /// Distances of a [relaying](Relaying) policy are at most 1 + `epsilon` times the exact ones, and
+    /// never less; other policies stay exact. An `epsilon` that is not positive counts as 0.
+    ///
+    /// A run keeps a *value* V of each vertex. The source has 0. A straight path of length d from
+    /// a vertex r gives vertex v the value V(r) + d/(1+ε), and windows from r start with σ = V(r).
+    /// Everything else compares windows and vertices as an exact algorithm does, by V(r) + d. So a
+    /// vertex beats windows that passed it, if only their way was long, and its own go on instead.
+    ///
+    /// *Never less:* (1+ε)·V(v) is the length of a path to v.
+    ///
+    /// *At most 1 + ε times as long:* let d(r, q) be the exact distance, and r the vertex of least
+    /// V(r) + d(r, q), of several the nearest to q. If the way from r to q turns first at r', or its
+    /// window is dropped in favour of one of r', then V(r') + d(r', q) is no more, up to rounding,
+    /// and r' is nearer or the sum is less, against the choice of r. So the way is straight and its
+    /// window comes to q, which gives V(q) ≤ V(r) + d(r, q)/(1+ε) ≤ V(r) + d(r, q) ≤ d(s, q) for
+    /// every source s.
+    #[must_use]
+    pub fn with_error(self, epsilon: f64) -> Self {
+        let epsilon = if epsilon > 0.0 { epsilon } else { 0.0 };
+        Self {
+            advantage: epsilon / (1.0 + epsilon),
+            ..self
+        }
+    }
+
+    /// By how much distances are longer than values.
+    fn scale(&self) -> f64 {
+        (1.0 - self.advantage).recip()
+    }
+
+    /// The value of a vertex that a path of length `d` reaches whose last turn is at `sigma`.
+    #[inline(always)]
+    fn value(&self, d: f64, sigma: f64) -> f64 {
+        if W::RELAYS {
+            d - (d - sigma) * self.advantage
+        } else {
+            d
+        }
+    }
+
+    /// Whether paths may turn at `v`.
+    #[inline(always)]
+    fn turns_at(&self, v: VertexId) -> bool {
+        W::RELAYS || self.mesh.is_pseudo_source(v)
     }
 
     /// Uses `instructions`, or narrower ones if the processor lacks them; by default the widest
@@ -115,9 +166,12 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     }
 
     /// Whether all that is wanted is final, now that an event under `label` has come out.
-    fn ends<P: Probe>(&mut self, label: f64, probe: &mut P) -> bool {
-        let surface = &self.surface;
-        let distance = |v| surface.distance(v);
+    pub(super) fn ends<P: Probe>(&mut self, label: f64, probe: &mut P) -> bool {
+        let (surface, scale) = (&self.surface, self.scale());
+        let distance = |v| {
+            let value = surface.distance(v);
+            if W::RELAYS { value * scale } else { value }
+        };
         self.lookout.advance(1);
         self.queue.ends(label, &mut self.lookout, distance, probe)
     }
@@ -127,7 +181,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     #[inline(never)]
     fn offer<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) -> bool {
         let improves = self.surface.offer(v, d);
-        if improves && (Q::EVERY_VERTEX || self.mesh.is_pseudo_source(v)) {
+        if improves && (Q::EVERY_VERTEX || self.turns_at(v)) {
             self.queue.push(d, Event::vertex(v), probe);
         }
         improves
@@ -140,12 +194,18 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         h: HalfEdgeId,
         apex: VertexId,
         d: f64,
-        window: impl FnOnce(&Self) -> Window,
+        window: impl Fn(&Self) -> Window,
         probe: &mut P,
     ) {
-        if self.offer(apex, d, probe) && P::TRACES {
+        if !self.offer(apex, d, probe) {
+            return;
+        }
+        if P::TRACES {
             let way = Way::of(&window(self), &self.surface.faces().frame(h));
             probe.reach(apex, h.prev(), way);
+        }
+        if P::EXPLORES {
+            probe.improve(apex, d, window(self).sigma);
         }
     }
 
@@ -162,9 +222,16 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
                 let Some((neighbour, length)) = edge else {
                     continue;
                 };
-                if self.offer(neighbour, sigma + length, probe) && P::TRACES {
+                let d = self.value(sigma + length, sigma);
+                if !self.offer(neighbour, d, probe) {
+                    continue;
+                }
+                if P::TRACES {
                     let (corner, way) = [(h.next(), Way::FromHead), (h.prev(), Way::FromTail)][k];
                     probe.reach(neighbour, corner, way);
+                }
+                if P::EXPLORES {
+                    probe.improve(neighbour, d, sigma);
                 }
             }
         }
@@ -294,7 +361,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         } else {
             // Nearly all windows pass the apex on one side.
             let exit = faces.exit(h, &frame, crossing.side());
-            let d = crossing.bent_distance(&exit);
+            let d = self.value(crossing.bent_distance(&exit), window.sigma);
             if d < self.surface.distance(apex) {
                 self.offer_apex(h, apex, d, |_| window, probe);
             }
@@ -324,7 +391,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             ..
         } = self.surface.faces().face_view(h);
         let crossing = Crossing::new(&frame, &window);
-        let d = crossing.straight_distance();
+        let d = self.value(crossing.straight_distance(), window.sigma);
         if d < self.surface.distance(apex) {
             self.offer_apex(h, apex, d, |_| window, probe);
         }
@@ -356,9 +423,14 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         let crossings = self.lookahead.crossings();
         let covers_apex = crossings.covers_apex(lane);
         let (apex, d) = (crossings.apex(lane), crossings.apex_distance(lane));
-        if d < self.surface.distance(apex) {
+        let value = if W::RELAYS {
+            self.value(d, crossings.window(lane).sigma)
+        } else {
+            d
+        };
+        if value < self.surface.distance(apex) {
             let window = |run: &Self| run.lookahead.crossings().window(lane);
-            self.offer_apex(h, apex, d, window, probe);
+            self.offer_apex(h, apex, value, window, probe);
         }
         let tried = if covers_apex {
             self.split_ahead(h, lane, d, lineage, probe)
@@ -432,6 +504,54 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         probe.add(Counter::Kept, u64::from(waits.is_some()));
         probe.enter(Phase::Propagation);
     }
+
+    /// Starts a run: `sources` send out their windows. Surface and policy know of no other run.
+    pub(super) fn begin_run<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) {
+        self.queue.clear();
+        self.lookahead.clear();
+        self.lookout.clear();
+        probe.add(Counter::WindowBytes, W::WINDOW_BYTES as u64);
+        for &s in sources {
+            self.surface.offer(s, 0.0);
+        }
+        for &s in sources {
+            self.queue.start(s);
+            self.spawn(s, probe);
+        }
+    }
+
+    /// The turn of `event`, which has come out of the queue under `label`.
+    #[inline(always)]
+    pub(super) fn turn<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
+        if !W::FORESEES {
+            self.read_ahead();
+        }
+        match event.kind() {
+            EventKind::Vertex(v) => {
+                // A vertex is queued anew whenever it improves; older entries are void.
+                if self.surface.distance(v) == label && (!Q::EVERY_VERTEX || self.turns_at(v)) {
+                    self.spawn(v, probe);
+                }
+            }
+            EventKind::Window(h, id) => {
+                if let Some(lane) = self.foresee(h, id) {
+                    if let Some(lineage) = self.policy.release(id, &self.surface, probe) {
+                        self.cross_ahead(h, lane, lineage, probe);
+                    }
+                    return;
+                }
+                loop {
+                    match self.policy.take(h, id, &self.surface, probe) {
+                        Turn::Now(window, lineage) => self.cross(h, window, lineage, probe),
+                        Turn::Void => {}
+                        Turn::Later(label) if self.queue.is_due(label) => continue,
+                        Turn::Later(label) => self.queue.push(label, event, probe),
+                    }
+                    break;
+                }
+            }
+        }
+    }
 }
 
 impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
@@ -446,57 +566,23 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
         self.surface.reset(self.mesh.vertex_count());
         self.policy.reset();
-        self.queue.clear();
-        self.lookahead.clear();
-        self.lookout.clear();
-        probe.add(Counter::WindowBytes, W::WINDOW_BYTES as u64);
-        for &s in sources {
-            self.surface.offer(s, 0.0);
-        }
-        for &s in sources {
-            self.queue.start(s);
-            self.spawn(s, probe);
-        }
+        self.begin_run(sources, probe);
         while let Some((label, event)) = self.queue.pop(probe) {
             if P::STOPS && self.ends(label, probe) {
                 break;
             }
-            if !W::FORESEES {
-                self.read_ahead();
-            }
-            match event.kind() {
-                EventKind::Vertex(v) => {
-                    // A vertex is queued anew whenever it improves; older entries are void.
-                    if self.surface.distance(v) == label
-                        && (!Q::EVERY_VERTEX || self.mesh.is_pseudo_source(v))
-                    {
-                        self.spawn(v, probe);
-                    }
-                }
-                EventKind::Window(h, id) => {
-                    if let Some(lane) = self.foresee(h, id) {
-                        if let Some(lineage) = self.policy.release(id, &self.surface, probe) {
-                            self.cross_ahead(h, lane, lineage, probe);
-                        }
-                        continue;
-                    }
-                    loop {
-                        match self.policy.take(h, id, &self.surface, probe) {
-                            Turn::Now(window, lineage) => self.cross(h, window, lineage, probe),
-                            Turn::Void => {}
-                            Turn::Later(label) if self.queue.is_due(label) => continue,
-                            Turn::Later(label) => self.queue.push(label, event, probe),
-                        }
-                        break;
-                    }
-                }
-            }
+            self.turn(label, event, probe);
         }
         self.policy.finish(probe);
         if P::TRACES {
             let (mesh, faces) = (&self.mesh, self.surface.faces());
             probe.renumber(mesh, |v| v, |v, i| faces.number(mesh.outgoing(v)[i]));
         }
-        Solution::new(self.surface.take_distances())
+        let mut distances = self.surface.take_distances();
+        if W::RELAYS {
+            let scale = self.scale();
+            distances.iter_mut().for_each(|d| *d *= scale);
+        }
+        Solution::new(distances)
     }
 }

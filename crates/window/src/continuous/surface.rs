@@ -34,6 +34,11 @@ impl Surface {
         self.distances.resize(vertices, f64::INFINITY);
     }
 
+    /// Forgets the distance of `v`.
+    pub(super) fn forget(&mut self, v: VertexId) {
+        self.distances[v.index()] = f64::INFINITY;
+    }
+
     /// Hands out the distances that were found.
     pub fn take_distances(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.distances)

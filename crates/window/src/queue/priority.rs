@@ -48,7 +48,8 @@ impl Priority {
         Self::with_width(WIDTH * Calendar::usual_width(mesh))
     }
 
-    fn with_width(width: f64) -> Self {
+    /// The same with buckets of this width; they should hold some ten events.
+    pub fn with_width(width: f64) -> Self {
         Self {
             sorted: Vec::new(),
             late: MinHeap::default(),

@@ -6,7 +6,7 @@
 
 use std::cmp::Ordering;
 
-use super::foot::{does_new_win, may_be_foot};
+use super::foot::{does_new_win, grazes, may_be_foot};
 use crate::precision::{GRAIN, PLACE};
 use crate::tie::{TiePoints, tie_points};
 use crate::window::{Window, greater, less};
@@ -23,6 +23,9 @@ use crate::window::{Window, greater, less};
 fn doubt(d: f64, l: f64) -> f64 {
     GRAIN * d + PLACE * l
 }
+
+/// How much of [`GRAIN`] is doubt enough to take what lies beside the foot of a window.
+const LESS: f64 = 1.0 / 16.0;
 
 /// Width below which what trimming leaves of a window is dropped, as a fraction of the edge or of
 /// the distance of the source, whichever is less.
@@ -271,7 +274,9 @@ fn may_tie_twice(old: &Window, new: &Window, lo: f64, hi: f64) -> bool {
 ///
 /// The middle tells, unless they are equal there. Two sources on the line of the edge are equal all
 /// along the side on which one stands behind the other, and part where the nearer one stands: the
-/// ends tell then.
+/// ends tell then. Where they are equal there, too, the old one stays; but if its source stands on
+/// the edge and that of the new one does not, less doubt is enough: all its directions are in its
+/// foot, and what lies beside that has one, along the edge.
 pub(super) fn is_new_shorter(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool {
     let compare = |x: f64| {
         let (held, offered) = (old.distance(x), new.distance(x));
@@ -287,7 +292,15 @@ pub(super) fn is_new_shorter(old: &Window, new: &Window, start: f64, end: f64, l
     match middle {
         Ordering::Equal => {
             let ends = [compare(start), compare(end)];
-            ends.contains(&Ordering::Less) && !ends.contains(&Ordering::Greater)
+            if ends == [Ordering::Equal; 2] {
+                let x = 0.5 * (start + end);
+                let (held, offered) = (old.distance(x), new.distance(x));
+                grazes(old, l)
+                    && !grazes(new, l)
+                    && held - offered > LESS * GRAIN * held + PLACE * l
+            } else {
+                ends.contains(&Ordering::Less) && !ends.contains(&Ordering::Greater)
+            }
         }
         _ => middle == Ordering::Less,
     }

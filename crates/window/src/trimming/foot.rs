@@ -34,7 +34,7 @@ const STEEP: f64 = 20.0;
 /// foot has only some of them, and rounding does not tell which.
 #[inline]
 pub fn foot(w: &Window, l: f64) -> Option<[f64; 2]> {
-    (w.py.abs() <= CLOSE * l).then(|| whole_foot(w, l))?
+    grazes(w, l).then(|| whole_foot(w, l))?
 }
 
 #[cold]
@@ -44,6 +44,12 @@ fn whole_foot(w: &Window, l: f64) -> Option<[f64; 2]> {
     let half = HALF_WIDTH * l + STEEP * w.py.abs();
     let (start, end) = ((w.px - half).max(w.b0), (w.px + half).min(w.b1));
     (is_whole && start < end).then_some([start, end])
+}
+
+/// Whether the source of `w` stands on the edge: beside its foot `w` has one direction only.
+#[inline]
+pub(super) fn grazes(w: &Window, l: f64) -> bool {
+    w.py.abs() <= CLOSE * l
 }
 
 /// Whether `w` is nothing but a foot.

@@ -77,6 +77,13 @@ impl KeptWindows {
         }
     }
 
+    /// Forgets the windows of half-edge number `h`.
+    pub fn clear_at(&mut self, h: usize) {
+        if self.holds(h) {
+            self.kept[self.lists[h] as usize].windows.clear();
+        }
+    }
+
     /// Keeps `new`, which comes to half-edge number `h`, and returns the part of it that is to be
     /// propagated; `None` if nothing is. A window to a half-edge of no thin face is returned whole.
     /// O(k) for k windows kept there.

@@ -1,0 +1,92 @@
+//! Shortest paths along edges.
+
+use geobench_mesh::{Mesh, VertexId};
+use geobench_window::queue::MinHeap;
+use geobench_window::{Counter, Probe, Propagate, Solution, Way};
+
+/// The algorithm of Dijkstra (1959) on the edges of a mesh.
+///
+/// Distances are never too short. How much they are too long depends on the directions of the
+/// edges, not on their lengths: refining a mesh does not help.
+#[derive(Clone, Debug)]
+pub struct Dijkstra {
+    mesh: Mesh,
+    /// Where the edges of each vertex start in `edges`.
+    starts: Vec<u32>,
+    edges: Vec<(VertexId, f64)>,
+    queue: MinHeap<VertexId>,
+}
+
+impl Dijkstra {
+    /// Sets up for `mesh`; O(edges).
+    pub fn new(mesh: &Mesh) -> Self {
+        let mut starts = Vec::with_capacity(mesh.vertex_count() + 1);
+        let mut edges = Vec::with_capacity(mesh.half_edge_count());
+        for v in mesh.vertices() {
+            starts.push(edges.len() as u32);
+            edges.extend(mesh.neighbours(v));
+        }
+        starts.push(edges.len() as u32);
+        Self {
+            mesh: mesh.clone(),
+            starts,
+            edges,
+            queue: MinHeap::default(),
+        }
+    }
+
+    /// Tells `probe` that the path to `to` comes along the edge from `from`.
+    fn trace<P: Probe>(&self, from: VertexId, to: VertexId, probe: &mut P) {
+        for &h in self.mesh.outgoing(to) {
+            if self.mesh.head(h) == from {
+                return probe.reach(to, h, Way::FromTail);
+            }
+            if self.mesh.tail(h.prev()) == from {
+                return probe.reach(to, h, Way::FromHead);
+            }
+        }
+    }
+}
+
+impl Propagate for Dijkstra {
+    fn counters() -> Vec<Counter> {
+        vec![Counter::QueuePushes, Counter::QueuePeak]
+    }
+
+    fn vertex_count(&self) -> usize {
+        self.mesh.vertex_count()
+    }
+
+    fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+        let mut distances = vec![f64::INFINITY; self.vertex_count()];
+        self.queue.clear();
+        for &source in sources {
+            distances[source.index()] = 0.0;
+            self.queue.push(0.0, source);
+        }
+        while let Some((d, v)) = self.queue.pop() {
+            if P::STOPS && probe.is_reached(d, |v| distances[v.index()]) {
+                probe.end(d);
+                break;
+            }
+            if d > distances[v.index()] {
+                continue;
+            }
+            let edges = self.starts[v.index()] as usize..self.starts[v.index() + 1] as usize;
+            for i in edges {
+                let (neighbour, length) = self.edges[i];
+                let known = &mut distances[neighbour.index()];
+                if d + length < *known {
+                    *known = d + length;
+                    self.queue.push(d + length, neighbour);
+                    probe.add(Counter::QueuePushes, 1);
+                    probe.raise(Counter::QueuePeak, self.queue.len() as u64);
+                    if P::TRACES {
+                        self.trace(v, neighbour, probe);
+                    }
+                }
+            }
+        }
+        Solution::new(distances)
+    }
+}

@@ -1,0 +1,140 @@
+//! Fast marching: a front that is straight within each triangle.
+
+mod order;
+mod stencil;
+
+use geobench_mesh::{Mesh, VertexId};
+use geobench_window::queue::mean_edge_length;
+use geobench_window::{Counter, Phase, Probe, Propagate, Solution};
+
+use order::{Order, Tidy, Untidy};
+use stencil::Stencils;
+
+/// Fast marching on a triangle mesh (Kimmel, Sethian 1998).
+///
+/// Vertices are accepted in the order of their distances. A triangle with two accepted vertices
+/// gives the third the distance at which a straight front arrives that has theirs, provided that the
+/// front comes through the edge between them; else the distance along an edge counts.
+///
+/// A front can pass an obtuse corner before the two other vertices are accepted. The faces beyond
+/// the opposite edge are then unfolded, until a vertex lies where it splits the angle into two acute
+/// ones.
+///
+/// The error falls about linearly with the length of the edges.
+#[derive(Clone, Debug)]
+pub struct Fmm {
+    march: March<Tidy>,
+}
+
+/// [`Fmm`] with the untidy queue of Yatziv, Bartesaghi and Sapiro (2006): buckets of equal width,
+/// first in, first out. A run takes linear time; the order of acceptance is off by at most the width
+/// of a bucket.
+#[derive(Clone, Debug)]
+pub struct FmmUntidy {
+    march: March<Untidy>,
+}
+
+impl Fmm {
+    /// Sets up for `mesh`; O(faces). With `unfold`, obtuse corners are split.
+    pub fn new(mesh: &Mesh, unfold: bool) -> Self {
+        Self {
+            march: March::new(mesh, unfold, Tidy::default()),
+        }
+    }
+}
+
+impl FmmUntidy {
+    /// Sets up for `mesh`, with buckets of `width` mean edge lengths; O(faces).
+    pub fn new(mesh: &Mesh, unfold: bool, width: f64) -> Self {
+        let queue = Untidy::new(width * mean_edge_length(mesh));
+        Self {
+            march: March::new(mesh, unfold, queue),
+        }
+    }
+}
+
+macro_rules! propagate {
+    ($solver:ty) => {
+        impl Propagate for $solver {
+            const TRACES: bool = false;
+
+            fn counters() -> Vec<Counter> {
+                vec![Counter::QueuePushes, Counter::QueuePeak]
+            }
+
+            fn vertex_count(&self) -> usize {
+                self.march.stencils.vertex_count()
+            }
+
+            fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+                self.march.run(sources, probe)
+            }
+        }
+    };
+}
+
+propagate!(Fmm);
+propagate!(FmmUntidy);
+
+/// A front under way, in the order of a queue.
+#[derive(Clone, Debug)]
+struct March<Q> {
+    stencils: Stencils,
+    accepted: Vec<bool>,
+    queue: Q,
+}
+
+impl<Q: Order> March<Q> {
+    fn new(mesh: &Mesh, unfold: bool, queue: Q) -> Self {
+        Self {
+            stencils: Stencils::new(mesh, unfold),
+            accepted: Vec::new(),
+            queue,
+        }
+    }
+
+    fn run<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+        probe.enter(Phase::Propagation);
+        let vertices = self.stencils.vertex_count();
+        let mut distances = vec![f64::INFINITY; vertices];
+        self.accepted.clear();
+        self.accepted.resize(vertices, false);
+        self.queue.clear();
+        for &source in sources {
+            distances[source.index()] = 0.0;
+            self.queue.push(0.0, source);
+        }
+        while let Some((label, v)) = self.queue.pop() {
+            if P::STOPS && Q::IS_SORTED && probe.is_reached(label, |v| distances[v.index()]) {
+                probe.end(label);
+                break;
+            }
+            if std::mem::replace(&mut self.accepted[v.index()], true) {
+                continue;
+            }
+            let here = distances[v.index()];
+            for stencil in self.stencils.with_base(v) {
+                let apex = stencil.apex.index();
+                if self.accepted[apex] {
+                    continue;
+                }
+                let own = usize::from(stencil.base[1] == v);
+                let other = stencil.base[1 - own].index();
+                let found = if self.accepted[other] {
+                    let mut ends = [here; 2];
+                    ends[1 - own] = distances[other];
+                    stencil.arrival(ends)
+                } else {
+                    here + stencil.sides[own]
+                };
+                if found < distances[apex] {
+                    distances[apex] = found;
+                    self.queue.push(found, stencil.apex);
+                    probe.add(Counter::QueuePushes, 1);
+                    probe.raise(Counter::QueuePeak, self.queue.len() as u64);
+                }
+            }
+        }
+        Solution::new(distances)
+    }
+}

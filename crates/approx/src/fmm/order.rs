@@ -1,0 +1,121 @@
+//! Orders in which vertices are accepted.
+
+use geobench_mesh::VertexId;
+use geobench_window::queue::{Calendar, Event, EventKind, MinHeap};
+
+/// A queue of vertices by distance. A vertex is pushed anew when its distance falls.
+pub(super) trait Order {
+    /// Whether the least distance comes first.
+    const IS_SORTED: bool;
+
+    /// Adds a vertex.
+    fn push(&mut self, label: f64, v: VertexId);
+
+    /// Takes the next vertex.
+    fn pop(&mut self) -> Option<(f64, VertexId)>;
+
+    /// Number of entries.
+    fn len(&self) -> usize;
+
+    /// Forgets everything.
+    fn clear(&mut self);
+}
+
+/// Least distance first.
+pub(super) type Tidy = MinHeap<VertexId>;
+
+impl Order for Tidy {
+    const IS_SORTED: bool = true;
+
+    #[inline]
+    fn push(&mut self, label: f64, v: VertexId) {
+        Self::push(self, label, v);
+    }
+
+    #[inline]
+    fn pop(&mut self) -> Option<(f64, VertexId)> {
+        Self::pop(self)
+    }
+
+    fn len(&self) -> usize {
+        Self::len(self)
+    }
+
+    fn clear(&mut self) {
+        Self::clear(self);
+    }
+}
+
+/// Buckets in order, and within a bucket first in, first out.
+#[derive(Clone, Debug)]
+pub(super) struct Untidy {
+    later: Calendar,
+    /// The bucket under way, the next entry last.
+    current: Vec<(f64, Event)>,
+}
+
+impl Untidy {
+    /// With buckets of this width.
+    pub(super) fn new(width: f64) -> Self {
+        Self {
+            later: Calendar::new(width),
+            current: Vec::new(),
+        }
+    }
+}
+
+impl Order for Untidy {
+    const IS_SORTED: bool = false;
+
+    #[inline]
+    fn push(&mut self, label: f64, v: VertexId) {
+        let bucket = self.later.bucket(label).max(self.later.first());
+        self.later.put(bucket, label, Event::vertex(v));
+    }
+
+    #[inline]
+    fn pop(&mut self) -> Option<(f64, VertexId)> {
+        loop {
+            if let Some((label, event)) = self.current.pop() {
+                match event.kind() {
+                    EventKind::Vertex(v) => return Some((label, v)),
+                    EventKind::Window(..) => continue,
+                }
+            }
+            let bucket = self.later.advance()?;
+            self.later.drain(bucket, &mut self.current);
+            self.current.reverse();
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.later.len() + self.current.len()
+    }
+
+    fn clear(&mut self) {
+        self.later.clear();
+        self.current.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_untidy_queue_sorts_buckets_only() {
+        let mut queue = Untidy::new(1.0);
+        for (label, v) in [(2.5, 0), (0.9, 1), (0.1, 2), (2.1, 3)] {
+            queue.push(label, VertexId::new(v));
+        }
+        assert_eq!(queue.len(), 4);
+        let order: Vec<u32> = std::iter::from_fn(|| queue.pop())
+            .map(|(_, v)| v.raw())
+            .collect();
+        assert_eq!(order, [1, 2, 0, 3]);
+        // What belongs to a bucket that has passed comes next.
+        queue.push(0.5, VertexId::new(4));
+        queue.push(2.2, VertexId::new(5));
+        assert_eq!(queue.pop(), Some((0.5, VertexId::new(4))));
+    }
+}

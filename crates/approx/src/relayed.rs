@@ -1,0 +1,46 @@
+//! Approximate forms of window algorithms, with a bound of the error.
+
+use geobench_fwp::VertexOrder;
+use geobench_ich::Splitting;
+use geobench_mesh::Mesh;
+use geobench_mmp::{Carrier, Retention, Trimming};
+use geobench_window::VertexFilter;
+use geobench_window::continuous::{Continuous, Relaying};
+use geobench_window::queue::Priority;
+
+/// MMP with windows replaced by vertices.
+pub type MmpApprox = Continuous<Relaying<Trimming>, Priority>;
+
+/// Windows filtered and split in the order of VTP, and replaced by vertices.
+pub type Avtp = Continuous<Relaying<Splitting>, VertexOrder>;
+
+/// MMP for `mesh` whose distances are at most 1 + `epsilon` times the exact ones and never less;
+/// O(faces).
+///
+/// Every vertex sends out windows, and has an advantage over those that passed it, as
+/// [`Continuous::with_error`] says. So windows do not gather with the distance: an edge has as many
+/// as `epsilon` asks for. Windows that the wavefront has passed are evicted.
+///
+/// ```
+/// use geobench_approx::mmp_approx;
+/// use geobench_mesh::Mesh;
+/// use geobench_mmp::mmp;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("terrain,n=20,seed=1")?;
+/// let [near, exact] = [mmp_approx(&mesh, 0.01).distances_from(0)?, mmp(&mesh).distances_from(0)?];
+/// for (d, exact) in near.into_iter().zip(exact) {
+///     assert!(exact * (1.0 - 1e-12) <= d && d <= exact * (1.01 + 1e-12));
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn mmp_approx(mesh: &Mesh, epsilon: f64) -> MmpApprox {
+    let policy = Trimming::new(mesh, Carrier::HalfEdge).retaining(Retention::Wavefront);
+    Continuous::new(mesh, Relaying(policy), Priority::new(mesh)).with_error(epsilon)
+}
+
+/// An approximate form of VTP-CH for `mesh`, with the bound of [`mmp_approx`]; O(faces).
+pub fn avtp(mesh: &Mesh, epsilon: f64) -> Avtp {
+    let policy = Splitting::new(mesh, VertexFilter::On);
+    Continuous::new(mesh, Relaying(policy), VertexOrder::new(mesh)).with_error(epsilon)
+}

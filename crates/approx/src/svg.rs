@@ -1,0 +1,288 @@
+//! Saddle vertex graphs: direct geodesics found once, shortest paths over them for every query.
+
+use std::ops::Range;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use geobench_fwp::{BucketOptions, fwp_mmp};
+use geobench_ich::Splitting;
+use geobench_mesh::{Mesh, VertexId};
+use geobench_window::continuous::{Continuous, Explorer, Neighbour, Policy};
+use geobench_window::queue::{Calendar, Discipline, MinHeap, Priority};
+use geobench_window::{Counter, Phase, Probe, Propagate, Solution, VertexFilter};
+
+/// The algorithm that finds the direct geodesics around a vertex. The graph is the same up to
+/// rounding and ties.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SvgBuilder {
+    /// ICH, as Ying et al. have it.
+    #[default]
+    Ich,
+    /// FWP-MMP, as Xu et al. have it.
+    FwpMmp,
+}
+
+/// What can be chosen about a [`SaddleVertexGraph`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SvgOptions {
+    /// How many of the nearest vertices of each vertex are looked for direct geodesics; all of them
+    /// if `None`, which makes distances exact.
+    pub k: Option<usize>,
+    /// What finds them.
+    pub builder: SvgBuilder,
+    /// Threads of the set-up; 0 counts as 1. The graph does not depend on it.
+    pub threads: usize,
+}
+
+impl Default for SvgOptions {
+    /// The papers' k of 50, found by ICH, on one thread.
+    fn default() -> Self {
+        Self {
+            k: Some(50),
+            builder: SvgBuilder::default(),
+            threads: 1,
+        }
+    }
+}
+
+/// The saddle vertex graph (SVG) of Ying, Wang and He, "Saddle vertex graph (SVG): a novel solution
+/// to the discrete geodesic problem" (2013).
+///
+/// A geodesic is *direct* if it turns at no vertex. A shortest path is a chain of direct geodesics
+/// that meet at saddle vertices. So a graph of all direct geodesics has all distances, and of all
+/// vertices only the saddles relay paths. With a finite k the graph holds direct geodesics to
+/// some of the nearest k vertices only, and each vertex relays: distances are lengths of paths on
+/// the surface, never too short.
+///
+/// Set-up runs a window algorithm around each vertex, in time for the windows that it propagates.
+/// A query is Dijkstra's algorithm on the graph.
+///
+/// ```
+/// use geobench_approx::{SaddleVertexGraph, SvgOptions};
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let mut graph = SaddleVertexGraph::new(&mesh, SvgOptions { k: Some(20), ..Default::default() });
+/// assert!(graph.edges() < 80 * 20);
+/// let near = graph.distances_from(0)?;
+/// let far = graph.distances_from(80)?; // The same graph.
+/// assert!((near[80] - far[0]).abs() < 1e-12 * near[80]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct SaddleVertexGraph {
+    /// Where the edges of each vertex start, and behind the last one.
+    starts: Vec<usize>,
+    /// The other end of each edge, nearest first. Every edge stands at both of its ends.
+    ends: Vec<u32>,
+    lengths: Vec<f64>,
+    /// Whether paths may turn at a vertex.
+    relays: Vec<bool>,
+    queue: MinHeap<u32>,
+}
+
+impl SaddleVertexGraph {
+    /// Builds the graph of `mesh`.
+    pub fn new(mesh: &Mesh, options: SvgOptions) -> Self {
+        // Buckets suit the number of vertices that a run reaches, not that of the mesh.
+        let vertices = mesh.vertex_count() as f64;
+        let width = (vertices / options.k.map_or(vertices, |k| (k as f64).max(1.0))).sqrt();
+        let found = match options.builder {
+            SvgBuilder::Ich => explore(mesh, options, || {
+                let queue = Priority::with_width(width * Calendar::usual_width(mesh));
+                let policy = Splitting::new(mesh, VertexFilter::On);
+                Explorer::new(Continuous::new(mesh, policy, queue))
+            }),
+            SvgBuilder::FwpMmp => explore(mesh, options, || {
+                let options = BucketOptions {
+                    width,
+                    ..BucketOptions::default()
+                };
+                Explorer::new(fwp_mmp(mesh, options))
+            }),
+        };
+        let relays = mesh
+            .vertices()
+            .map(|v| options.k.is_some() || mesh.is_pseudo_source(v));
+        Self::of_edges(mesh, &found, relays.collect())
+    }
+
+    fn of_edges(mesh: &Mesh, found: &[Found], relays: Vec<bool>) -> Self {
+        let vertices = mesh.vertex_count();
+        // From one end, or from both. Those of the mesh keep the graph of a small k connected.
+        let edges = || {
+            let of_mesh = |v: VertexId| {
+                mesh.neighbours(v)
+                    .map(move |(end, l)| (v.raw(), end.raw(), l))
+            };
+            let direct = found.iter().flat_map(|block| {
+                let of = |(i, v): (usize, usize)| {
+                    let neighbours = &block.neighbours[block.starts[i]..block.starts[i + 1]];
+                    neighbours
+                        .iter()
+                        .map(move |n| (v as u32, n.vertex.raw(), n.distance))
+                };
+                block.vertices.clone().enumerate().flat_map(of)
+            });
+            direct.chain(mesh.vertices().flat_map(of_mesh))
+        };
+        let mut starts = vec![0; vertices + 1];
+        for (a, b, _) in edges() {
+            starts[a as usize + 1] += 1;
+            starts[b as usize + 1] += 1;
+        }
+        for v in 0..vertices {
+            starts[v + 1] += starts[v];
+        }
+        let mut next = starts.clone();
+        let mut both = vec![(0, 0.0); starts[vertices]];
+        for (a, b, length) in edges() {
+            for (a, b) in [(a, b), (b, a)] {
+                both[next[a as usize]] = (b, length);
+                next[a as usize] += 1;
+            }
+        }
+        let mut graph = Self {
+            starts: vec![0],
+            ends: Vec::new(),
+            lengths: Vec::new(),
+            relays,
+            queue: MinHeap::default(),
+        };
+        let mut own: Vec<(u32, f64)> = Vec::new();
+        for v in 0..vertices {
+            own.clear();
+            own.extend_from_slice(&both[starts[v]..starts[v + 1]]);
+            // Of the two lengths of an edge, which rounding may make differ, the lesser.
+            own.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+            own.dedup_by_key(|&mut (end, _)| end);
+            own.sort_unstable_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+            graph.ends.extend(own.iter().map(|&(end, _)| end));
+            graph.lengths.extend(own.iter().map(|&(_, length)| length));
+            graph.starts.push(graph.ends.len());
+        }
+        graph.ends.shrink_to_fit();
+        graph.lengths.shrink_to_fit();
+        graph
+    }
+
+    /// Number of its edges.
+    pub fn edges(&self) -> usize {
+        self.ends.len() / 2
+    }
+
+    /// Bytes of the graph.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.starts)
+            + size_of_val(&*self.ends)
+            + size_of_val(&*self.lengths)
+            + size_of_val(&*self.relays)
+    }
+}
+
+/// The direct geodesics from a range of vertices.
+struct Found {
+    vertices: Range<usize>,
+    /// Where those of each vertex start, and behind the last one.
+    starts: Vec<usize>,
+    neighbours: Vec<Neighbour>,
+}
+
+/// So many vertices are given to a thread at once. The time that one takes varies a hundredfold.
+const BLOCK: usize = 64;
+
+fn explore<W: Policy, Q: Discipline>(
+    mesh: &Mesh,
+    options: SvgOptions,
+    explorer: impl Fn() -> Explorer<W, Q> + Sync,
+) -> Vec<Found> {
+    let vertices = mesh.vertex_count();
+    let next = AtomicUsize::new(0);
+    let all = Mutex::new(Vec::new());
+    let work = || {
+        let mut explorer = explorer();
+        let mut own = Vec::new();
+        loop {
+            let first = next.fetch_add(BLOCK, Ordering::Relaxed);
+            if first >= vertices {
+                break;
+            }
+            let mut found = Found {
+                vertices: first..vertices.min(first + BLOCK),
+                starts: vec![0],
+                neighbours: Vec::new(),
+            };
+            for v in found.vertices.clone() {
+                explorer.around(VertexId::new(v as u32), options.k);
+                found.neighbours.extend_from_slice(explorer.neighbours());
+                found.starts.push(found.neighbours.len());
+            }
+            own.push(found);
+        }
+        if let Ok(mut all) = all.lock() {
+            all.append(&mut own);
+        }
+    };
+    std::thread::scope(|scope| {
+        // A thread that the system does not start leaves its work to the others.
+        for _ in 1..options.threads {
+            let _ = std::thread::Builder::new().spawn_scoped(scope, work);
+        }
+        work();
+    });
+    let mut all = all.into_inner().unwrap_or_default();
+    all.sort_unstable_by_key(|found: &Found| found.vertices.start);
+    all
+}
+
+impl Propagate for SaddleVertexGraph {
+    const TRACES: bool = false;
+
+    fn counters() -> Vec<Counter> {
+        vec![
+            Counter::QueuePushes,
+            Counter::QueuePeak,
+            Counter::GraphBytes,
+        ]
+    }
+
+    fn vertex_count(&self) -> usize {
+        self.relays.len()
+    }
+
+    fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+        probe.enter(Phase::Management);
+        probe.add(Counter::GraphBytes, self.bytes() as u64);
+        let mut distances = vec![f64::INFINITY; self.relays.len()];
+        self.queue.clear();
+        for &source in sources {
+            distances[source.index()] = 0.0;
+            self.queue.push(0.0, source.raw());
+        }
+        while let Some((d, v)) = self.queue.pop() {
+            if P::STOPS && probe.is_reached(d, |v| distances[v.index()]) {
+                probe.end(d);
+                break;
+            }
+            let v = v as usize;
+            if d > distances[v] {
+                continue;
+            }
+            let edges = self.starts[v]..self.starts[v + 1];
+            for (&end, &length) in self.ends[edges.clone()].iter().zip(&self.lengths[edges]) {
+                let known = &mut distances[end as usize];
+                let through = d + length;
+                if through < *known {
+                    *known = through;
+                    if self.relays[end as usize] {
+                        self.queue.push(through, end);
+                        probe.add(Counter::QueuePushes, 1);
+                        probe.raise(Counter::QueuePeak, self.queue.len() as u64);
+                    }
+                }
+            }
+        }
+        Solution::new(distances)
+    }
+}

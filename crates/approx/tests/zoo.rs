@@ -1,0 +1,72 @@
+//! Small surfaces with everything that breaks geodesic programs: no method panics, and what it
+//! returns is a distance.
+
+use geobench_approx::{Boundary, Dijkstra, Fmm, FmmUntidy, Heat, HeatOptions};
+use geobench_mesh::{Mesh, TriangleSoup, VertexId};
+use geobench_oracle::{Geometry, Model, zoo};
+use geobench_window::Solver;
+
+fn mesh_of(model: &Model) -> Mesh {
+    let triangles = model.triangles.clone();
+    let built = match &model.geometry {
+        Geometry::Positions(positions) => {
+            Mesh::from_soup(TriangleSoup::new(positions.clone(), triangles))
+        }
+        Geometry::Lengths(lengths) => Mesh::from_lengths(model.vertex_count, &triangles, lengths),
+    };
+    built.unwrap().0
+}
+
+fn solvers(mesh: &Mesh) -> Vec<(String, Box<dyn Solver>)> {
+    let mut all: Vec<(String, Box<dyn Solver>)> = Vec::new();
+    for unfold in [true, false] {
+        all.push((format!("fmm {unfold}"), Box::new(Fmm::new(mesh, unfold))));
+        for width in [1e-3, 0.1, 1e6] {
+            let untidy = FmmUntidy::new(mesh, unfold, width);
+            all.push((format!("fmm-untidy {unfold} {width}"), Box::new(untidy)));
+        }
+    }
+    for time in [1e-3, 1.0, 1e6] {
+        for boundary in [Boundary::Average, Boundary::Insulated, Boundary::Cold] {
+            for delaunay in [false, true] {
+                for shift in [0.0, 1e-6] {
+                    let options = HeatOptions {
+                        time,
+                        boundary,
+                        delaunay,
+                        shift,
+                    };
+                    all.push((format!("{options:?}"), Box::new(Heat::new(mesh, options))));
+                }
+            }
+        }
+    }
+    all
+}
+
+fn check(model: &Model) {
+    let mesh = mesh_of(model);
+    let last = VertexId::new(mesh.vertex_count() as u32 - 1);
+    let first = VertexId::new(model.sources[0]);
+    for (name, mut solver) in solvers(&mesh) {
+        for sources in [vec![first], vec![last, first, last]] {
+            let reached = Dijkstra::new(&mesh).solve(&sources).unwrap().distances;
+            let found = solver.solve(&sources).unwrap().distances;
+            for (v, (d, reached)) in found.iter().zip(&reached).enumerate() {
+                let place = || format!("{}: {name}: {v} at {d}", model.name);
+                assert!(*d >= 0.0, "{}", place());
+                assert_eq!(d.is_finite(), reached.is_finite(), "{}", place());
+            }
+            assert!(sources.iter().all(|s| found[s.index()] == 0.0));
+        }
+    }
+}
+
+#[test]
+fn small_surfaces_get_distances() {
+    for model in zoo::small() {
+        for scale in [1.0, 1e-6, 1e6] {
+            check(&model.clone().scaled(scale));
+        }
+    }
+}

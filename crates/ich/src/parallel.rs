@@ -1,0 +1,517 @@
+//! Chen and Han in parallel: rounds of windows that cross at once.
+
+use std::collections::BTreeMap;
+
+use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_window::continuous::{Edge, Surface};
+use geobench_window::queue::mean_edge_length;
+use geobench_window::trimming::KeptWindows;
+use geobench_window::{
+    Counter, Crossing, Exit, Phase, Probe, Propagate, Side, Solution, SolveError, Way, Window,
+    spawn_window,
+};
+use rayon::iter::{IndexedParallelIterator, ParallelIterator};
+use rayon::slice::{ParallelSlice, ParallelSliceMut};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::angle::{Angles, Split};
+use crate::splitting::is_beaten_beside_thin_faces;
+use crate::tree::{Guard, Lineage};
+
+/// The greatest number of threads.
+const MOST_THREADS: usize = 1024;
+
+/// So many windows are one task. Results depend on it, by the order in which windows wait, and not
+/// on the number of threads.
+const CHUNK: usize = 512;
+
+/// The algorithm of Chen and Han on several threads, with the filter of ICH.
+///
+/// Ying, Xin and He, "Parallel Chen-Han (PCH) algorithm for discrete geodesics" (2014). Windows
+/// are taken in rounds, all of one bucket of distances together, and a round has four steps:
+///
+/// 1. All windows find the apex of their faces, in parallel.
+/// 2. Distances of vertices and the records of one angle, one split are brought up to date, on one
+///    thread.
+/// 3. All windows are split, and their children filtered by the new distances, in parallel.
+/// 4. Children come to wait in the buckets of their distances.
+///
+/// Distances and counts do not depend on the number of threads. The bound is that of ICH1: O(n²)
+/// time and no bound on the wave, which is why windows are filtered.
+///
+/// ```
+/// use geobench_ich::{Pch, ich};
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let [parallel, serial] = [Pch::new(&mesh, 2).distances_from(5)?, ich(&mesh).distances_from(5)?];
+/// assert!(parallel.iter().zip(&serial).all(|(a, b)| (a - b).abs() <= 1e-12 * b));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Pch {
+    mesh: Mesh,
+    surface: Surface,
+    angles: Angles,
+    kept: KeptWindows,
+    buckets: Buckets,
+    threads: usize,
+    /// `None` for one thread, and if the system does not start so many.
+    pool: Option<ThreadPool>,
+}
+
+impl Pch {
+    /// Width of a bucket, in mean edge lengths: enough windows for several threads on large models,
+    /// and hardly more of them than in order.
+    pub const BUCKET: f64 = 0.1;
+
+    /// Sets up for `mesh` and a number of threads, from 1 to 1024; O(faces).
+    pub fn new(mesh: &Mesh, threads: usize) -> Self {
+        Self::with_bucket(mesh, threads, Self::BUCKET)
+    }
+
+    /// The same with buckets of another width, in mean edge lengths. Wider ones make fewer rounds
+    /// of more windows, some of which shorter ones would have beaten.
+    pub fn with_bucket(mesh: &Mesh, threads: usize, bucket: f64) -> Self {
+        let threads = threads.clamp(1, MOST_THREADS);
+        let order = Surface::order(mesh);
+        let pool = || ThreadPoolBuilder::new().num_threads(threads).build().ok();
+        Self {
+            mesh: mesh.clone(),
+            surface: Surface::new(mesh),
+            angles: Angles::new(mesh.half_edge_count()),
+            kept: KeptWindows::new(mesh, mesh.half_edge_count(), |h| {
+                order.new_half_edge(h).index()
+            }),
+            buckets: Buckets {
+                width: bucket * mean_edge_length(mesh),
+                ..Buckets::default()
+            },
+            threads,
+            pool: (threads > 1).then(pool).flatten(),
+        }
+    }
+
+    /// The number of threads.
+    pub fn threads(&self) -> usize {
+        self.threads
+    }
+
+    /// A path of length `d` reaches `v`; returns whether it is the shortest so far.
+    fn offer(&mut self, v: VertexId, d: f64) -> bool {
+        let improves = self.surface.offer(v, d);
+        if improves && self.mesh.is_pseudo_source(v) {
+            self.buckets.at(d).vertices.push((d, v));
+        }
+        improves
+    }
+
+    /// Sends out paths along the edges of `v` and windows across its faces.
+    fn spawn<P: Probe>(&mut self, v: VertexId, probe: &mut P) {
+        probe.add(Counter::PseudoSources, 1);
+        let sigma = self.surface.distance(v);
+        let degree = self.mesh.outgoing(v).len();
+        for i in 0..degree {
+            let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
+            let edges = self.surface.faces().edges_at_tail(h);
+            for (k, edge) in edges.into_iter().enumerate() {
+                let Some((neighbour, length)) = edge else {
+                    continue;
+                };
+                if self.offer(neighbour, sigma + length) && P::TRACES {
+                    let (corner, way) = [(h.next(), Way::FromHead), (h.prev(), Way::FromTail)][k];
+                    probe.reach(neighbour, corner, way);
+                }
+            }
+        }
+        let lineage = Lineage {
+            root: v,
+            level: 0,
+            guard: Guard::NONE,
+        };
+        for i in 0..degree {
+            let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
+            if let Some((h, window)) = spawn_window(self.surface.faces(), h, sigma) {
+                probe.add(Counter::Spawned, 1);
+                let edge = self.surface.edge(h);
+                let waiting = Waiting { h, window, lineage };
+                if is_beaten(&waiting, &edge, &self.kept, &self.surface) || !self.wait(waiting) {
+                    probe.add(Counter::Filtered, 1);
+                }
+            }
+        }
+    }
+
+    /// Lets a window wait for its turn; returns whether anything of it is left.
+    fn wait(&mut self, mut waiting: Waiting) -> bool {
+        let place = waiting.h.index();
+        if self.kept.holds(place) {
+            match self.kept.admit(place, &waiting.window) {
+                Some(part) => waiting.window = part,
+                None => return false,
+            }
+        }
+        let label = waiting.window.min_distance();
+        self.buckets.at(label).windows.push(waiting);
+        self.buckets.waiting += 1;
+        true
+    }
+
+    /// Takes `windows` across their faces.
+    fn cross<P: Probe>(&mut self, windows: &[Waiting], steps: &mut Vec<Step>, probe: &mut P) {
+        probe.enter(Phase::Propagation);
+        steps.clear();
+        steps.resize(windows.len(), Step::default());
+        let (surface, angles) = (&self.surface, &self.angles);
+        let goes_on = !self.kept.is_empty();
+        let reach = |(windows, steps): (&[Waiting], &mut [Step])| {
+            for (window, step) in windows.iter().zip(steps) {
+                *step = Step::of(window, surface, angles, goes_on);
+            }
+        };
+        match &self.pool {
+            Some(pool) if windows.len() > CHUNK => pool.install(|| {
+                let pairs = windows.par_chunks(CHUNK).zip(steps.par_chunks_mut(CHUNK));
+                pairs.for_each(reach);
+            }),
+            _ => reach((windows, steps)),
+        }
+        probe.enter(Phase::Management);
+        for (waiting, step) in windows.iter().zip(&mut *steps) {
+            self.settle(waiting, step, probe);
+        }
+        probe.enter(Phase::Propagation);
+        let (surface, kept, width) = (&self.surface, &self.kept, self.buckets.width);
+        let part = |windows: &[Waiting], steps: &[Step]| {
+            let mut children = Children::new(width);
+            for (waiting, step) in windows.iter().zip(steps) {
+                children.split(waiting, step, surface, kept);
+            }
+            children
+        };
+        let parts: Vec<Children> = match &self.pool {
+            Some(pool) if windows.len() > CHUNK => pool.install(|| {
+                let pairs = windows.par_chunks(CHUNK).zip(steps.par_chunks(CHUNK));
+                pairs.map(|(windows, steps)| part(windows, steps)).collect()
+            }),
+            _ => {
+                let pairs = windows.chunks(CHUNK).zip(steps.chunks(CHUNK));
+                pairs.map(|(windows, steps)| part(windows, steps)).collect()
+            }
+        };
+        probe.enter(Phase::Management);
+        for part in parts {
+            self.gather(part, probe);
+        }
+    }
+
+    /// The second step of a round, for one window.
+    fn settle<P: Probe>(&mut self, waiting: &Waiting, step: &mut Step, probe: &mut P) {
+        if step.way == Passage::Void {
+            probe.add(Counter::Filtered, 1);
+            return;
+        }
+        probe.add(Counter::Parents, 1);
+        let h = waiting.h;
+        let apex = self.surface.faces().corners(h)[2];
+        if self.offer(apex, step.d) && P::TRACES {
+            let way = Way::of(&waiting.window, &self.surface.faces().frame(h));
+            probe.reach(apex, h.prev(), way);
+        }
+        if step.way == Passage::Covers {
+            step.way = match self.angles.split(h, step.d, step.entry) {
+                Split::Occupies => Passage::Occupies,
+                Split::Ties => Passage::Covers,
+                Split::Only(side) => Passage::Past(side),
+            };
+            // Of a window that covers the apex one child may be left: it is no only child.
+            step.covers = true;
+        }
+    }
+
+    /// The fourth step of a round, for one task.
+    fn gather<P: Probe>(&mut self, part: Children, probe: &mut P) {
+        probe.add(Counter::Propagated, part.tried);
+        probe.add(Counter::Children, part.children);
+        probe.raise(Counter::Levels, u64::from(part.level));
+        let mut kept = 0;
+        for (bucket, mut windows) in part.buckets {
+            if self.kept.is_empty() {
+                kept += windows.len();
+                self.buckets.waiting += windows.len();
+                self.buckets.number(bucket).windows.append(&mut windows);
+            } else {
+                kept += windows.into_iter().filter(|&w| self.wait(w)).count();
+            }
+        }
+        probe.add(Counter::Kept, kept as u64);
+        probe.add(Counter::Filtered, part.children - kept as u64);
+    }
+}
+
+/// A window that waits to be propagated.
+#[derive(Clone, Copy, Debug)]
+struct Waiting {
+    h: HalfEdgeId,
+    window: Window,
+    lineage: Lineage,
+}
+
+/// Whether a path through one of the vertices around beats all of a window, beyond the doubt that
+/// thin faces leave.
+fn is_beaten(waiting: &Waiting, edge: &Edge, kept: &KeptWindows, surface: &Surface) -> bool {
+    let Waiting { h, window, .. } = *waiting;
+    edge.beats(&window)
+        && (kept.is_empty() || is_beaten_beside_thin_faces(h, window, kept, surface))
+}
+
+/// How a window crosses a face.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Passage {
+    /// Not at all: it cannot matter any more.
+    #[default]
+    Void,
+    /// On one side of the apex.
+    Past(Side),
+    /// On both sides.
+    Covers,
+    /// On both sides, as the new occupant of the angle.
+    Occupies,
+}
+
+/// What a round finds out about one of its windows.
+#[derive(Clone, Copy, Debug, Default)]
+struct Step {
+    /// The distance that it offers to the apex.
+    d: f64,
+    /// Where its ray to the apex enters, if it covers that.
+    entry: f64,
+    way: Passage,
+    covers: bool,
+}
+
+impl Step {
+    /// The first step of a round. Where windows are kept beside thin faces each one `goes_on`, since
+    /// it may have taken the place of others that were equal to it.
+    fn of(waiting: &Waiting, surface: &Surface, angles: &Angles, goes_on: bool) -> Self {
+        let Waiting { h, window, lineage } = waiting;
+        let is_stale = surface.distance(lineage.root) < window.sigma;
+        if !goes_on && (is_stale || angles.cuts_off(&lineage.guard)) {
+            return Self::default();
+        }
+        let view = surface.faces().face_view(*h);
+        let crossing = Crossing::new(&view.frame, window);
+        if crossing.covers_apex() {
+            return Self {
+                d: crossing.straight_distance(),
+                entry: crossing.entry(),
+                way: Passage::Covers,
+                covers: true,
+            };
+        }
+        let side = crossing.side();
+        Self {
+            d: crossing.bent_distance(&view.exit(side)),
+            entry: 0.0,
+            way: Passage::Past(side),
+            covers: false,
+        }
+    }
+}
+
+/// The children of the windows of one task.
+#[derive(Debug)]
+struct Children {
+    width: f64,
+    /// Those that the filter lets pass, by bucket, in no order.
+    buckets: Vec<(u64, Vec<Waiting>)>,
+    tried: u64,
+    children: u64,
+    level: u32,
+}
+
+impl Children {
+    fn new(width: f64) -> Self {
+        Self {
+            width,
+            buckets: Vec::new(),
+            tried: 0,
+            children: 0,
+            level: 0,
+        }
+    }
+
+    /// The third step of a round, for one window.
+    fn split(&mut self, waiting: &Waiting, step: &Step, surface: &Surface, kept: &KeptWindows) {
+        let Waiting { h, window, lineage } = waiting;
+        if step.way == Passage::Void {
+            return;
+        }
+        let view = surface.faces().face_view(*h);
+        let crossing = Crossing::new(&view.frame, window);
+        let heir = Lineage {
+            level: lineage.level + 1,
+            ..*lineage
+        };
+        for side in [Side::Left, Side::Right] {
+            let exit = view.exit(side);
+            let takes = match step.way {
+                Passage::Past(only) => only == side,
+                _ => true,
+            };
+            // Of a window that passes the apex on one side the other exit counts as tried, too.
+            self.tried += u64::from(exit.half_edge.is_some() && (takes || !step.covers));
+            if !takes {
+                continue;
+            }
+            let child = match side {
+                _ if !step.covers => crossing.only_child(&exit),
+                Side::Left => crossing.left_child(&exit),
+                Side::Right => crossing.right_child(&exit),
+            };
+            let guard = match step.way {
+                Passage::Occupies => Guard::new(*h, step.entry, side),
+                _ => heir.guard,
+            };
+            self.send(child, &exit, Lineage { guard, ..heir }, surface, kept);
+        }
+    }
+
+    fn send(
+        &mut self,
+        child: Option<Window>,
+        exit: &Exit,
+        lineage: Lineage,
+        surface: &Surface,
+        kept: &KeptWindows,
+    ) {
+        let (Some(h), Some(window)) = (exit.half_edge, child) else {
+            return;
+        };
+        self.children += 1;
+        let edge = Edge::behind(exit, exit.corners.map(|v| surface.distance(v)));
+        let waiting = Waiting { h, window, lineage };
+        if is_beaten(&waiting, &edge, kept, surface) {
+            return;
+        }
+        self.level = self.level.max(lineage.level);
+        let bucket = bucket(window.min_distance(), self.width);
+        match self.buckets.iter_mut().find(|(other, _)| *other == bucket) {
+            Some((_, windows)) => windows.push(waiting),
+            None => self.buckets.push((bucket, vec![waiting])),
+        }
+    }
+}
+
+/// The bucket of a label.
+fn bucket(label: f64, width: f64) -> u64 {
+    (label / width) as u64
+}
+
+/// What waits, by distance.
+#[derive(Clone, Debug, Default)]
+struct Buckets {
+    width: f64,
+    buckets: BTreeMap<u64, Bucket>,
+    /// Number of windows.
+    waiting: usize,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Bucket {
+    windows: Vec<Waiting>,
+    /// Pseudo-sources, with the distances at which they wait.
+    vertices: Vec<(f64, VertexId)>,
+}
+
+impl Buckets {
+    fn at(&mut self, label: f64) -> &mut Bucket {
+        self.number(bucket(label, self.width))
+    }
+
+    fn number(&mut self, bucket: u64) -> &mut Bucket {
+        self.buckets.entry(bucket).or_default()
+    }
+
+    fn clear(&mut self) {
+        self.buckets.clear();
+        self.waiting = 0;
+    }
+}
+
+impl Propagate for Pch {
+    fn counters() -> Vec<Counter> {
+        vec![
+            Counter::Propagated,
+            Counter::Parents,
+            Counter::Children,
+            Counter::Kept,
+            Counter::Spawned,
+            Counter::Filtered,
+            Counter::PeakWindows,
+            Counter::PeakWavefront,
+            Counter::WindowBytes,
+            Counter::Iterations,
+            Counter::KPeak,
+            Counter::Levels,
+            Counter::PseudoSources,
+        ]
+    }
+
+    fn vertex_count(&self) -> usize {
+        self.mesh.vertex_count()
+    }
+
+    fn check(&self) -> Result<(), SolveError> {
+        let threads = self.threads;
+        if threads > 1 && self.pool.is_none() {
+            return Err(SolveError::NoThreads { threads });
+        }
+        Ok(())
+    }
+
+    fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+        self.surface.reset(self.mesh.vertex_count());
+        self.angles.clear();
+        self.kept.clear();
+        self.buckets.clear();
+        probe.add(Counter::WindowBytes, size_of::<Waiting>() as u64);
+        for &s in sources {
+            self.surface.offer(s, 0.0);
+        }
+        for &s in sources {
+            self.spawn(s, probe);
+        }
+        let mut steps = Vec::new();
+        while let Some((number, bucket)) = self.buckets.buckets.pop_first() {
+            let bound = number as f64 * self.buckets.width;
+            if P::STOPS && probe.is_reached(bound, |v| self.surface.distance(v)) {
+                probe.end(bound);
+                break;
+            }
+            let Bucket { windows, vertices } = bucket;
+            probe.add(Counter::Iterations, 1);
+            probe.raise(Counter::KPeak, windows.len() as u64);
+            probe.raise(Counter::PeakWindows, self.buckets.waiting as u64);
+            probe.raise(Counter::PeakWavefront, self.buckets.waiting as u64);
+            self.buckets.waiting -= windows.len();
+            if probe.wants_sample(windows.len() as u64) {
+                let later = self.buckets.buckets.values().flat_map(|b| &b.windows);
+                probe.sample(windows.iter().chain(later).map(|w| w.window.min_distance()));
+            }
+            for (d, v) in vertices {
+                // A vertex waits anew whenever it improves.
+                if self.surface.distance(v) == d {
+                    self.spawn(v, probe);
+                }
+            }
+            self.cross(&windows, &mut steps, probe);
+        }
+        if P::TRACES {
+            let (mesh, faces) = (&self.mesh, self.surface.faces());
+            probe.renumber(mesh, |v| v, |v, i| faces.number(mesh.outgoing(v)[i]));
+        }
+        Solution::new(self.surface.take_distances())
+    }
+}

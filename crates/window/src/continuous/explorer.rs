@@ -1,0 +1,238 @@
+//! Runs that find the vertices around one vertex after another.
+
+use geobench_mesh::VertexId;
+
+use super::policy::Policy;
+use super::propagation::Continuous;
+use crate::probe::Probe;
+use crate::queue::{Discipline, EventKind};
+
+/// A vertex that a straight path leads to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Neighbour {
+    /// The vertex.
+    pub vertex: VertexId,
+    /// Length of the path.
+    pub distance: f64,
+}
+
+/// Finds the vertices near one vertex after another that a *direct* geodesic leads to, one that
+/// turns at no vertex on its way. A run takes time for the windows that it propagates, not for the
+/// mesh.
+///
+/// ```
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_window::VertexFilter;
+/// use geobench_window::continuous::{Continuous, Explorer};
+/// use geobench_window::queue::Priority;
+/// # use geobench_window::continuous::{Arrival, Child, Policy};
+///
+/// fn around<W: Policy>(mesh: &Mesh, policy: W) -> usize {
+///     let solver = Continuous::new(mesh, policy, Priority::new(mesh));
+///     let mut explorer = Explorer::new(solver);
+///     explorer.around(VertexId::new(0), Some(20));
+///     explorer.neighbours().len()
+/// }
+/// ```
+#[derive(Clone, Debug)]
+pub struct Explorer<W, Q> {
+    run: Continuous<W, Q>,
+    found: Found,
+    neighbours: Vec<Neighbour>,
+}
+
+impl<W: Policy, Q: Discipline> Explorer<W, Q> {
+    /// Sets up for the mesh of `solver`; O(faces).
+    pub fn new(mut solver: Continuous<W, Q>) -> Self {
+        let vertices = solver.mesh.vertex_count();
+        solver.surface.reset(vertices);
+        solver.policy.reset();
+        Self {
+            run: solver,
+            found: Found {
+                places: vec![u32::MAX; vertices],
+                ..Found::default()
+            },
+            neighbours: Vec::new(),
+        }
+    }
+
+    /// Finds the [neighbours](Self::neighbours) of `v` among the `k` vertices that are nearest to
+    /// it, or among all.
+    pub fn around(&mut self, v: VertexId, k: Option<usize>) {
+        let Self { run, found, .. } = self;
+        found.begin(k);
+        run.begin_run(&[v], found);
+        // Turns until the next look for direct windows, of which there are as many as windows
+        // waited at the last one.
+        let mut turns = 0;
+        let mut bound = f64::INFINITY;
+        while let Some((label, event)) = run.queue.pop(found) {
+            if run.ends(label, found) {
+                bound = found.bound;
+                break;
+            }
+            if turns == 0 {
+                let (is_direct, waiting) = run.has_direct(event.kind());
+                if !is_direct {
+                    break;
+                }
+                turns = waiting;
+            }
+            turns = turns.saturating_sub(1);
+            run.turn(label, event, found);
+        }
+        self.collect(v, k, bound);
+        self.forget(v);
+    }
+
+    /// What the last run has found, nearest first, without the vertex itself.
+    pub fn neighbours(&self) -> &[Neighbour] {
+        &self.neighbours
+    }
+
+    fn collect(&mut self, v: VertexId, k: Option<usize>, bound: f64) {
+        let mut near: Vec<&Reached> = self.found.reached.iter().collect();
+        near.retain(|r| r.vertex != v && r.distance <= bound);
+        near.sort_unstable_by(|a, b| {
+            (a.distance.total_cmp(&b.distance)).then(a.vertex.cmp(&b.vertex))
+        });
+        near.truncate(k.unwrap_or(usize::MAX));
+        self.neighbours.clear();
+        let direct = near.into_iter().filter(|r| r.is_direct);
+        self.neighbours.extend(direct.map(|r| Neighbour {
+            vertex: r.vertex,
+            distance: r.distance,
+        }));
+    }
+
+    /// Makes surface and policy as if there had been no run.
+    fn forget(&mut self, v: VertexId) {
+        let Continuous {
+            mesh,
+            surface,
+            policy,
+            ..
+        } = &mut self.run;
+        surface.forget(v);
+        for r in &self.found.reached {
+            surface.forget(r.vertex);
+            self.found.places[r.vertex.index()] = u32::MAX;
+        }
+        // A window comes to edges only whose ends have been reached.
+        let faces = surface.faces();
+        let at = |v: VertexId| mesh.outgoing(v).iter().map(|&h| faces.number(h));
+        let reached = self.found.reached.iter().map(|r| r.vertex);
+        let corners = reached.chain([v]).flat_map(at);
+        policy.reset_at(corners.flat_map(|h| [h, h.next(), h.prev()]));
+    }
+}
+
+impl<W: Policy, Q: Discipline> Continuous<W, Q> {
+    /// Whether any window waits that starts from the source, among them `taken`, which has just
+    /// come out of the queue; and how many events wait.
+    fn has_direct(&self, taken: EventKind) -> (bool, usize) {
+        let is_direct = |kind| match kind {
+            EventKind::Window(h, id) => self.policy.waiting(h, id).is_some_and(|w| w.sigma == 0.0),
+            EventKind::Vertex(_) => false,
+        };
+        let mut waiting = self.queue.events().map(|(_, event)| event.kind());
+        let found = is_direct(taken) || waiting.any(is_direct);
+        (
+            found,
+            if found {
+                self.queue.events().count()
+            } else {
+                0
+            },
+        )
+    }
+}
+
+/// A vertex that a run has reached.
+#[derive(Clone, Copy, Debug)]
+struct Reached {
+    vertex: VertexId,
+    distance: f64,
+    /// Whether that path turns at no vertex.
+    is_direct: bool,
+}
+
+/// Listens to a run, and ends it once enough distances are final.
+#[derive(Clone, Debug, Default)]
+struct Found {
+    k: Option<usize>,
+    reached: Vec<Reached>,
+    /// By vertex, its place there; `u32::MAX` without any.
+    places: Vec<u32>,
+    /// At least `k` vertices are known to be reached within this distance.
+    limit: f64,
+    /// Improvements since that was looked for.
+    fresh: usize,
+    /// What waited when the run was ended leads nowhere nearer than this.
+    bound: f64,
+    distances: Vec<f64>,
+}
+
+/// So many improvements are worth a new look for the limit.
+const FRESH: usize = 16;
+
+impl Found {
+    fn begin(&mut self, k: Option<usize>) {
+        self.k = k;
+        self.reached.clear();
+        self.limit = f64::INFINITY;
+        self.fresh = FRESH;
+        self.bound = f64::INFINITY;
+    }
+
+    /// Looks for the `k`-th of the distances.
+    fn look(&mut self, k: usize) {
+        self.fresh = 0;
+        self.distances.clear();
+        let distances = self.reached.iter().map(|r| r.distance);
+        self.distances.extend(distances);
+        let (_, &mut limit, _) = self.distances.select_nth_unstable_by(k - 1, f64::total_cmp);
+        self.limit = limit;
+    }
+}
+
+impl Probe for Found {
+    const STOPS: bool = true;
+    const EXPLORES: bool = true;
+
+    #[inline]
+    fn improve(&mut self, v: VertexId, d: f64, sigma: f64) {
+        let reached = Reached {
+            vertex: v,
+            distance: d,
+            is_direct: sigma == 0.0,
+        };
+        self.fresh += 1;
+        match self.reached.get_mut(self.places[v.index()] as usize) {
+            Some(place) => *place = reached,
+            None => {
+                self.places[v.index()] = self.reached.len() as u32;
+                self.reached.push(reached);
+            }
+        }
+    }
+
+    #[inline]
+    fn is_reached(&mut self, bound: f64, _: impl Fn(VertexId) -> f64) -> bool {
+        let Some(k) = self.k else {
+            return false;
+        };
+        if k == 0 {
+            return true;
+        }
+        if self.fresh >= FRESH && self.reached.len() >= k {
+            self.look(k);
+        }
+        self.limit < bound
+    }
+
+    fn end(&mut self, bound: f64) {
+        self.bound = bound;
+    }
+}

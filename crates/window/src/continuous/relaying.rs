@@ -1,0 +1,140 @@
+//! Windows replaced by vertices, within a bound of the error.
+
+use geobench_mesh::{HalfEdgeId, VertexId};
+
+use super::policy::{Arrival, Child, Policy, Turn};
+use super::surface::Surface;
+use crate::counters::Counter;
+use crate::crossing::Crossing;
+use crate::probe::Probe;
+use crate::window::Window;
+
+/// A policy under which every vertex relays paths, and has an advantage over the windows that
+/// passed it: distances are approximate, and fewer windows are needed.
+///
+/// [`Continuous::with_error`](super::Continuous::with_error) says what the advantage is and proves
+/// the bound. The policy itself compares windows as ever.
+#[derive(Clone, Debug)]
+pub struct Relaying<W>(pub W);
+
+impl<W: Policy> Policy for Relaying<W> {
+    type Lineage = W::Lineage;
+
+    const COUNTERS: &'static [Counter] = W::COUNTERS;
+    const WINDOW_BYTES: usize = W::WINDOW_BYTES;
+    const FORESEES: bool = W::FORESEES;
+    const RELAYS: bool = true;
+
+    fn reset(&mut self) {
+        self.0.reset();
+    }
+
+    fn reset_at(&mut self, half_edges: impl Iterator<Item = HalfEdgeId>) {
+        self.0.reset_at(half_edges);
+    }
+
+    fn waiting(&self, h: HalfEdgeId, id: u32) -> Option<&Window> {
+        self.0.waiting(h, id)
+    }
+
+    fn root(&self, v: VertexId, surface: &Surface) -> Self::Lineage {
+        self.0.root(v, surface)
+    }
+
+    #[inline]
+    fn arrive<P: Probe>(
+        &mut self,
+        arrival: &Arrival<Self::Lineage>,
+        surface: &Surface,
+        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
+        probe: &mut P,
+    ) -> bool {
+        self.0.arrive(arrival, surface, queue, probe)
+    }
+
+    #[inline]
+    fn take<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        id: u32,
+        surface: &Surface,
+        probe: &mut P,
+    ) -> Turn<Self::Lineage> {
+        self.0.take(h, id, surface, probe)
+    }
+
+    fn least_distance(&self, h: HalfEdgeId, id: u32, label: f64) -> Option<f64> {
+        self.0.least_distance(h, id, label)
+    }
+
+    #[inline]
+    fn foresee(&self, id: u32) -> Option<&Window> {
+        self.0.foresee(id)
+    }
+
+    #[inline]
+    fn release<P: Probe>(
+        &mut self,
+        id: u32,
+        surface: &Surface,
+        probe: &mut P,
+    ) -> Option<Self::Lineage> {
+        self.0.release(id, surface, probe)
+    }
+
+    #[inline]
+    fn split_at(
+        &mut self,
+        angle: HalfEdgeId,
+        entry: f64,
+        d: f64,
+        heir: Self::Lineage,
+    ) -> [Option<Self::Lineage>; 2] {
+        self.0.split_at(angle, entry, d, heir)
+    }
+
+    #[inline]
+    fn admit<P: Probe>(
+        &mut self,
+        child: &Child<Self::Lineage>,
+        surface: &Surface,
+        probe: &mut P,
+    ) -> Option<u32> {
+        self.0.admit(child, surface, probe)
+    }
+
+    #[inline]
+    fn announce(&self, h: HalfEdgeId, id: u32) {
+        self.0.announce(h, id);
+    }
+
+    #[inline]
+    fn prepare(&self, h: HalfEdgeId, id: u32, surface: &Surface) {
+        self.0.prepare(h, id, surface);
+    }
+
+    #[inline]
+    fn tries(crossing: &Crossing<'_>) -> [bool; 2] {
+        W::tries(crossing)
+    }
+
+    #[inline]
+    fn descend(&self, lineage: &Self::Lineage) -> Option<Self::Lineage> {
+        self.0.descend(lineage)
+    }
+
+    #[inline]
+    fn split(
+        &mut self,
+        h: HalfEdgeId,
+        crossing: &Crossing<'_>,
+        heir: Self::Lineage,
+        surface: &Surface,
+    ) -> [Option<Self::Lineage>; 2] {
+        self.0.split(h, crossing, heir, surface)
+    }
+
+    fn finish<P: Probe>(&mut self, probe: &mut P) {
+        self.0.finish(probe);
+    }
+}

@@ -84,6 +84,11 @@
 //! windows keep those beside thin faces ([`KeptWindows`](crate::trimming::KeptWindows)), and those
 //! that keep windows but do not filter do so there ([`ThinFaces`](crate::trimming::ThinFaces)).
 //!
+//! The order matters, too. Windows narrower than the way by which they move at each turn do not
+//! meet themselves. What ends them is a straight window that covers the edge, and it must come
+//! first. So windows and lists beside thin faces cross nearest first in all algorithms that have
+//! another order elsewhere, and no list there is forgotten.
+//!
 //! [`Crossing::bent_distance`]: crate::Crossing::bent_distance
 
 use std::fmt;

@@ -1,6 +1,6 @@
 //! How a range is divided between a new window and those that it meets, in the general case.
 
-use super::duel::{is_new_shorter, is_sliver, matters, ties_between};
+use super::compare::{is_new_shorter, is_sliver, matters, ties_between};
 use super::foot::{does_new_win, may_be_foot};
 use crate::window::Window;
 
@@ -26,11 +26,11 @@ pub struct Segment {
 
 /// Ranges in ascending order, each with its owner.
 #[derive(Clone, Debug, Default)]
-pub struct Division {
+pub struct Overlap {
     segments: Vec<Segment>,
 }
 
-impl Division {
+impl Overlap {
     /// The ranges.
     pub fn segments(&self) -> &[Segment] {
         &self.segments

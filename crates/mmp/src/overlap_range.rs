@@ -5,7 +5,8 @@ use geobench_window::Window;
 use geobench_window::trimming::{Comparison, is_sliver};
 
 /// The part of a new window that is shorter than the windows it overlaps. Nearly always it is at
-/// most one interval, which one pass finds without an [`Overlap`](geobench_window::trimming::Overlap).
+/// most one interval, which one pass finds without an
+/// [`Overlap`](geobench_window::trimming::Overlap).
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum OverlapRange {
     /// The new window is nowhere shorter.

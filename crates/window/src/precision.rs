@@ -66,9 +66,9 @@
 //!
 //! * A source that stands on the edge sends rays of all directions through one point, its *foot*. A
 //!   window along the edge ties with it there and has one direction. So the foot of a window is a
-//!   piece of its own, which stays among equals and yields only to what is shorter at the foot. What
-//!   lies beside it has one direction, along the edge, and yields to another window that is shorter
-//!   by a sixteenth of [`GRAIN`].
+//!   piece of its own, which stays among equals and yields only to what is shorter at the foot.
+//!   What lies beside it has one direction, along the edge, and yields to another window that is
+//!   shorter by a sixteenth of [`GRAIN`].
 //!
 //! # What `f64` cannot tell
 //!

@@ -2,10 +2,11 @@
 
 use geobench_window::Window;
 
-use geobench_window::trimming::{Duel, is_sliver};
+use geobench_window::trimming::{Comparison, is_sliver};
 
 /// The part of a new window that is shorter than the windows it overlaps. Nearly always it is at
-/// most one interval, which one pass finds without building a division.
+/// most one interval, which one pass finds without an
+/// [`Overlap`](geobench_window::trimming::Overlap).
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum OverlapRange {
     /// The new window is nowhere shorter.
@@ -44,8 +45,8 @@ impl OverlapRange {
             }
             // The first ones may end before `new` begins, by the rounding of the search.
             decided = if hi > decided { hi } else { decided };
-            match Duel::between(w, new, lo, hi, l) {
-                Duel::Won(from, to) => {
+            match Comparison::between(w, new, lo, hi, l) {
+                Comparison::Won(from, to) => {
                     if start >= end {
                         start = from;
                     } else if end != from {
@@ -53,8 +54,8 @@ impl OverlapRange {
                     }
                     end = to;
                 }
-                Duel::Lost => {}
-                Duel::Open => return Self::Undecided,
+                Comparison::Lost => {}
+                Comparison::Open => return Self::Undecided,
             }
             if w.b1 >= new.b1 {
                 // The next one begins behind `new`.

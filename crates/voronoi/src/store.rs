@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use geobench_mesh::HalfEdgeId;
 use geobench_window::Window;
-use geobench_window::trimming::{Division, Duel, Owner, foot, is_sliver, pieces};
+use geobench_window::trimming::{Comparison, Overlap, Owner, foot, is_sliver, pieces};
 
 /// A window of a list. It is in the frame of the edge's first half-edge, whichever way it crosses.
 #[derive(Clone, Copy, Debug)]
@@ -110,7 +110,7 @@ pub(crate) struct EdgeWindows {
     stored: usize,
     waiting: usize,
     next_serial: u32,
-    division: Division,
+    overlap: Overlap,
     met: Vec<Window>,
     replaced: Vec<Stored>,
     pub(crate) changes: Changes,
@@ -263,21 +263,21 @@ impl EdgeWindows {
         let start = self.heads[e].start as usize + first;
         let ranges = self.windows[start..start + met].iter();
         self.met.extend(ranges.map(|s| s.window));
-        let mut division = std::mem::take(&mut self.division);
-        division.share_out(&self.met, &window, l);
-        if division.segments().iter().any(|s| s.owner == Owner::New) {
-            self.apply(e, first..first + met, &division, new);
+        let mut overlap = std::mem::take(&mut self.overlap);
+        overlap.share_out(&self.met, &window, l);
+        if overlap.segments().iter().any(|s| s.owner == Owner::New) {
+            self.apply(e, first..first + met, &overlap, new);
         }
-        self.division = division;
+        self.overlap = overlap;
     }
 
     /// Puts the segments in the place of the windows `met` of edge `e`.
-    fn apply(&mut self, e: usize, met: Range<usize>, division: &Division, new: Stored) {
+    fn apply(&mut self, e: usize, met: Range<usize>, overlap: &Overlap, new: Stored) {
         let mut replaced = std::mem::take(&mut self.replaced);
         replaced.clear();
         let start = self.heads[e].start as usize;
         let mut last_old = None;
-        for segment in division.segments() {
+        for segment in overlap.segments() {
             let (stored, is_first) = match segment.owner {
                 Owner::New => (new, false),
                 Owner::Old(k) => {
@@ -367,13 +367,13 @@ pub(crate) fn edge_of(h: HalfEdgeId, twin: HalfEdgeId) -> (usize, bool) {
 }
 
 /// Whether `new` has nothing but what the windows `met` hold at least as cheaply: the answer for
-/// most windows, without a division.
+/// most windows, without an `Overlap`.
 fn loses_everywhere(met: &[Stored], new: &Window, l: f64) -> bool {
     let mut covered = new.b0;
     for Stored { window, .. } in met {
         let (lo, hi) = (window.b0.max(new.b0), window.b1.min(new.b1));
         if covered < lo && !is_sliver(new, covered, lo, l)
-            || Duel::between(window, new, lo, hi, l) != Duel::Lost
+            || Comparison::between(window, new, lo, hi, l) != Comparison::Lost
         {
             return false;
         }

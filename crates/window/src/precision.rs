@@ -67,6 +67,8 @@
 //! * A source that stands on the edge sends rays of all directions through one point, its *foot*. A
 //!   window along the edge ties with it there and has one direction. So the foot of a window is a
 //!   piece of its own, which stays among equals and yields only to what is shorter at the foot.
+//!   What lies beside it has one direction, along the edge, and yields to another window that is
+//!   shorter by a sixteenth of [`GRAIN`].
 //!
 //! # What `f64` cannot tell
 //!
@@ -83,6 +85,11 @@
 //! since what comes to an edge for the second time is no shorter. So algorithms that keep no
 //! windows keep those beside thin faces ([`KeptWindows`](crate::trimming::KeptWindows)), and those
 //! that keep windows but do not filter do so there ([`ThinFaces`](crate::trimming::ThinFaces)).
+//!
+//! The order matters, too. Windows narrower than the way by which they move at each turn do not
+//! meet themselves. What ends them is a straight window that covers the edge, and it must come
+//! first. So windows and lists beside thin faces cross nearest first in all algorithms that have
+//! another order elsewhere, and no list there is forgotten.
 //!
 //! [`Crossing::bent_distance`]: crate::Crossing::bent_distance
 

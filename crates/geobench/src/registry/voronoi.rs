@@ -87,7 +87,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         family: "voronoi-family",
         paper: "Qin, Yu, Zhang 2017, sections 3 and 4",
         summary: "vtp's order, windows stored on edges and trimmed, redundant ones given up",
-        departs: "gives an edge up only if both its faces are beyond the wave, counts their vertices, and closes it: the printed procedure loses windows of cell borders; filters windows beside thin faces",
+        departs: "gives an edge up only if both its faces are beyond the wave, counts their vertices, and closes it: the printed procedure loses windows of cell borders; filters windows beside thin faces and takes them nearest first",
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "the windows around the wavefront and at the borders of cells",
         choose: "for Voronoi diagrams (geobench voronoi)",

@@ -47,7 +47,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         family: "vtp-family",
         paper: "Qin et al. 2016, sections 4 and 5.2",
         summary: "whole lists cross around the nearest vertex; rules 1, 2 and 3",
-        departs: "rule 1 has a safe form, because the printed one loses distances; case 12 has two of its three tests; rules are applied when a list crosses, so that lists of interior edges merge while they wait, and to all neighbours at once",
+        departs: "rule 1 has a safe form, because the printed one loses distances; case 12 has two of its three tests; rules are applied when a list crosses, so that lists of interior edges merge while they wait, and to all neighbours at once; lists beside thin faces cross nearest first",
         keeps: "the windows of the wavefront, in one list for each half-edge on it",
         choose: "to compare with the papers; for distances at vertices, vtp-fast is faster",
         build: list_propagation!(Vtp),

@@ -7,7 +7,7 @@ use geobench_window::{Counter, Probe, Window};
 
 use super::store::{Store, StoredWindow};
 use crate::overlap_range::OverlapRange;
-use geobench_window::trimming::{Division, Owner, Segment, foot, is_sliver, matters, pieces};
+use geobench_window::trimming::{Overlap, Owner, Segment, foot, is_sliver, matters, pieces};
 
 /// Windows that arrive at one half-edge together.
 #[derive(Clone, Debug, Default)]
@@ -54,7 +54,7 @@ pub(super) struct Merged {
 /// Merges batches into lists; owns the buffers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Merger {
-    division: Division,
+    overlap: Overlap,
     met: Vec<Window>,
     pieces: Pieces,
 }
@@ -169,7 +169,7 @@ impl Merger {
         }
     }
 
-    /// Inserts `new` by a full division; several intervals of it may survive.
+    /// Inserts `new` by dividing the whole overlap; several intervals of it may survive.
     #[cold]
     #[allow(clippy::too_many_arguments)] // Private, and one step of `merge`.
     fn divide<P: Probe>(
@@ -188,8 +188,8 @@ impl Merger {
         self.met.clear();
         let behind = stored.iter().map(|w| w.window);
         self.met.extend(behind.take_while(|w| w.b0 < new.b1));
-        self.division.share_out(&self.met, new, l);
-        let segments = self.division.segments();
+        self.overlap.share_out(&self.met, new, l);
+        let segments = self.overlap.segments();
         if !segments.iter().any(|s| s.owner == Owner::New) {
             probe.add(Counter::Filtered, 1);
             return;
@@ -301,7 +301,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Inserts `new`, which begins at or behind the end of the windows passed. Returns true, and
-    /// changes nothing, if `new` needs a full [division](Merger::divide).
+    /// changes nothing, if `new` needs the whole overlap to be [divided](Merger::divide).
     #[inline(always)]
     fn insert<P: Probe>(
         &mut self,

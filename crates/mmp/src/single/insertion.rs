@@ -6,7 +6,7 @@ use geobench_window::Window;
 
 use super::lists::{Direction, Lists, Place, Slot};
 use crate::overlap_range::OverlapRange;
-use geobench_window::trimming::{Division, Owner, Segment, foot, is_sliver, pieces};
+use geobench_window::trimming::{Overlap, Owner, Segment, foot, is_sliver, pieces};
 
 /// A window to be queued.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +21,7 @@ pub(crate) struct QueueEntry {
 /// Inserts windows into lists; owns the buffers and the counts of the last insertion.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Inserter {
-    division: Division,
+    overlap: Overlap,
     met: Vec<Window>,
     slots: Vec<Slot>,
     /// The windows to queue: the surviving pieces of the new one, and split-off pieces of stored
@@ -174,7 +174,7 @@ impl Inserter {
         lists.replace(i, from, to - from, &slots[..pieces]);
     }
 
-    /// Inserts `new` by a full division; several intervals of it may survive.
+    /// Inserts `new` by dividing the whole overlap; several intervals of it may survive.
     #[cold]
     fn divide(
         &mut self,
@@ -192,9 +192,9 @@ impl Inserter {
         let first = first + behind.take_while(|w| w.b1 <= new.b0).count();
         let behind = lists.places(i)[first..].iter().map(stored);
         met.extend(behind.take_while(|w| w.b0 < new.b1));
-        self.division.share_out(&met, new, l);
+        self.overlap.share_out(&met, new, l);
         if self
-            .division
+            .overlap
             .segments()
             .iter()
             .any(|s| s.owner == Owner::New)
@@ -204,7 +204,7 @@ impl Inserter {
         self.met = met;
     }
 
-    /// Replaces the windows `met` by the segments of the division.
+    /// Replaces the windows `met` by the segments of the overlap.
     fn apply(
         &mut self,
         lists: &mut Lists,
@@ -216,10 +216,10 @@ impl Inserter {
     ) {
         let mut slots = std::mem::take(&mut self.slots);
         slots.clear();
-        let division = std::mem::take(&mut self.division);
+        let overlap = std::mem::take(&mut self.overlap);
         // The stored windows before this one are done.
         let mut next_old = 0;
-        for &Segment { start, end, owner } in division.segments() {
+        for &Segment { start, end, owner } in overlap.segments() {
             match owner {
                 Owner::New => {
                     let window = Window {
@@ -252,7 +252,7 @@ impl Inserter {
         }
         self.remove_all(lists, i, first + next_old..first + met.len());
         lists.replace(i, first, met.len(), &slots);
-        (self.division, self.slots) = (division, slots);
+        (self.overlap, self.slots) = (overlap, slots);
     }
 
     /// Removes these windows of list `i`; the caller takes their slots out of the list.

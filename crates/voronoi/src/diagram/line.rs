@@ -1,7 +1,7 @@
 //! The cells along a segment.
 
 use geobench_window::Window;
-use geobench_window::trimming::{Division, Owner};
+use geobench_window::trimming::{Overlap, Owner};
 
 use super::sites::ROUNDING;
 
@@ -54,14 +54,14 @@ impl Line {
     ) -> Self {
         let mut list: Vec<(Window, u32)> = Vec::new();
         let mut met = Vec::new();
-        let mut division = Division::default();
+        let mut overlap = Overlap::default();
         for (new, source) in windows {
             let from = list.partition_point(|(w, _)| w.b1 <= new.b0);
             met.clear();
             let behind = list[from..].iter().map(|&(w, _)| w);
             met.extend(behind.take_while(|w| w.b0 < new.b1));
-            division.share_out(&met, &new, l);
-            let parts: Vec<(Window, u32)> = division
+            overlap.share_out(&met, &new, l);
+            let parts: Vec<(Window, u32)> = overlap
                 .segments()
                 .iter()
                 .map(|segment| {

@@ -2,8 +2,8 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh};
 
-use super::division::{Division, Owner};
 use super::foot::{foot, pieces};
+use super::overlap::{Overlap, Owner};
 use super::thin::ThinFaces;
 use crate::window::Window;
 
@@ -20,7 +20,7 @@ pub struct KeptWindows {
     lists: Vec<u32>,
     kept: Vec<List>,
     doubt: f64,
-    division: Division,
+    overlap: Overlap,
     met: Vec<Window>,
     replaced: Vec<Window>,
 }
@@ -111,9 +111,9 @@ impl KeptWindows {
             self.met.clear();
             let behind = list[first..].iter().copied();
             self.met.extend(behind.take_while(|w| w.b0 < piece.b1));
-            self.division.share_out(&self.met, &piece, l);
+            self.overlap.share_out(&self.met, &piece, l);
             self.replaced.clear();
-            for segment in self.division.segments() {
+            for segment in self.overlap.segments() {
                 let window = match segment.owner {
                     Owner::New => {
                         let [start, end] = parts.unwrap_or([segment.start, segment.end]);

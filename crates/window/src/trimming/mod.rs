@@ -4,14 +4,14 @@
 //! keeps what both offer alike. The MMP crate keeps whole lists by these rules, [`KeptWindows`]
 //! those beside thin faces for the algorithms that keep none.
 
-mod division;
-mod duel;
+mod compare;
 mod foot;
 mod kept;
+mod overlap;
 mod thin;
 
-pub use division::{Division, Owner, Segment};
-pub use duel::{Duel, is_sliver, matters, ties_between};
+pub use compare::{Comparison, is_sliver, matters, ties_between};
 pub use foot::{foot, pieces};
 pub use kept::KeptWindows;
+pub use overlap::{Overlap, Owner, Segment};
 pub use thin::ThinFaces;

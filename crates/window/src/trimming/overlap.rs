@@ -1,6 +1,6 @@
-//! How a range is divided between a new window and those that it meets, in the general case.
+//! How the overlap of a new window and those that it meets is divided, in the general case.
 
-use super::duel::{is_new_shorter, is_sliver, matters, ties_between};
+use super::compare::{is_new_shorter, is_sliver, matters, ties_between};
 use super::foot::{does_new_win, may_be_foot};
 use crate::window::Window;
 
@@ -24,13 +24,13 @@ pub struct Segment {
     pub owner: Owner,
 }
 
-/// Ranges in ascending order, each with its owner.
+/// What a new window and stored ones cover together: ranges in ascending order, each with its owner.
 #[derive(Clone, Debug, Default)]
-pub struct Division {
+pub struct Overlap {
     segments: Vec<Segment>,
 }
 
-impl Division {
+impl Overlap {
     /// The ranges.
     pub fn segments(&self) -> &[Segment] {
         &self.segments

@@ -19,7 +19,7 @@ use crate::window::{Window, greater, less};
 /// at all. Where a source is much nearer than the edge is long, its place is known to the rounding
 /// of the edge only.
 #[inline(always)]
-#[allow(clippy::inline_always)] // Twice in each duel.
+#[allow(clippy::inline_always)] // Twice in each comparison.
 fn doubt(d: f64, l: f64) -> f64 {
     GRAIN * d + PLACE * l
 }
@@ -43,7 +43,7 @@ const STRAIGHT: f64 = 4e-7;
 
 /// What a new window takes from an old one of a range that they share.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Duel {
+pub enum Comparison {
     /// This part of it.
     Won(f64, f64),
     /// Nothing.
@@ -73,12 +73,12 @@ pub fn matters(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool
     start < end && !(is_sliver(old, start, end, l) && is_sliver(new, start, end, l))
 }
 
-impl Duel {
+impl Comparison {
     /// Who is shorter on `lo..hi` on an edge of length `l`: a range that matters to neither is left
     /// to the old one.
     ///
     /// The distances at both ends tell it for all cases but those in which there may be two tie
-    /// points or the windows are equal at the ends: these are left [open](Duel::Open).
+    /// points or the windows are equal at the ends: these are left [open](Comparison::Open).
     #[inline(always)]
     #[allow(clippy::inline_always)] // The windows are not to pass through memory.
     pub fn between(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
@@ -326,15 +326,15 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(5000))]
 
         #[test]
-        fn a_duel_is_won_by_the_shorter_one(
+        fn a_comparison_is_won_by_the_shorter_one(
             old in windows(), new in windows(), lo in 0.0..0.5f64, width in 0.001..0.5f64, at in 0.0..1.0f64,
         ) {
             let hi = lo + width;
             let x = lo + at * width;
-            let new_wins = match Duel::between(&old, &new, lo, hi, 1.0) {
-                Duel::Open => return Ok(()),
-                Duel::Lost => false,
-                Duel::Won(start, end) => start <= x && x <= end,
+            let new_wins = match Comparison::between(&old, &new, lo, hi, 1.0) {
+                Comparison::Open => return Ok(()),
+                Comparison::Lost => false,
+                Comparison::Won(start, end) => start <= x && x <= end,
             };
             let (held, offered) = (old.distance(x), new.distance(x));
             let least = held.min(offered);
@@ -358,24 +358,24 @@ mod tests {
                 sigma: old.sigma + (1.0 - t) * x.hypot(y),
                 ..old
             };
-            let outcome = Duel::between(&old, &new, lo, lo + width * t, 1.0);
-            prop_assert_ne!(outcome, Duel::Open);
+            let outcome = Comparison::between(&old, &new, lo, lo + width * t, 1.0);
+            prop_assert_ne!(outcome, Comparison::Open);
             let x = lo + at * width * t;
             let (held, offered) = (old.distance(x), new.distance(x));
             match outcome {
-                Duel::Lost => prop_assert!(held <= offered * (1.0 + 2e-12)),
-                Duel::Won(start, end) if start <= x && x <= end => {
+                Comparison::Lost => prop_assert!(held <= offered * (1.0 + 2e-12)),
+                Comparison::Won(start, end) if start <= x && x <= end => {
                     prop_assert!(offered <= held * (1.0 + 2e-12));
                 }
                 _ => {}
             }
         }
 
-        /// Same direction, as in lists of half-edges: nearly all duels are decided at once.
+        /// Same direction, as in lists of half-edges: nearly all comparisons are decided at once.
         #[test]
-        fn duels_of_one_direction_are_seldom_open(old in windows(), new in windows()) {
+        fn comparisons_of_one_direction_are_seldom_open(old in windows(), new in windows()) {
             let below = |w: Window| Window { py: -w.py.abs(), ..w };
-            let open = Duel::between(&below(old), &below(new), 0.0, 1.0, 1.0) == Duel::Open;
+            let open = Comparison::between(&below(old), &below(new), 0.0, 1.0, 1.0) == Comparison::Open;
             let ties = tie_points(&below(old), &below(new));
             let inside = ties.as_slice().iter().filter(|&&t| (0.0..=1.0).contains(&t)).count();
             prop_assert!(!open || inside != 1);

@@ -58,7 +58,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "fmm",
         paper: "Kimmel, Sethian 1998",
-        summary: "fast marching: a front that is straight within each triangle",
+        summary: "fast marching on triangles",
         departs: "at most 100 faces are unfolded for an obtuse corner",
         complexity: "time O(n log n), space O(n)",
         keeps: "one distance for each vertex and the shapes of all faces",
@@ -70,7 +70,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "fmm-untidy",
         paper: "Yatziv, Bartesaghi, Sapiro 2006",
-        summary: "fmm with a queue of buckets, in linear time",
+        summary: "fmm with a queue of buckets",
         departs: "as fmm; the paper is on grids",
         complexity: "time O(n), space O(n)",
         keeps: "as fmm",
@@ -85,7 +85,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "heat",
         paper: "Crane, Weischedel, Wardetzky 2013",
-        summary: "heat flows for a short time, and its directions are integrated",
+        summary: "directions of heat, integrated",
         departs: "edges are made a little longer where faces have no area",
         complexity: "set-up O(n^1.5), then O(n log n) for each source; space O(n log n)",
         keeps: "the factors of two sparse matrices, or of three if there is a boundary",

@@ -33,7 +33,7 @@ fn next(h: usize) -> usize {
 }
 
 fn prev(h: usize) -> usize {
-    if h % 3 == 0 { h + 2 } else { h - 1 }
+    if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }
 
 /// The apex over the first of three sides.
@@ -155,13 +155,12 @@ impl Intrinsic {
             // Sides of the quadrilateral may be twins of each other.
             let twin = twins[i];
             let side = (0..4).find(|&k| old[k] as u32 == twin && twin != NO_TWIN);
-            match side {
-                Some(k) => self.twins[new[i]] = new[k] as u32,
-                None => {
-                    self.twins[new[i]] = twin;
-                    if twin != NO_TWIN {
-                        self.twins[twin as usize] = new[i] as u32;
-                    }
+            if let Some(k) = side {
+                self.twins[new[i]] = new[k] as u32;
+            } else {
+                self.twins[new[i]] = twin;
+                if twin != NO_TWIN {
+                    self.twins[twin as usize] = new[i] as u32;
                 }
             }
         }

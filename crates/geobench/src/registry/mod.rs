@@ -16,6 +16,7 @@ mod ch;
 #[cfg(feature = "failing-algorithms")]
 mod failing;
 mod fwp;
+mod graphs;
 mod mmp;
 mod parameter;
 mod program;
@@ -40,6 +41,7 @@ pub fn algorithms() -> &'static [Algorithm] {
             voronoi::FAMILY,
             mmp::FAST,
             vtp::FAST,
+            graphs::FAMILY,
         ]
         .concat()
     });

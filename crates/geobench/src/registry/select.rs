@@ -79,12 +79,18 @@ impl Selection {
         found.collect()
     }
 
-    /// Whether its distances are not held to the tolerance, because its program
-    /// is declared approximate.
+    /// Whether its distances are not held to the tolerance: it is an approximate algorithm, or its
+    /// program is declared approximate.
     pub fn is_approximate(&self) -> bool {
-        self.program
-            .as_ref()
-            .is_some_and(|program| program.approximate)
+        match &self.program {
+            Some(program) => program.approximate,
+            None => !self.algorithm.exact && self.outside_name().is_none(),
+        }
+    }
+
+    /// The greatest relative error of its distances, if that is proven and not that of rounding.
+    pub fn error_bound(&self) -> Option<f64> {
+        super::graphs::error_bound(self.algorithm.name, &self.values)
     }
 
     /// The algorithm.

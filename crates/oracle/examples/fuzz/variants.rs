@@ -16,7 +16,7 @@ pub(crate) fn selected(list: &str, plain: bool) -> Result<Vec<Selection>, UsageE
     let mut all: Vec<Selection> = Vec::new();
     for selection in select(list)? {
         let algorithm = *selection.algorithm();
-        if !algorithm.exact && !algorithm.name.starts_with("test-") {
+        if !algorithm.exact {
             continue;
         }
         let more = if plain || selection.label() != algorithm.name {

@@ -226,7 +226,7 @@ fn explore<W: Policy, Q: Discipline>(
     };
     std::thread::scope(|scope| {
         // A thread that the system does not start leaves its work to the others.
-        for _ in 1..options.threads {
+        for _ in 1..options.threads.min(vertices.div_ceil(BLOCK)) {
             let _ = std::thread::Builder::new().spawn_scoped(scope, work);
         }
         work();

@@ -80,12 +80,13 @@ fn surfaces_that_have_broken_a_program_match_the_oracle() {
         };
         for &source in &model.sources {
             let exact = rounded(&distances(&model.surface::<f64>(), &[source]));
+            // Two vertices in one place may be told the rounding of the largest distance apart.
+            let furthest = exact.iter().copied().filter(|d| d.is_finite());
+            let floor = 1e-15 * furthest.fold(0.0, f64::max);
             for mut solver in solvers(&mesh) {
                 let found = solver.distances_from(source).unwrap();
-                let fits = found.iter().zip(&exact);
-                let fits = fits
-                    .into_iter()
-                    .all(|(a, b)| a == b || (a - b).abs() <= 1e-12 * b);
+                let mut pairs = found.iter().zip(&exact);
+                let fits = pairs.all(|(a, b)| a == b || (a - b).abs() <= floor.max(1e-12 * b));
                 assert!(fits, "{} from {source}: {found:?} {exact:?}", model.name);
                 solved += 1;
             }

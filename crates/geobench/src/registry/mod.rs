@@ -18,6 +18,7 @@ mod ch;
 #[cfg(feature = "failing-algorithms")]
 mod failing;
 mod fwp;
+mod graphs;
 mod mmp;
 mod parameter;
 mod program;
@@ -43,6 +44,7 @@ pub fn algorithms() -> &'static [Algorithm] {
             mmp::FAST,
             vtp::FAST,
             approx::FAMILY,
+            graphs::FAMILY,
         ]
         .concat()
     });

@@ -88,6 +88,11 @@ impl Selection {
         }
     }
 
+    /// The greatest relative error of its distances, if that is proven and not that of rounding.
+    pub fn error_bound(&self) -> Option<f64> {
+        super::graphs::error_bound(self.algorithm.name, &self.values)
+    }
+
     /// The algorithm.
     pub const fn algorithm(&self) -> &Algorithm {
         &self.algorithm

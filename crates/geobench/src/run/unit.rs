@@ -497,13 +497,16 @@ impl<'p> UnitPlan<'p> {
         match done {
             Ok(mut observation) => {
                 let distances = std::mem::take(&mut observation.distances);
+                let bound = algorithm.error_bound();
                 let is_approximate = algorithm.is_approximate();
+                let tolerance = self.plan.tolerance.max(bound.unwrap_or(0.0));
                 let (mut check, failure) =
-                    reference_check.judge(&distances, self.plan.tolerance, is_approximate);
+                    reference_check.judge(&distances, tolerance, is_approximate);
                 check.doubt = (self.model.longest_edge)
                     .and_then(|longest| precision::doubtful_by(longest, &distances));
-                // An approximation may differ, but by a finite amount.
-                let failure = failure.filter(|_| !is_approximate || check.max_rel.is_none());
+                // An approximation may differ, but by a finite amount, or by its proven bound.
+                let may_differ = is_approximate && bound.is_none();
+                let failure = failure.filter(|_| !may_differ || check.max_rel.is_none());
                 RunOutcome {
                     observation,
                     check,
@@ -728,7 +731,12 @@ impl<'p> CellRuns<'p> {
             return cell;
         }
         if self.algorithm.is_approximate() {
-            cell.message = Some("approximate: compared, but not held to the tolerance".to_owned());
+            cell.message = Some(match self.algorithm.error_bound() {
+                Some(bound) => {
+                    format!("approximate: held to its proven relative error of at most {bound}")
+                }
+                None => "approximate: compared, but not held to the tolerance".to_owned(),
+            });
         }
         let (mut samples, mut solves, mut setup) = (Vec::new(), Vec::new(), None);
         let (mut outside, mut claimed, mut doubted) = (Vec::new(), Vec::new(), false);

@@ -209,12 +209,11 @@ impl Probe for Found {
             is_direct: sigma == 0.0,
         };
         self.fresh += 1;
-        match self.reached.get_mut(self.places[v.index()] as usize) {
-            Some(place) => *place = reached,
-            None => {
-                self.places[v.index()] = self.reached.len() as u32;
-                self.reached.push(reached);
-            }
+        if let Some(known) = self.reached.get_mut(self.places[v.index()] as usize) {
+            *known = reached;
+        } else {
+            self.places[v.index()] = self.reached.len() as u32;
+            self.reached.push(reached);
         }
     }
 

@@ -581,7 +581,9 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
         let mut distances = self.surface.take_distances();
         if W::RELAYS {
             let scale = self.scale();
-            distances.iter_mut().for_each(|d| *d *= scale);
+            for d in &mut distances {
+                *d *= scale;
+            }
         }
         Solution::new(distances)
     }

@@ -98,6 +98,8 @@ fn names_families_and_groups_in_any_case() {
     assert_eq!(names("all").len(), algorithms().len());
     assert!(names("approximate").contains(&"dijkstra".to_owned()));
     assert!(!names("exact").contains(&"dijkstra".to_owned()));
+    assert!(names("approximate").contains(&"svg".to_owned()));
+    assert!(!names("exact").contains(&"svg".to_owned()));
     assert!(!names("exact").contains(&"test-wrong".to_owned()));
     assert_eq!(names("ich,all").len(), algorithms().len());
     assert_eq!(names("ich,all")[0], "ich");

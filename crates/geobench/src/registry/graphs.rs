@@ -1,0 +1,95 @@
+//! Approximate algorithms over windows: graphs of direct geodesics, and windows replaced by
+//! vertices within a bound.
+
+use geobench_approx::{SaddleVertexGraph, SvgBuilder, SvgOptions, avtp, mmp_approx};
+use geobench_window::Counter;
+
+use super::parameter::THREADS;
+use super::{Algorithm, Parameter, Value, Values};
+
+const K: Parameter = Parameter::integer(
+    "k",
+    50,
+    1..=1_000_000,
+    "looks for direct geodesics to so many of the nearest vertices; `inf` to all, which is exact",
+)
+.or_words(&["inf"]);
+
+const BUILD: Parameter = Parameter::word(
+    "build",
+    &["ich", "fwp-mmp"],
+    "the algorithm that finds direct geodesics",
+);
+
+const EPS: Parameter = Parameter::real(
+    "eps",
+    0.01,
+    0.0..=1000.0,
+    "greatest relative error of a distance: at most 1 + eps times the exact one, never less",
+);
+
+fn svg_options(values: &Values) -> SvgOptions {
+    SvgOptions {
+        k: values.integer_or_word(&K).map(|k| k as usize),
+        builder: match values.word(&BUILD) {
+            Some("fwp-mmp") => SvgBuilder::FwpMmp,
+            _ => SvgBuilder::Ich,
+        },
+        threads: values.integer_or_word(&THREADS).unwrap_or(1) as usize,
+    }
+}
+
+/// The greatest relative error of an algorithm with these values, if it has a proven bound.
+pub(super) fn error_bound(algorithm: &str, values: &Values) -> Option<f64> {
+    match algorithm {
+        "mmp-approx" | "avtp" => Some(values.real(&EPS)),
+        "svg" => (values.get(&K) == Value::Word("inf")).then_some(0.0),
+        _ => None,
+    }
+}
+
+pub(super) const FAMILY: &[Algorithm] = &[
+    Algorithm {
+        name: "svg",
+        paper: "Ying, Wang, He 2013; Xu et al. 2015, section 5",
+        summary: "Dijkstra's algorithm on a graph of direct geodesics that set-up has found",
+        departs: "each edge stands at both of its ends, and the edges of the mesh are in the graph; all vertices relay unless k is inf",
+        complexity: "query O(k n log n), space O(k n)",
+        keeps: "the graph, 12 bytes for each end of an edge",
+        choose: "for many sources on one mesh",
+        parameters: &[K, BUILD, THREADS],
+        build: |mesh, values| Box::new(SaddleVertexGraph::new(mesh, svg_options(values))),
+        ..APPROXIMATE
+    },
+    Algorithm {
+        name: "mmp-approx",
+        paper: "Surazhsky et al. 2005, section 4, with a bound of our own",
+        summary: "mmp with windows replaced by vertices, within a proven error",
+        departs: "replaces windows by pseudo-sources at vertices where the paper merges neighbours, which leaves gaps and no bound",
+        complexity: "time without a proven bound, space O(n^2)",
+        keeps: "the windows around the wavefront",
+        choose: "to see what windows cost that distances hardly need",
+        parameters: &[EPS],
+        build: |mesh, values| Box::new(mmp_approx(mesh, values.real(&EPS))),
+        ..APPROXIMATE
+    },
+    Algorithm {
+        name: "avtp",
+        paper: "Qin et al. 2016, section 6.2 (vtp-ch), with a bound of our own",
+        summary: "vtp-ch with windows replaced by vertices, within a proven error",
+        departs: "windows are filtered as in vtp-ch, not compared as in vtp; as mmp-approx",
+        complexity: "time without a proven bound, space O(n)",
+        keeps: "the windows of the wavefront and one record for each angle",
+        choose: "as mmp-approx, with less memory",
+        parameters: &[EPS],
+        build: |mesh, values| Box::new(avtp(mesh, values.real(&EPS))),
+        ..APPROXIMATE
+    },
+];
+
+const APPROXIMATE: Algorithm = Algorithm {
+    family: "approximate",
+    exact: false,
+    memory_counter: Counter::PeakWindows,
+    ..Algorithm::EXACT
+};

@@ -12,7 +12,9 @@ use crate::table::output::OutputFile;
 use crate::table::{STANDARD, ending_of};
 
 /// Endings of the files that can be written.
-const ENDINGS: [&str; 4] = [".obj", ".ply", ".obj.gz", ".ply.gz"];
+const ENDINGS: [&str; 8] = [
+    ".obj", ".ply", ".off", ".stl", ".obj.gz", ".ply.gz", ".off.gz", ".stl.gz",
+];
 
 pub(super) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
     let ending = ending(&options.output)?;
@@ -32,7 +34,7 @@ pub(super) fn ending(path: &Path) -> anyhow::Result<&'static str> {
     match ENDINGS.iter().find(|ending| name.ends_with(*ending)) {
         Some(ending) => Ok(ending),
         None => bail!(
-            "{}: the ending says in which form to write a model; use .obj or .ply, each also with .gz",
+            "{}: the ending says in which form to write a model; use .obj, .ply, .off or .stl, each also with .gz",
             path.display()
         ),
     }

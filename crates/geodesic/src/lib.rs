@@ -91,6 +91,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! [`remesh`] makes a mesh with evenly spread vertices:
+//!
+//! ```
+//! use geodesic::{Mesh, Quality, RemeshOptions, remesh};
+//!
+//! let mesh = Mesh::generate("sphere,subdiv=4")?;
+//! let options = RemeshOptions { sites: 100, lloyd: 3, seed: 0 };
+//! let even = remesh(&mesh, &options)?.mesh;
+//! assert_eq!(even.face_count(), 2 * 100 - 4);
+//! assert!(Quality::of(&even).least_angle > 30.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # What is where
 //!
 //! * [`Mesh`]: reading, building, asking. [`io`] reads and writes files, [`generate`] makes models,
@@ -98,7 +111,8 @@
 //! * [`VtpFast`], the fastest solver, and [`Pvtp`], the same on several threads.
 //! * [`solvers`]: all of them, under the names of the papers.
 //! * [`Paths`]: the shortest paths to many vertices, of one run of any solver.
-//! * [`Diagram`]: geodesic Voronoi diagrams. [`Certificate`]: proofs of distances. [`Field`]: the
+//! * [`Diagram`]: geodesic Voronoi diagrams. [`remesh`], [`Quality`] and [`Deviation`]: new meshes,
+//!   and how good they are. [`Certificate`]: proofs of distances. [`Field`]: the
 //!   distance of all points of a surface, for isolines.
 //! * [`Solver`]: what they have in common. It also counts windows and samples phases.
 //! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`], [`paths`], [`isolines`],
@@ -141,7 +155,10 @@ pub use geobench_mesh::{
     TriangleSoup, VertexId, generate, io,
 };
 pub use geobench_paths::{Path, PathError, Paths};
-pub use geobench_voronoi::{Diagram, Dual, FieldSolver, WindowVtp};
+pub use geobench_voronoi::{
+    Deviation, Diagram, Dual, FieldSolver, Quality, RemeshError, RemeshOptions, Remeshed,
+    WindowVtp, remesh,
+};
 pub use geobench_vtp::{Pvtp, VtpFast};
 pub use geobench_window::{Goal, Solution, SolveError, Solver, Sources, Stop};
 

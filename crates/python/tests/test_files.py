@@ -78,7 +78,7 @@ def test_ply_in_pyvista(field):
     np.testing.assert_array_equal(whole["quality"], d)
 
 
-@pytest.mark.parametrize("ending", ["obj", "ply", "obj.gz"])
+@pytest.mark.parametrize("ending", ["obj", "ply", "off", "obj.gz"])
 def test_meshes_are_written_and_read(torus, tmp_path, ending):
     path = tmp_path / f"mesh.{ending}"
     torus.write(path)
@@ -88,8 +88,8 @@ def test_meshes_are_written_and_read(torus, tmp_path, ending):
     np.testing.assert_array_equal(again.faces, torus.faces)
     if not ending.endswith("gz"):
         np.testing.assert_array_equal(meshio.read(path).points, torus.vertices)
-    with pytest.raises(ValueError, match="use .obj or .ply"):
-        torus.write(tmp_path / "mesh.off")
+    with pytest.raises(ValueError, match="use .obj, .ply, .off or .stl"):
+        torus.write(tmp_path / "mesh.gts")
 
 
 def test_meshes_of_meshio_and_pyvista():

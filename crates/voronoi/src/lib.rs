@@ -3,6 +3,7 @@
 mod diagram;
 mod field;
 mod lct11;
+mod remesh;
 mod removal;
 mod store;
 #[cfg(test)]
@@ -16,6 +17,7 @@ use geobench_window::SolveError;
 pub use diagram::{Arc, Bisector, Cell, Diagram, Dual, Kind, Node, Obstacle, Part, Vertex};
 pub use field::{Field, FieldSolver, NO_SOURCE};
 pub use lct11::Lct11;
+pub use remesh::{Deviation, Quality, RemeshError, RemeshOptions, Remeshed, remesh};
 pub use removal::Removal;
 pub use window_vtp::{Options, WindowVtp};
 

@@ -92,6 +92,8 @@ pub(super) enum Command {
     Isolines(IsolinesOptions),
     /// Write the Voronoi diagram of several sources: cells, their borders, the dual triangulation
     Voronoi(VoronoiOptions),
+    /// Make a new mesh for a surface, with evenly spread vertices: the dual of a Voronoi diagram
+    Remesh(RemeshOptions),
     /// Prove distances right, or say where they are not
     Certify(CertifyOptions),
     /// Write a generated model to a file
@@ -612,11 +614,13 @@ pub(super) struct VoronoiOptions {
     pub(super) reading: ReadingOptions,
 
     /// File to write, by its ending: .json (cells, vertices, arcs), .obj or .vtk (borders as
-    /// polylines) or .ply (the model coloured by cell, cut along the borders)
+    /// polylines), .ply (the model coloured by cell, cut along the borders), .svg or .png (a
+    /// picture)
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
 
-    /// Mesh to write as well, .obj or .ply: the dual triangulation, whose vertices are the sources
+    /// Mesh to write as well, .obj, .ply, .off or .stl: the dual triangulation, whose vertices are
+    /// the sources
     #[arg(long, value_name = "FILE")]
     pub(super) dual: Option<PathBuf>,
 
@@ -626,6 +630,42 @@ pub(super) struct VoronoiOptions {
     pub(super) labels: Option<PathBuf>,
 
     /// Print no summary
+    #[arg(long)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(super) struct RemeshOptions {
+    /// The model
+    #[arg(value_name = "MODEL")]
+    pub(super) model: String,
+
+    /// Number of vertices of the new mesh; a few more are added where needed
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
+    pub(super) sites: u32,
+
+    /// Steps of Lloyd's algorithm, each of which moves the sites to the centres of their cells
+    #[arg(long, value_name = "K", default_value_t = 5, value_parser = value_parser!(u32).range(..=1000))]
+    pub(super) lloyd: u32,
+
+    /// Draws the first site
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub(super) seed: u64,
+
+    #[command(flatten)]
+    pub(super) reading: ReadingOptions,
+
+    /// Mesh to write: .obj, .ply, .off or .stl, each also .gz
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+
+    /// Picture to write as well, .svg or .png: the model with the cells of the sites, and the new
+    /// mesh beside it
+    #[arg(long, value_name = "FILE")]
+    pub(super) picture: Option<PathBuf>,
+
+    /// No summary
     #[arg(long)]
     pub(super) quiet: bool,
 }

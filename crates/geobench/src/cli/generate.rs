@@ -21,13 +21,15 @@ pub(super) struct GenOptions {
     #[command(flatten)]
     pub(super) decompression: DecompressionOptions,
 
-    /// File to write: .obj or .ply, each also .gz
+    /// File to write: .obj, .ply, .off or .stl, each also .gz
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
 }
 
 /// Endings of the files that can be written.
-const ENDINGS: [&str; 4] = [".obj", ".ply", ".obj.gz", ".ply.gz"];
+const ENDINGS: [&str; 8] = [
+    ".obj", ".ply", ".off", ".stl", ".obj.gz", ".ply.gz", ".off.gz", ".stl.gz",
+];
 
 pub(super) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
     let ending = ending(&options.output)?;
@@ -47,7 +49,7 @@ pub(super) fn ending(path: &Path) -> anyhow::Result<&'static str> {
     match ENDINGS.iter().find(|ending| name.ends_with(*ending)) {
         Some(ending) => Ok(ending),
         None => bail!(
-            "{}: the ending says in which form to write a model; use .obj or .ply, each also with .gz",
+            "{}: the ending says in which form to write a model; use .obj, .ply, .off or .stl, each also with .gz",
             path.display()
         ),
     }

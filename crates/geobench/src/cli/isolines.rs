@@ -81,6 +81,7 @@ pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
         let scene = Scene {
             mesh,
             distances: field.distances(),
+            paint: None,
             sources: &points.positions(mesh),
             isolines: &lines,
             paths: &[],

@@ -17,6 +17,7 @@ mod path;
 mod points;
 mod pool;
 mod progress;
+mod remesh;
 mod report;
 mod run;
 mod shell;
@@ -98,6 +99,7 @@ fn command() -> ExitCode {
         Command::Path(options) => path::path(&options),
         Command::Isolines(options) => isolines::isolines(&options),
         Command::Voronoi(options) => voronoi::voronoi(&options),
+        Command::Remesh(options) => remesh::remesh(&options),
         Command::Certify(options) => certify::certify(&options),
         Command::Gen(options) => generate::generate(&options),
         Command::Info(options) => info::info(&options),

@@ -96,6 +96,7 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
             let scene = Scene {
                 mesh,
                 distances: &distances,
+                paint: None,
                 sources: &points.positions(mesh),
                 isolines: &[],
                 paths: &lines,

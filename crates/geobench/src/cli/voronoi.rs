@@ -14,7 +14,8 @@ use super::args::VoronoiOptions;
 use super::{generate, terminal};
 use crate::exec::model;
 use crate::registry;
-use crate::table::diagram_formats::{DiagramFile, DiagramFormat, LabelFormat};
+use crate::report::{Paint, Scene};
+use crate::table::diagram_formats::{self, DiagramFile, DiagramFormat, LabelFormat};
 use crate::table::output::OutputFile;
 
 /// Obstacles that an error message names.
@@ -59,7 +60,11 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         stage_seconds: [windows, extraction],
     };
     // Everything is made before anything is written.
-    let contents = format.render(&file)?;
+    let contents = if format.is_picture() {
+        picture(&file, &sources, format == DiagramFormat::Png)?
+    } else {
+        format.render(&file)?
+    };
     let labels = labels.map(|(format, output)| (format.render(&file), output));
     let mut summary = summary(&options.output, &file);
     let dual = match &dual_file {
@@ -88,6 +93,24 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         terminal::print(&summary)?;
     }
     Ok(Verdict::Passed)
+}
+
+/// A picture of the cells with their borders and the sources.
+fn picture(file: &DiagramFile<'_>, sources: &[VertexId], png: bool) -> anyhow::Result<Vec<u8>> {
+    let mesh = file.diagram.mesh();
+    let positions = mesh.positions();
+    let at = sources
+        .iter()
+        .filter_map(|s| positions.get(s.index()).copied());
+    let scene = Scene {
+        mesh,
+        distances: file.distances,
+        paint: Some(&Paint::cells(file.diagram)),
+        sources: &at.collect::<Vec<_>>(),
+        isolines: &diagram_formats::long_lines(file.diagram).unwrap_or_default(),
+        paths: &[],
+    };
+    scene.draw(png, file.model, "Voronoi diagram")
 }
 
 /// The dual as a mesh.

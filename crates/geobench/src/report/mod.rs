@@ -44,8 +44,8 @@ use document::{Block, Document, Link, Section, slug};
 pub use files::{Form, write_files};
 pub use html::page;
 pub use papers::Tables;
-pub(crate) use picture::Scene;
 pub use picture::plot::{PictureError, Wanted};
+pub(crate) use picture::{Paint, Scene};
 pub use trend::page as trend_page;
 
 /// A result file that a report is made from.

@@ -1,5 +1,6 @@
 //! A Voronoi diagram, as files for other programs.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -39,17 +40,23 @@ pub enum DiagramFormat {
     Ply,
     /// The borders as polylines (legacy VTK), with the cells on both sides.
     Vtk,
+    /// A picture of the model coloured by cell, with borders and sources.
+    Svg,
+    /// The same in pixels.
+    Png,
 }
 
-const ENDINGS: [(&str, DiagramFormat); 4] = [
+const ENDINGS: [(&str, DiagramFormat); 6] = [
     ("json", DiagramFormat::Json),
     ("obj", DiagramFormat::Obj),
     ("ply", DiagramFormat::Ply),
     ("vtk", DiagramFormat::Vtk),
+    ("svg", DiagramFormat::Svg),
+    ("png", DiagramFormat::Png),
 ];
 
 /// Points of a bent arc between its ends, in polylines and outlines.
-const POINTS_PER_ARC: usize = 7;
+pub(crate) const POINTS_PER_ARC: usize = 7;
 
 impl DiagramFormat {
     /// The form for the ending of `path`, in any letter case.
@@ -61,7 +68,12 @@ impl DiagramFormat {
         of_ending(path, "Voronoi diagrams", &ENDINGS)
     }
 
-    /// The contents of a file in this form.
+    /// Whether it is a picture, which `report` draws.
+    pub const fn is_picture(self) -> bool {
+        matches!(self, Self::Svg | Self::Png)
+    }
+
+    /// The contents of a file in this form; those of a picture are its lines.
     ///
     /// # Errors
     ///
@@ -69,9 +81,9 @@ impl DiagramFormat {
     pub fn render(self, file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
         Ok(match self {
             Self::Json => json(file)?,
-            Self::Obj => obj(&polylines(file)?).into_bytes(),
+            Self::Obj => obj(&file.borders()?).into_bytes(),
             Self::Ply => ply(file)?,
-            Self::Vtk => vtk(file, &polylines(file)?).into_bytes(),
+            Self::Vtk | Self::Svg | Self::Png => vtk(file, &file.borders()?).into_bytes(),
         })
     }
 }
@@ -169,8 +181,8 @@ fn without_coordinates(file: &DiagramFile<'_>) -> String {
     format!("{}: the mesh has no coordinates to write", file.model)
 }
 
-/// The points of each arc.
-fn polylines(file: &DiagramFile<'_>) -> anyhow::Result<Vec<Vec<[f64; 3]>>> {
+/// The points of each arc; `None` if the mesh has no coordinates.
+fn polylines(diagram: &Diagram) -> Option<Vec<Vec<[f64; 3]>>> {
     let points = |arc: &Arc| {
         let parts = if arc.is_line() { 1 } else { POINTS_PER_ARC + 1 };
         let places = (0..=parts).map(|i| match i {
@@ -179,13 +191,57 @@ fn polylines(file: &DiagramFile<'_>) -> anyhow::Result<Vec<Vec<[f64; 3]>>> {
             i => arc.point(i as f64 / parts as f64),
         });
         places
-            .map(|place| file.diagram.position(arc.face, place))
+            .map(|place| diagram.position(arc.face, place))
             .collect::<Option<Vec<_>>>()
     };
-    let lines = file.diagram.arcs().iter().map(points);
-    lines
-        .collect::<Option<_>>()
-        .with_context(|| without_coordinates(file))
+    diagram.arcs().iter().map(points).collect()
+}
+
+/// The borders as long lines, each from one Voronoi vertex or point of the boundary to the next or
+/// closed; `None` if the mesh has no coordinates.
+pub(crate) fn long_lines(diagram: &Diagram) -> Option<Vec<Vec<[f64; 3]>>> {
+    let parts = polylines(diagram)?;
+    let arcs = diagram.arcs();
+    let mut at_node: HashMap<u32, Vec<usize>> = HashMap::new();
+    for (i, arc) in arcs.iter().enumerate() {
+        for node in arc.nodes {
+            at_node.entry(node).or_default().push(i);
+        }
+    }
+    let mut used = vec![false; arcs.len()];
+    let mut lines = Vec::new();
+    let is_end = |node: u32| at_node.get(&node).is_none_or(|around| around.len() != 2);
+    let starts = arcs.iter().flat_map(|arc| arc.nodes);
+    // Lines with ends first, then what is left: loops.
+    let starts = starts.clone().filter(|&node| is_end(node)).chain(starts);
+    for start in starts {
+        for &first in at_node.get(&start).into_iter().flatten() {
+            let (mut node, mut next) = (start, Some(first));
+            let mut line: Vec<[f64; 3]> = Vec::new();
+            while let Some(i) = next.filter(|&i| !std::mem::replace(&mut used[i], true)) {
+                let [from, to] = arcs[i].nodes;
+                let is_forward = from == node;
+                node = if is_forward { to } else { from };
+                if is_forward {
+                    line.extend(&parts[i]);
+                } else {
+                    line.extend(parts[i].iter().rev());
+                }
+                let around = at_node.get(&node).filter(|_| !is_end(node));
+                next = around.and_then(|around| around.iter().copied().find(|&j| !used[j]));
+            }
+            if !line.is_empty() {
+                lines.push(line);
+            }
+        }
+    }
+    Some(lines)
+}
+
+impl DiagramFile<'_> {
+    fn borders(&self) -> anyhow::Result<Vec<Vec<[f64; 3]>>> {
+        polylines(self.diagram).with_context(|| without_coordinates(self))
+    }
 }
 
 fn obj(lines: &[Vec<[f64; 3]>]) -> String {

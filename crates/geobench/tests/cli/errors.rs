@@ -209,9 +209,9 @@ fn files_that_cannot_be_written_are_found_before_the_work() {
         found.contains("use .csv, .json, .npy, .ply or .vtk"),
         "{found}"
     );
-    let found = sandbox.refuse("gen sphere -o r.stl");
+    let found = sandbox.refuse("gen sphere -o r.gts");
     assert!(
-        found.contains("use .obj or .ply, each also with .gz"),
+        found.contains("use .obj, .ply, .off or .stl, each also with .gz"),
         "{found}"
     );
 }

@@ -20,6 +20,7 @@ mod outside;
 mod path;
 mod points;
 mod pool;
+mod remesh;
 mod report;
 mod reproduce;
 mod resume;

@@ -55,6 +55,18 @@ fn each_suite_leaves_its_result_its_tables_and_its_plots() {
 }
 
 #[test]
+fn a_paper_stands_for_its_suites() {
+    let sandbox = Sandbox::new();
+    let call = "kept --repeat 1 --warmup 0 gen:octahedron -- 003";
+    let outcome = reproduce(&sandbox, call);
+    assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+    assert!(sandbox.path("kept/003-table-1.json").exists());
+    let outcome = reproduce(&sandbox, "other -- 009");
+    assert_eq!(outcome.code, 3, "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("there is no suite 009"));
+}
+
+#[test]
 fn what_there_is_not_is_named_before_anything_runs() {
     let sandbox = Sandbox::new();
     let outcome = reproduce(&sandbox, "kept -- 000-figure-12 000-table-9");

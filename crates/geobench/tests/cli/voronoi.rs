@@ -52,6 +52,14 @@ fn every_form_is_written() {
     assert!(labels.starts_with("vertex,label,distance\n"));
     sandbox.succeed(&format!("{common} -o v.vtk --labels l.npy"));
     assert!(sandbox.read("v.vtk").contains("DATASET POLYDATA"));
+    sandbox.succeed(&format!("{common} -o v.svg"));
+    let picture = sandbox.read("v.svg");
+    assert!(picture.starts_with("<svg"));
+    // Borders are drawn whole, not arc by arc.
+    assert!((4..60).contains(&picture.matches("<polyline").count()));
+    sandbox.succeed(&format!("{common} -o v.png"));
+    let picture = std::fs::read(sandbox.path("v.png")).unwrap();
+    assert!(picture.starts_with(b"\x89PNG"));
     // The coloured model is a model, of the same area.
     sandbox.succeed(&format!("{common} -o v.ply"));
     sandbox.succeed("info v.ply");
@@ -63,6 +71,8 @@ fn the_dual_is_a_mesh_of_the_sources() {
     let run = "voronoi gen:sphere,subdiv=3 --source random:40 -o v.json --dual d.obj";
     let said = sandbox.succeed(run);
     assert!(said.contains("d.obj: 76 triangles, "), "{said}");
+    sandbox.succeed(&run.replace("d.obj", "d.off"));
+    assert!(sandbox.read("d.off").starts_with("OFF\n40 76 0\n"));
     assert_eq!(
         sandbox
             .read("d.obj")
@@ -88,7 +98,7 @@ fn unusable_arguments_are_named() {
         ("--source 0 -o v.txt", "v.txt"),
         ("--source 999 -o v.json", "999"),
         ("--source 0 --algo vtp -o v.json", "use window-vtp"),
-        ("--source 0 -o v.json --dual d.stl", "d.stl"),
+        ("--source 0 -o v.json --dual d.txt", "d.txt"),
         ("--source 0 -o v.json --labels l.txt", "l.txt"),
     ] {
         let error = sandbox.refuse(&format!("voronoi gen:cube,n=1 {arguments}"));

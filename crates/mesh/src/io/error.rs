@@ -83,7 +83,7 @@ pub enum FileError {
     },
     /// The ending of the name belongs to no format that is written here.
     #[error(
-        "{path}: the ending does not tell a format that can be written; use .obj or .ply, each also with .gz"
+        "{path}: the ending does not tell a format that can be written; use .obj, .ply, .off or .stl, each also with .gz"
     )]
     UnknownOutput {
         /// The path asked for.

@@ -1,4 +1,4 @@
-//! Writes OBJ and PLY.
+//! Writes OBJ, PLY, OFF and STL.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -10,11 +10,13 @@ use flate2::write::GzEncoder;
 use super::error::FileError;
 use super::{Format, is_gz};
 use crate::soup::TriangleSoup;
+use crate::vector::{cross, norm, sub};
 
-/// Writes `soup` in the format that the ending of `path` tells: `.obj`, or `.ply` (binary, little
-/// endian), each also with `.gz`.
+/// Writes `soup` in the format that the ending of `path` tells: `.obj`, `.ply` (binary, little
+/// endian), `.off` or `.stl` (binary), each also with `.gz`.
 ///
-/// Every bit of the coordinates is kept. Which triangles were cut from one polygon is not.
+/// Every bit of the coordinates is kept, except in STL, which has single precision and repeats the
+/// corners of every triangle. Which triangles were cut from one polygon is not kept.
 ///
 /// # Errors
 ///
@@ -24,7 +26,9 @@ pub fn write(path: &Path, soup: &TriangleSoup) -> Result<(), FileError> {
     match Format::from_path(path) {
         Some(Format::Obj) => to_file(path, |out| write_obj(out, positions, triangles)),
         Some(Format::Ply) => PlyWriter::new(positions, triangles).write_file(path),
-        _ => Err(FileError::UnknownOutput {
+        Some(Format::Off) => to_file(path, |out| write_off(out, positions, triangles)),
+        Some(Format::Stl) => to_file(path, |out| write_stl(out, positions, triangles)),
+        None => Err(FileError::UnknownOutput {
             path: path.to_owned(),
         }),
     }
@@ -47,6 +51,54 @@ pub fn write_obj(
     for corners in triangles {
         let [a, b, c] = corners.map(|v| u64::from(v) + 1);
         writeln!(out, "f {a} {b} {c}")?;
+    }
+    Ok(())
+}
+
+/// Writes an OFF file with the shortest decimals that read back as the same `f64`.
+fn write_off(
+    out: &mut (impl Write + ?Sized),
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+) -> io::Result<()> {
+    writeln!(out, "OFF\n{} {} 0", positions.len(), triangles.len())?;
+    for [x, y, z] in positions {
+        writeln!(out, "{x:?} {y:?} {z:?}")?;
+    }
+    for [a, b, c] in triangles {
+        writeln!(out, "3 {a} {b} {c}")?;
+    }
+    Ok(())
+}
+
+/// Writes a binary STL file.
+fn write_stl(
+    out: &mut (impl Write + ?Sized),
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+) -> io::Result<()> {
+    let count = u32::try_from(triangles.len());
+    let count = count.map_err(|e| io::Error::new(io::ErrorKind::InvalidInput, e))?;
+    // Not `solid`, with which text files begin.
+    let mut header = [b' '; 80];
+    header[..8].copy_from_slice(b"geobench");
+    out.write_all(&header)?;
+    out.write_all(&count.to_le_bytes())?;
+    for corners in triangles {
+        let missing = corners.iter().find(|&&v| v as usize >= positions.len());
+        if let Some(v) = missing {
+            let message = format!("a triangle has vertex {v}, which does not exist");
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+        }
+        let corners = corners.map(|v| positions[v as usize]);
+        let normal = cross(sub(corners[1], corners[0]), sub(corners[2], corners[0]));
+        let length = norm(normal);
+        let normal = normal.map(|x| if length > 0.0 { x / length } else { 0.0 });
+        for x in [[normal].as_slice(), &corners].concat().as_flattened() {
+            #[expect(clippy::cast_possible_truncation, reason = "STL has single precision")]
+            out.write_all(&(*x as f32).to_le_bytes())?;
+        }
+        out.write_all(&[0, 0])?;
     }
     Ok(())
 }

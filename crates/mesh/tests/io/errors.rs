@@ -487,11 +487,11 @@ fn truncated_files_are_refused() {
 #[test]
 fn what_cannot_be_written() {
     let soup = parse(Format::Obj, "v 0 0 0\nf 1 1 1\n").unwrap();
-    let error = write(Path::new("a.stl"), &soup).unwrap_err().to_string();
+    let error = write(Path::new("a.gts"), &soup).unwrap_err().to_string();
     assert_eq!(
         error,
-        "a.stl: the ending does not tell a format that can be written; use .obj or .ply, each also \
-         with .gz"
+        "a.gts: the ending does not tell a format that can be written; use .obj, .ply, .off or .stl, \
+         each also with .gz"
     );
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("none/a.obj");

@@ -55,7 +55,9 @@ proptest! {
 fn files_come_back_by_name() {
     let dir = tempfile::tempdir().unwrap();
     let soup = TriangleSoup::new(vec![[0.1, -0.0, 1e-310]; 3], vec![[0, 1, 2], [2, 1, 7]]);
-    for name in ["a.obj", "a.PLY", "a.obj.gz", "a.ply.gz"] {
+    for name in [
+        "a.obj", "a.PLY", "a.obj.gz", "a.ply.gz", "a.off", "a.off.gz",
+    ] {
         let path = dir.path().join(name);
         write(&path, &soup).unwrap();
         let packed = std::fs::read(&path).unwrap().starts_with(b"\x1f\x8b");
@@ -64,6 +66,27 @@ fn files_come_back_by_name() {
         assert_eq!(back, soup, "{name}");
         assert_eq!(bits(&back), bits(&soup), "{name}");
     }
+}
+
+#[test]
+fn stl_files_have_the_triangles_in_single_precision() {
+    let dir = tempfile::tempdir().unwrap();
+    let positions = vec![[0.5, 0.0, 0.0], [0.1, 1.0, 0.0], [0.0, 0.0, 0.25], [4.0; 3]];
+    let soup = TriangleSoup::new(positions, vec![[0, 1, 2], [2, 1, 3]]);
+    for name in ["a.stl", "a.stl.gz"] {
+        let path = dir.path().join(name);
+        write(&path, &soup).unwrap();
+        let back = read(&path).unwrap();
+        assert_eq!(back.triangles.len(), 2, "{name}");
+        for (corners, expected) in back.triangles.iter().zip(&soup.triangles) {
+            let found = corners.map(|v| back.positions[v as usize]);
+            let expected = expected.map(|v| soup.positions[v as usize]);
+            assert_eq!(found, expected.map(|p| p.map(|x| f64::from(x as f32))));
+        }
+    }
+    let missing = TriangleSoup::new(vec![[0.0; 3]; 3], vec![[0, 1, 7]]);
+    let error = write(&dir.path().join("b.stl"), &missing).unwrap_err();
+    assert!(error.to_string().contains("vertex 7"), "{error}");
 }
 
 #[test]

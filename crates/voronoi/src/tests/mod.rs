@@ -2,6 +2,7 @@
 
 mod diagram;
 mod propagation;
+mod remesh;
 
 use geobench_mesh::{Mesh, SplitMix64, TriangleSoup, VertexId};
 use geobench_oracle::{Geometry, Model};

@@ -94,12 +94,14 @@ pub(super) enum Size {
     Faces,
 }
 
-/// What models differ in.
+/// What the cells of a series differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Axis {
     Faces,
     Anisotropy,
+    /// The number of sources that a run has together. A series is one model in several groups.
+    Sources,
 }
 
 /// How the values of several models become one.
@@ -464,7 +466,8 @@ pub(super) fn labels(selections: &[Selection]) -> String {
 
 impl Test {
     /// The paper's numbers for `operand`, each with the model and its number of faces if they are
-    /// known. Algorithms of tables are found by name, without parameters.
+    /// known. Algorithms of tables are found by their labels, or by name alone if no row has the
+    /// label.
     pub(super) fn printed(&self, operand: &Operand) -> Vec<(Option<(String, u64)>, f64)> {
         let saved = |number: f64| match self.show {
             Show::Value => number,
@@ -481,7 +484,12 @@ impl Test {
             return Vec::new();
         };
         let is = |label: &str, selection: &Selection| {
-            label.split('{').next() == Some(selection.algorithm().name)
+            let mut rows = table.printed.iter();
+            if rows.any(|row| row.algorithm == selection.label()) {
+                label == selection.label()
+            } else {
+                label.split('{').next() == Some(selection.algorithm().name)
+            }
         };
         let of = |selection: &Selection, figure: &Figure| -> Vec<_> {
             let rows = table.printed.iter();

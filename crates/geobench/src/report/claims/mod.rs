@@ -10,10 +10,11 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use crate::UsageError;
+use crate::exec::source::SourceSpec;
 use crate::measure::number::grouped;
 use crate::measure::statistics::{FEWEST_FOR_FIT, FEWEST_FOR_INTERVAL};
 use crate::registry::{Selection, Value as Parameter};
-use crate::schema::{Cell, ModelRecord, Phases, PlannedAlgorithm, ResultFile, Status};
+use crate::schema::{Cell, ModelRecord, Phases, PlannedAlgorithm, ResultFile, SourceLabel, Status};
 use crate::table::figures::Figure;
 use crate::table::group::{Value, distinct};
 
@@ -386,9 +387,16 @@ struct Built {
     range: Option<[f64; 2]>,
 }
 
-impl Results<'_> {
+/// A point of a series: a model in a group.
+#[derive(Clone, Copy)]
+struct Place<'r> {
+    group: Option<&'r str>,
+    model: &'r ModelRecord,
+}
+
+impl<'r> Results<'r> {
     /// The groups of the suite that the test is on.
-    fn groups(&self) -> Vec<Option<&str>> {
+    fn groups(&self) -> Vec<Option<&'r str>> {
         let cells = self.result.cells.iter();
         let groups = distinct(cells.map(|cell| cell.group.as_deref()));
         let wanted = |group: Option<&str>| {
@@ -399,7 +407,7 @@ impl Results<'_> {
     }
 
     /// The models of a group that the test is on.
-    fn models(&self, group: Option<&str>) -> Vec<&ModelRecord> {
+    fn models(&self, group: Option<&str>) -> Vec<&'r ModelRecord> {
         let models = self.result.models.iter().filter(|model| {
             let mut cells = self.result.cells.iter();
             let patterns = &self.test.models;
@@ -544,15 +552,16 @@ impl Results<'_> {
             let groups = if able.is_empty() { groups } else { able };
             cases.extend(match (self.test.ends, self.test.combine) {
                 (Some(ends), _) => self.endings(operand, &groups, ends),
-                (None, Combine::Each) if self.test.over.is_some() => groups
-                    .iter()
-                    .map(|group| {
-                        let on = group.unwrap_or("all models");
-                        self.case(operand, on, None, |figure| {
-                            self.growth(operand, *group, figure)
+                (None, Combine::Each) if self.test.over.is_some() => {
+                    let series = self.series(&groups).into_iter();
+                    series
+                        .map(|(on, places)| {
+                            self.case(operand, on, None, |figure| {
+                                self.growth(operand, &places, figure)
+                            })
                         })
-                    })
-                    .collect(),
+                        .collect()
+                }
                 (None, Combine::Each) => groups
                     .iter()
                     .flat_map(|group| {
@@ -771,21 +780,56 @@ impl Results<'_> {
         }
     }
 
-    /// How the expression grows over the models of a group.
+    /// The series over which expressions grow: the models of each group or, if they grow with the
+    /// sources, each model in all groups.
+    fn series(&self, groups: &[Option<&'r str>]) -> Vec<(&'r str, Vec<Place<'r>>)> {
+        let all = groups.iter().flat_map(|&group| {
+            let models = self.models(group).into_iter();
+            models.map(move |model| Place { group, model })
+        });
+        let of_series = |place: &Place<'r>| match self.test.over {
+            Some(Axis::Sources) => place.model.name.as_str(),
+            _ => place.group.unwrap_or("all models"),
+        };
+        let all: Vec<Place<'r>> = all.collect();
+        let names = distinct(all.iter().map(of_series));
+        let series = names.into_iter().map(|name| {
+            let places = all.iter().filter(|place| of_series(place) == name);
+            (name, places.copied().collect())
+        });
+        series.collect()
+    }
+
+    /// Where a point of a series lies on its axis.
+    fn along(&self, place: Place<'_>) -> Option<f64> {
+        let Place { group, model } = place;
+        match self.test.over {
+            Some(Axis::Anisotropy) => model.anisotropy,
+            Some(Axis::Sources) => {
+                let mut cells = self.result.cells.iter();
+                let same = |c: &&Cell| c.group.as_deref() == group && c.model == model.name;
+                match cells.find(same)?.source.as_ref()? {
+                    SourceLabel::Vertex(_) => Some(1.0),
+                    SourceLabel::Other(text) => {
+                        Some(text.parse::<SourceSpec>().ok()?.count() as f64)
+                    }
+                }
+            }
+            _ => model.faces.map(|faces| faces as f64),
+        }
+    }
+
+    /// How the expression grows over a series.
     fn growth(
         &self,
         operand: &Operand,
-        group: Option<&str>,
+        series: &[Place<'_>],
         figure: &'static Figure,
     ) -> Result<Built, Reason> {
         let (mut leaves, mut points) = (Leaves::default(), Vec::new());
         let mut missing = None;
-        for model in self.models(group) {
-            let place = match self.test.over {
-                Some(Axis::Anisotropy) => model.anisotropy,
-                _ => model.faces.map(|faces| faces as f64),
-            };
-            let Some(place) = place else {
+        for &place @ Place { group, model } in series {
+            let Some(place) = self.along(place) else {
                 continue;
             };
             // A series ends where an algorithm has no result any more.

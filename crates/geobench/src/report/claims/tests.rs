@@ -420,6 +420,62 @@ fn growth_is_a_fit_over_the_models_of_a_group() {
 }
 
 #[test]
+fn rows_with_the_label_come_before_those_with_the_name() {
+    let printed = |of: &str| -> Vec<f64> {
+        let test = format!(
+            "of = [\"{of}\"]\nto = \"window-vtp\"\ncombine = \"mean\"\nholds = \"> 1\"\npaper = \"004-table-2\""
+        );
+        let file = read(&test).unwrap();
+        let test = &file.claims[0].tests[0];
+        let numbers = test.printed(&test.of[0]).into_iter();
+        numbers.map(|(_, number)| number).collect()
+    };
+    assert_eq!(printed("lct11"), [3.98]);
+    assert_eq!(printed("lct11{queue=buckets}"), [1.21]);
+    // No row has this label.
+    assert_eq!(printed("lct11{filter=vertices}"), [3.98, 1.21]);
+}
+
+#[test]
+fn growth_over_sources_is_a_fit_over_the_groups_of_a_model() {
+    let one = made_up("ich,vtp");
+    let mut result = one.clone();
+    result.cells.clear();
+    let mut plans = Vec::new();
+    for (group, sources, propagated) in [
+        ("one", "random:1,seed=1", 100),
+        ("ten", "random:10,seed=1", 400),
+        ("many", "random:100,seed=1", 1600),
+    ] {
+        for cell in &one.cells {
+            let mut cell = cell.clone();
+            cell.group = Some(group.to_owned());
+            cell.source = Some(SourceLabel::Other(sources.to_owned()));
+            if cell.algorithm == "ich" {
+                cell.counters.set(Counter::Propagated, propagated);
+            }
+            result.cells.push(cell);
+        }
+        for planned in one.plan.iter().flat_map(|plan| &plan.groups) {
+            let mut planned = planned.clone();
+            planned.name = Some(group.to_owned());
+            plans.push(planned);
+        }
+    }
+    result.plan.as_mut().unwrap().groups = plans;
+    let test = "of = [\"ich\"]\nover = \"sources\"\nfigure = \"propagated\"\nholds = \"> 15\"";
+    let judged = judge_one(test, &result);
+    assert_eq!(judged.values.len(), MODELS.len());
+    for case in judged.values.values() {
+        assert!((case.value.unwrap() - 16.0).abs() < 1e-9);
+        assert_eq!(case.range, Some([1.0, 100.0]));
+    }
+    let two = format!("{test}\ngroup = [\"one\", \"ten\"]");
+    let judged = judge_one(&two, &result);
+    assert_eq!(judged.verdict, Unjudged, "two points are no series");
+}
+
+#[test]
 fn values_of_models_become_one() {
     let mut result = made_up("ich,vtp");
     for (model, propagated) in MODELS.into_iter().zip([100, 200, 900]) {

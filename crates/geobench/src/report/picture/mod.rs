@@ -3,6 +3,7 @@
 //! A small rasteriser draws it: orthographic view, depth buffer, smooth shading, four samples per
 //! pixel. The background is transparent, for light and dark pages.
 
+mod paint;
 pub(crate) mod plot;
 mod raster;
 mod surface;
@@ -14,6 +15,7 @@ use geobench_mesh::{Mesh, VertexId};
 use super::chart::{Chart, nice};
 use super::svg::{Svg, px, width_of};
 use crate::table::distance_formats;
+pub(crate) use paint::Paint;
 use raster::{Camera, Image, Ink};
 use surface::Surface;
 
@@ -25,6 +27,9 @@ const DENSITY: f64 = 1.5;
 
 /// Approximate number of isolines.
 const ISOLINES: f64 = 24.0;
+
+/// Most sources that are marked in full size.
+const FULL_MARKS: f64 = 30.0;
 
 /// Half the width of isolines and of paths, in units.
 const ISOLINE: f64 = 0.45;
@@ -40,6 +45,8 @@ pub(crate) struct Scene<'a> {
     pub(crate) mesh: &'a Mesh,
     /// The distances of all vertices, by which the surface is coloured; more are ignored.
     pub(crate) distances: &'a [f64],
+    /// The colours of the faces, in place of those of distances.
+    pub(crate) paint: Option<&'a Paint>,
     /// Points of the surface that are marked; the first one is shown if possible.
     pub(crate) sources: &'a [[f64; 3]],
     /// Lines on the surface.
@@ -55,19 +62,37 @@ impl Scene<'_> {
     ///
     /// When the mesh has no coordinates or no faces.
     pub(crate) fn draw(&self, png: bool, model: &str, what: &str) -> anyhow::Result<Vec<u8>> {
-        let Some(picture) = Picture::new(self, f64::INFINITY) else {
-            anyhow::bail!("{model}: a mesh without coordinates or faces cannot be drawn");
-        };
-        if png {
-            return Ok(picture.png());
-        }
-        let title = format!("{what} on {model}");
-        let chart = Chart::Picture(picture);
-        Ok(chart.draw("picture", &title, "", true).into_bytes())
+        let picture = Picture::new(self, f64::INFINITY, None);
+        let picture = picture.ok_or_else(|| no_surface(model))?;
+        picture.file(png, &format!("{what} on {model}"))
+    }
+
+    /// The same with `after`, seen from the same side, on its right.
+    ///
+    /// # Errors
+    ///
+    /// When one of the meshes has no coordinates or no faces.
+    pub(crate) fn draw_beside(
+        &self,
+        after: &Scene<'_>,
+        png: bool,
+        model: &str,
+        what: &str,
+    ) -> anyhow::Result<Vec<u8>> {
+        let before = Picture::new(self, f64::INFINITY, None);
+        let mut before = before.ok_or_else(|| no_surface(model))?;
+        let after = Picture::new(after, f64::INFINITY, Some(&before.camera));
+        let after = after.ok_or_else(|| no_surface(model))?;
+        before.join(after);
+        before.file(png, &format!("{what} of {model}"))
     }
 }
 
-/// A model coloured by distance.
+fn no_surface(model: &str) -> anyhow::Error {
+    anyhow::anyhow!("{model}: a mesh without coordinates or faces cannot be drawn")
+}
+
+/// A model coloured by distance, or painted.
 #[derive(Clone, Debug)]
 pub(crate) struct Picture {
     /// The surface without lines.
@@ -77,18 +102,17 @@ pub(crate) struct Picture {
     /// The visible parts of lines.
     isolines: Vec<Vec<[f64; 2]>>,
     paths: Vec<Vec<[f64; 2]>>,
-    /// The distance at the bright end of the ramp.
-    farthest: f64,
-    /// Right, up and towards the viewer.
-    axes: [[f64; 3]; 3],
+    /// The distance at the bright end of the ramp; none if distances give no colours.
+    farthest: Option<f64>,
+    camera: Camera,
     /// The model in numbers, for the view in 3D of a page.
     surface: Option<Box<Surface>>,
 }
 
 impl Picture {
-    /// Draws a scene, with isolines every `step` as the colours of vertices have them; `None` if the
-    /// mesh has no coordinates or no faces.
-    fn new(scene: &Scene<'_>, step: f64) -> Option<Self> {
+    /// Draws a scene, with isolines every `step` as the colours of vertices have them, from the side
+    /// of `camera` if there is one; `None` if the mesh has no coordinates or no faces.
+    fn new(scene: &Scene<'_>, step: f64, camera: Option<&Camera>) -> Option<Self> {
         let mesh = scene.mesh;
         if mesh.positions().len() != mesh.vertex_count() || mesh.face_count() == 0 {
             return None;
@@ -98,8 +122,10 @@ impl Picture {
         let farthest = finite.fold(0.0, f64::max);
         let size = SIZE.map(|s| (s * DENSITY) as usize);
         let first = scene.sources.first().copied().unwrap_or_default();
-        let camera = Camera::choose(mesh, nearest_vertex(mesh, first), size);
-        let mut image = raster::render(mesh, distances, &camera, farthest, step);
+        let camera = camera
+            .cloned()
+            .unwrap_or_else(|| Camera::choose(mesh, nearest_vertex(mesh, first), size));
+        let mut image = raster::render(mesh, distances, scene.paint, &camera, [farthest, step]);
         let units = |at: [f64; 2]| at.map(|x| x / DENSITY);
         let visible = |lines: &[Vec<[f64; 3]>]| -> Vec<Vec<[f64; 2]>> {
             let parts = lines.iter().flat_map(|line| image.visible(line, &camera));
@@ -119,8 +145,8 @@ impl Picture {
             sources,
             isolines,
             paths,
-            farthest,
-            axes: camera.axes(),
+            farthest: scene.paint.is_none().then_some(farthest),
+            camera,
             surface: None,
         })
     }
@@ -128,6 +154,41 @@ impl Picture {
     /// The view in 3D as JSON, if it has one.
     pub(crate) fn surface_json(&self) -> Option<String> {
         serde_json::to_string(self.surface.as_deref()?).ok()
+    }
+
+    /// Puts another picture on the right of this one.
+    fn join(&mut self, right: Self) {
+        let shift = self.width();
+        self.image = self.image.beside(&right.image);
+        let moved = |[x, y]: [f64; 2]| [x + shift, y];
+        self.sources.extend(right.sources.into_iter().map(moved));
+        for (lines, more) in [
+            (&mut self.isolines, right.isolines),
+            (&mut self.paths, right.paths),
+        ] {
+            let more = more.into_iter();
+            lines.extend(more.map(|line| line.into_iter().map(moved).collect::<Vec<_>>()));
+        }
+    }
+
+    /// Its width in units.
+    fn width(&self) -> f64 {
+        self.image.width() as f64 / DENSITY
+    }
+
+    /// The radii of the marks of sources, black and white; less if there are many.
+    fn radii(&self) -> [f64; 2] {
+        let scale = (FULL_MARKS / self.sources.len().max(1) as f64).sqrt();
+        [5.0, 3.6].map(|radius| radius * scale.clamp(0.16, 1.0))
+    }
+
+    /// The picture as a file.
+    fn file(self, png: bool, title: &str) -> anyhow::Result<Vec<u8>> {
+        if png {
+            return Ok(self.png());
+        }
+        let chart = Chart::Picture(self);
+        Ok(chart.draw("picture", title, "", true).into_bytes())
     }
 
     /// The picture with its lines and sources but without a scale, as a PNG file.
@@ -144,7 +205,8 @@ impl Picture {
             let half_width = half_width * DENSITY;
             image.draw(&lines, Ink { half_width, colour });
         }
-        for (radius, colour) in [(5.0, [0; 3]), (3.6, [255; 3])] {
+        let [outer, inner] = self.radii();
+        for (radius, colour) in [(outer, [0; 3]), (inner, [255; 3])] {
             let dots: Vec<Vec<[f64; 2]>> = self
                 .sources
                 .iter()
@@ -158,7 +220,7 @@ impl Picture {
 
     /// Draws it and returns width and height.
     pub(crate) fn draw(&self, svg: &mut Svg) -> [f64; 2] {
-        let [width, height] = SIZE;
+        let (width, height) = (self.width(), SIZE[1]);
         let data = format!(
             "data:image/png;base64,{}",
             STANDARD.encode(self.image.png())
@@ -171,8 +233,9 @@ impl Picture {
         draw_lines(svg, &self.isolines, ISOLINE, ISOLINE_COLOUR);
         draw_lines(svg, &self.paths, PATH + 0.9, white);
         draw_lines(svg, &self.paths, PATH, PATH_COLOUR);
+        let [outer, inner] = self.radii();
         for [x, y] in &self.sources {
-            for (radius, colour) in [(5.0, "#000"), (3.6, "#fff")] {
+            for (radius, colour) in [(outer, "#000"), (inner, "#fff")] {
                 svg.leaf(
                     "circle",
                     &[
@@ -184,56 +247,59 @@ impl Picture {
                 );
             }
         }
-        self.draw_ramp(svg, height + 8.0);
+        let Some(farthest) = self.farthest else {
+            return [width, height];
+        };
+        draw_ramp(svg, farthest, height + 8.0);
         [width, height + 46.0]
     }
+}
 
-    /// The colour scale, with distances.
-    fn draw_ramp(&self, svg: &mut Svg, y: f64) {
-        const STRIPES: usize = 64;
-        let (left, width) = (60.0, SIZE[0] - 120.0);
-        for k in 0..STRIPES {
-            let share = k as f64 / (STRIPES - 1) as f64;
-            let [r, g, b] = distance_formats::colour(share);
-            svg.leaf(
-                "rect",
-                &[
-                    ("x", px(left + width * k as f64 / STRIPES as f64)),
-                    ("y", px(y)),
-                    // A little wider than its part, so that no background shows between stripes.
-                    (
-                        "width",
-                        px(width / STRIPES as f64 + if k + 1 < STRIPES { 1.0 } else { 0.0 }),
-                    ),
-                    ("height", "10".to_owned()),
-                    ("fill", format!("#{r:02x}{g:02x}{b:02x}")),
-                ],
-            );
-        }
-        let every = step(self.farthest, 4.0);
-        let mut last = f64::NEG_INFINITY;
-        for k in 0..8 {
-            let value = f64::from(k) * every;
-            if value > self.farthest * 1.0001 {
-                break;
-            }
-            let x = left
-                + width
-                    * if self.farthest > 0.0 {
-                        value / self.farthest
-                    } else {
-                        0.0
-                    };
-            let text = short(value);
-            if x - width_of(&text) < last {
-                continue;
-            }
-            last = x;
-            svg.line("axis", [x, y + 10.0], [x, y + 14.0]);
-            svg.text([x, y + 25.0], "m", &text);
-        }
-        svg.text([left + width + 8.0, y + 9.0], "q", "distance");
+/// The colour scale, with distances.
+fn draw_ramp(svg: &mut Svg, farthest: f64, y: f64) {
+    const STRIPES: usize = 64;
+    let (left, width) = (60.0, SIZE[0] - 120.0);
+    for k in 0..STRIPES {
+        let share = k as f64 / (STRIPES - 1) as f64;
+        let [r, g, b] = distance_formats::colour(share);
+        svg.leaf(
+            "rect",
+            &[
+                ("x", px(left + width * k as f64 / STRIPES as f64)),
+                ("y", px(y)),
+                // A little wider than its part, so that no background shows between stripes.
+                (
+                    "width",
+                    px(width / STRIPES as f64 + if k + 1 < STRIPES { 1.0 } else { 0.0 }),
+                ),
+                ("height", "10".to_owned()),
+                ("fill", format!("#{r:02x}{g:02x}{b:02x}")),
+            ],
+        );
     }
+    let every = step(farthest, 4.0);
+    let mut last = f64::NEG_INFINITY;
+    for k in 0..8 {
+        let value = f64::from(k) * every;
+        if value > farthest * 1.0001 {
+            break;
+        }
+        let x = left
+            + width
+                * if farthest > 0.0 {
+                    value / farthest
+                } else {
+                    0.0
+                };
+        let text = short(value);
+        if x - width_of(&text) < last {
+            continue;
+        }
+        last = x;
+        svg.line("axis", [x, y + 10.0], [x, y + 14.0]);
+        svg.text([x, y + 25.0], "m", &text);
+    }
+    svg.text([left + width + 8.0, y + 9.0], "q", "distance");
 }
 
 /// Draws lines of a colour.
@@ -305,16 +371,17 @@ mod tests {
         let scene = Scene {
             mesh,
             distances: &distances,
+            paint: None,
             sources: &edge[..1],
             isolines: &[edge.to_vec()],
             paths: &[edge.map(|at| at.map(|x| 0.5 * x)).to_vec()],
         };
-        let picture = Picture::new(&scene, 0.2).unwrap();
+        let picture = Picture::new(&scene, 0.2, None).unwrap();
         assert_eq!(picture.sources.len(), 1);
         assert_eq!((picture.isolines.len(), picture.paths.len()), (1, 0));
         assert!(picture.png().starts_with(b"\x89PNG"));
-        assert!((picture.farthest - std::f64::consts::PI).abs() < 0.05);
-        let again = Picture::new(&scene, 0.2).unwrap();
+        assert!((picture.farthest.unwrap() - std::f64::consts::PI).abs() < 0.05);
+        let again = Picture::new(&scene, 0.2, None).unwrap();
         assert_eq!(picture.png(), again.png(), "the same picture every time");
     }
 }

@@ -198,6 +198,7 @@ fn of_model(
     let scene = Scene {
         mesh,
         distances,
+        paint: None,
         sources: mesh
             .positions()
             .get(vertex.index()..=vertex.index())
@@ -205,9 +206,11 @@ fn of_model(
         isolines: &isolines,
         paths: &lines.collect::<Vec<_>>(),
     };
-    let mut picture = Picture::new(&scene, if is_exact { f64::INFINITY } else { step })
+    let drawn_step = if is_exact { f64::INFINITY } else { step };
+    let mut picture = Picture::new(&scene, drawn_step, None)
         .ok_or_else(|| unloadable("it has no coordinates".to_owned()))?;
-    let surface = Surface::new(&scene, picture.axes, [picture.farthest, step], traced);
+    let range = [picture.farthest.unwrap_or_default(), step];
+    let surface = Surface::new(&scene, picture.camera.axes(), range, traced);
     let decimated = surface.decimated().map_or_else(String::new, |faces| {
         format!(
             " The view in 3D is decimated to {} faces.",

@@ -2,6 +2,7 @@
 
 use geobench_mesh::{Mesh, VertexId};
 
+use super::paint::Paint;
 use crate::table::distance_formats;
 
 /// Samples for each pixel of the picture, each way.
@@ -22,12 +23,15 @@ struct Sample {
     distance: f32,
     /// The brightness, from 0 to 1.
     light: f32,
+    /// The colour, in place of that of the distance.
+    paint: Option<[u8; 3]>,
 }
 
 const NOTHING: Sample = Sample {
     depth: f32::NEG_INFINITY,
     distance: 0.0,
     light: 0.0,
+    paint: None,
 };
 
 /// A picture.
@@ -40,13 +44,13 @@ pub(super) struct Image {
 }
 
 /// The surface of `mesh` as `camera` sees it, its colours from 0 to `farthest`, an isoline every
-/// `step`. O(faces + samples).
+/// `step`; those of `paint` if there is one. O(faces + samples).
 pub(super) fn render(
     mesh: &Mesh,
     distances: &[f64],
+    paint: Option<&Paint>,
     camera: &Camera,
-    farthest: f64,
-    step: f64,
+    [farthest, step]: [f64; 2],
 ) -> Image {
     let view = camera.enlarged(SAMPLES);
     let mut samples = vec![NOTHING; view.size[0] * view.size[1]];
@@ -63,13 +67,20 @@ pub(super) fn render(
             };
             brightness(view.turn(normal))
         });
-        fill(
-            &mut samples,
-            view.size,
-            corners.map(|v| seen[v]),
-            corners.map(|v| distances[v]),
+        let whole = Triangle {
+            corners: corners.map(|v| seen[v]),
+            distances: corners.map(|v| distances[v]),
             light,
-        );
+            paint: paint.and_then(|paint| paint.of_face(face)),
+        };
+        match paint.and_then(|paint| paint.parts(face)) {
+            None => whole.fill(&mut samples, view.size),
+            Some(parts) => {
+                for (corners, colour) in parts {
+                    whole.part(*corners, *colour).fill(&mut samples, view.size);
+                }
+            }
+        }
     }
     let pixels = resolve(&samples, camera.size, |at| {
         colour(&samples, view.size, at, farthest, step)
@@ -106,48 +117,73 @@ fn brightness(normal: [f64; 3]) -> f64 {
     0.55 + 0.45 * dot(towards, unit(LIGHT)).max(0.0)
 }
 
-/// Fills the samples of a triangle where it is nearer than the earlier surface.
-fn fill(
-    samples: &mut [Sample],
-    [width, height]: [usize; 2],
-    corners: [[f64; 3]; 3],
+/// A triangle as the camera sees it.
+#[derive(Clone, Copy, Debug)]
+struct Triangle {
+    corners: [Vector; 3],
     distances: [f64; 3],
     light: [f64; 3],
-) {
-    let [a, b, c] = corners;
-    let side = |from: [f64; 3], to: [f64; 3], x: f64, y: f64| {
-        (to[0] - from[0]) * (y - from[1]) - (to[1] - from[1]) * (x - from[0])
-    };
-    let area = side(a, b, c[0], c[1]);
-    if area == 0.0 || !area.is_finite() {
-        return;
+    paint: Option<[u8; 3]>,
+}
+
+impl Triangle {
+    /// The part with these corners, by their barycentric coordinates.
+    fn part(&self, corners: [[f64; 3]; 3], colour: [u8; 3]) -> Self {
+        let blend = |of: [f64; 3]| corners.map(|weights| dot(weights, of));
+        let axes = [0, 1, 2].map(|k| blend(self.corners.map(|corner| corner[k])));
+        Self {
+            corners: [0, 1, 2].map(|i| [0, 1, 2].map(|k| axes[k][i])),
+            // One unreachable corner makes the face unreachable, also where its weight is 0.
+            distances: [0.0; 3],
+            light: blend(self.light),
+            paint: Some(colour),
+        }
     }
-    let range = |k: usize, size: usize| {
-        let low = a[k].min(b[k]).min(c[k]).floor().max(0.0) as usize;
-        let high = a[k].max(b[k]).max(c[k]).ceil().max(0.0) as usize;
-        low..high.saturating_add(1).min(size)
-    };
-    let blend = |shares: [f64; 3], of: [f64; 3]| dot(shares, of);
-    for row in range(1, height) {
-        for column in range(0, width) {
-            let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
-            let shares = [
-                side(b, c, x, y) / area,
-                side(c, a, x, y) / area,
-                side(a, b, x, y) / area,
-            ];
-            // Slightly beyond the edge, so that there are no gaps between neighbours.
-            if shares.iter().any(|share| *share < -1e-9) {
-                continue;
-            }
-            let depth = blend(shares, corners.map(|corner| corner[2])) as f32;
-            let sample = &mut samples[column + width * row];
-            if depth > sample.depth {
-                *sample = Sample {
-                    depth,
-                    distance: blend(shares, distances) as f32,
-                    light: blend(shares, light) as f32,
-                };
+
+    /// Fills its samples where it is nearer than the earlier surface.
+    fn fill(self, samples: &mut [Sample], [width, height]: [usize; 2]) {
+        let Self {
+            corners,
+            distances,
+            light,
+            paint,
+        } = self;
+        let [a, b, c] = corners;
+        let side = |from: [f64; 3], to: [f64; 3], x: f64, y: f64| {
+            (to[0] - from[0]) * (y - from[1]) - (to[1] - from[1]) * (x - from[0])
+        };
+        let area = side(a, b, c[0], c[1]);
+        if area == 0.0 || !area.is_finite() {
+            return;
+        }
+        let range = |k: usize, size: usize| {
+            let low = a[k].min(b[k]).min(c[k]).floor().max(0.0) as usize;
+            let high = a[k].max(b[k]).max(c[k]).ceil().max(0.0) as usize;
+            low..high.saturating_add(1).min(size)
+        };
+        let blend = |shares: [f64; 3], of: [f64; 3]| dot(shares, of);
+        for row in range(1, height) {
+            for column in range(0, width) {
+                let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
+                let shares = [
+                    side(b, c, x, y) / area,
+                    side(c, a, x, y) / area,
+                    side(a, b, x, y) / area,
+                ];
+                // Slightly beyond the edge, so that there are no gaps between neighbours.
+                if shares.iter().any(|share| *share < -1e-9) {
+                    continue;
+                }
+                let depth = blend(shares, corners.map(|corner| corner[2])) as f32;
+                let sample = &mut samples[column + width * row];
+                if depth > sample.depth {
+                    *sample = Sample {
+                        depth,
+                        distance: blend(shares, distances) as f32,
+                        light: blend(shares, light) as f32,
+                        paint,
+                    };
+                }
             }
         }
     }
@@ -166,6 +202,9 @@ fn colour(
         return None;
     }
     let light = f64::from(sample.light);
+    if let Some(paint) = sample.paint {
+        return Some(paint.map(|part| f64::from(part) * light));
+    }
     let distance = f64::from(sample.distance);
     if !distance.is_finite() {
         return Some(distance_formats::UNREACHED.map(|part| f64::from(part) * light));
@@ -243,9 +282,26 @@ impl Image {
         bytes
     }
 
+    /// This picture with another one on its right, which is as high.
+    pub(super) fn beside(&self, right: &Self) -> Self {
+        let [width, height] = self.size;
+        let rows = self.pixels.chunks(width.max(1));
+        let rows = rows.zip(right.pixels.chunks(right.size[0].max(1)));
+        Self {
+            size: [width + right.size[0], height],
+            pixels: rows.flat_map(|(a, b)| a.iter().chain(b).copied()).collect(),
+            samples: Vec::new(),
+        }
+    }
+
     /// Frees what only [`sees`](Self::sees) needs.
     pub(super) fn forget_samples(&mut self) {
         self.samples = Vec::new();
+    }
+
+    /// Its width in pixels.
+    pub(super) const fn width(&self) -> usize {
+        self.size[0]
     }
 
     /// The pixel of a point of the surface, unless the point is hidden.

@@ -1,0 +1,180 @@
+//! `geobench remesh`.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+use geobench_mesh::io as mesh_io;
+use geobench_mesh::{Mesh, MeshMeasures, VertexId};
+use geobench_voronoi::{Deviation, Quality, RemeshOptions as Sites, Remeshed};
+
+use super::Verdict;
+use super::args::RemeshOptions;
+use super::{generate, terminal};
+use crate::exec::model;
+use crate::report::{Paint, Scene};
+use crate::table::diagram_formats;
+use crate::table::ending_of;
+use crate::table::output::OutputFile;
+
+/// Points of each surface whose distance from the other one is measured.
+const SAMPLES: usize = 100_000;
+
+/// The colour of the new mesh in the picture.
+const PLAIN: [u8; 3] = [222, 226, 233];
+
+pub(super) fn remesh(options: &RemeshOptions) -> anyhow::Result<Verdict> {
+    let ending = generate::ending(&options.output)?;
+    let output = OutputFile::prepare(&options.output)?;
+    let picture = match &options.picture {
+        Some(path) => Some((is_png(path)?, OutputFile::prepare(path)?)),
+        None => None,
+    };
+    let model = model::only(&options.model)?;
+    let mesh = &model.mesh_within(options.reading)?;
+    let sites = Sites {
+        sites: options.sites as usize,
+        lloyd: options.lloyd as usize,
+        seed: options.seed,
+    };
+    let start = Instant::now();
+    let new = geobench_voronoi::remesh(mesh, &sites).with_context(|| model.path.clone())?;
+    let seconds = start.elapsed().as_secs_f64();
+    // Everything is made before anything is written.
+    let soup = new.soup();
+    let picture = match picture {
+        Some((png, output)) => Some((draw(&new, png, &model.name)?, output)),
+        None => None,
+    };
+    let is_quiet = options.quiet || options.output == Path::new("-");
+    let summary = if is_quiet {
+        String::new()
+    } else {
+        summary(options, mesh, &new, seconds)?
+    };
+    output.write_with(ending, |path| Ok(mesh_io::write(path, &soup)?))?;
+    if let Some((contents, output)) = picture {
+        output.write(&contents)?;
+    }
+    terminal::print(&summary)?;
+    Ok(Verdict::Passed)
+}
+
+/// Whether a picture is one in pixels, by the ending of its file.
+fn is_png(path: &Path) -> anyhow::Result<bool> {
+    match ending_of(path).to_ascii_lowercase().as_str() {
+        "png" => Ok(true),
+        "svg" => Ok(false),
+        _ => bail!("{}: pictures have the ending .svg or .png", path.display()),
+    }
+}
+
+/// The model coloured by cell, with the sites, and the new mesh with its edges.
+fn draw(new: &Remeshed, png: bool, model: &str) -> anyhow::Result<Vec<u8>> {
+    let before = new.diagram.mesh();
+    let flat = vec![0.0; before.vertex_count().max(new.mesh.vertex_count())];
+    let sites = new.mesh.positions();
+    let edges = new.mesh.half_edges().filter(|&h| {
+        let twin = new.mesh.twin(h);
+        twin.is_none_or(|twin| h < twin)
+    });
+    let at = |v: VertexId| sites[v.index()];
+    let edges = edges.map(|h| vec![at(new.mesh.tail(h)), at(new.mesh.head(h))]);
+    let cells = Scene {
+        mesh: before,
+        distances: &flat,
+        paint: Some(&Paint::cells(&new.diagram)),
+        sources: sites,
+        isolines: &diagram_formats::long_lines(&new.diagram).unwrap_or_default(),
+        paths: &[],
+    };
+    let triangles = Scene {
+        mesh: &new.mesh,
+        distances: &flat,
+        paint: Some(&Paint::plain(&new.mesh, PLAIN)),
+        sources: &[],
+        isolines: &edges.collect::<Vec<_>>(),
+        paths: &[],
+    };
+    cells.draw_beside(&triangles, png, model, "Cells and dual")
+}
+
+fn summary(
+    options: &RemeshOptions,
+    mesh: &Mesh,
+    new: &Remeshed,
+    seconds: f64,
+) -> anyhow::Result<String> {
+    let mut text = format!(
+        "{}: {} vertices, {} faces in {seconds:.3} s\n",
+        options.output.display(),
+        new.mesh.vertex_count(),
+        new.mesh.face_count()
+    );
+    // Writing to a string cannot fail.
+    if new.added > 0 {
+        let _ = writeln!(
+            text,
+            "{} sites more than asked for, where the dual was no triangulation",
+            new.added
+        );
+    }
+    if new.split > 0 {
+        let _ = writeln!(
+            text,
+            "{} Voronoi vertices of more than three cells split",
+            new.split
+        );
+    }
+    let _ = writeln!(text, "{:26}{:>12}{:>12}", "", "before", "after");
+    let mut row = |name: &str, [before, after]: [String; 2]| {
+        let _ = writeln!(text, "{name:26}{before:>12}{after:>12}");
+    };
+    let meshes = [mesh, &new.mesh];
+    row("vertices", meshes.map(|m| m.vertex_count().to_string()));
+    row("faces", meshes.map(|m| m.face_count().to_string()));
+    let quality = meshes.map(Quality::of);
+    row(
+        "least angle",
+        quality.map(|q| format!("{:.2}°", q.least_angle)),
+    );
+    row(
+        "mean of the least angles",
+        quality.map(|q| format!("{:.2}°", q.mean_least_angle)),
+    );
+    row(
+        "angles below 30°",
+        quality.map(|q| format!("{:.2} %", 100.0 * q.below_30)),
+    );
+    row(
+        "mean aspect (1 is best)",
+        quality.map(|q| format!("{:.3}", q.mean_aspect)),
+    );
+    row(
+        "worst aspect",
+        quality.map(|q| format!("{:.3}", q.worst_aspect)),
+    );
+    let there = Deviation::between(mesh, &new.mesh, SAMPLES)?;
+    let back = Deviation::between(&new.mesh, mesh, SAMPLES)?;
+    let diagonal = MeshMeasures::of(mesh)
+        .bounding_box
+        .map_or(0.0, |[low, high]| {
+            let sides = [0, 1, 2].map(|k| high[k] - low[k]);
+            sides[0].hypot(sides[1]).hypot(sides[2])
+        });
+    let shown = |d: f64| {
+        let percent = 100.0 * d / diagonal.max(f64::MIN_POSITIVE);
+        format!("{d:.3e} ({percent:.3} %)")
+    };
+    let _ = writeln!(
+        text,
+        "Hausdorff distance {}, in percent of the diagonal; sampled at vertices and {SAMPLES} points:",
+        shown(there.greatest.max(back.greatest))
+    );
+    for (way, found) in [("before to after", there), ("after to before", back)] {
+        let [greatest, mean] = [found.greatest, found.mean].map(shown);
+        let _ = writeln!(text, "  {way}: greatest {greatest}, mean {mean}");
+    }
+    Ok(text)
+}

@@ -1,0 +1,60 @@
+//! Colours of faces and of their parts.
+
+use std::collections::HashMap;
+
+use geobench_mesh::{FaceId, Mesh};
+use geobench_voronoi::{Diagram, NO_SOURCE};
+
+use crate::table::diagram_formats::{POINTS_PER_ARC, colour};
+
+/// A triangle of a face by barycentric coordinates, and its colour.
+type Part = ([[f64; 3]; 3], [u8; 3]);
+
+/// The colours of a mesh, in place of those of distances.
+#[derive(Clone, Debug)]
+pub(crate) struct Paint {
+    /// The colour of each face.
+    faces: Vec<[u8; 3]>,
+    /// The triangles of faces with several colours.
+    parts: HashMap<FaceId, Vec<Part>>,
+}
+
+impl Paint {
+    /// One colour for all faces of `mesh`.
+    pub(crate) fn plain(mesh: &Mesh, colour: [u8; 3]) -> Self {
+        Self {
+            faces: vec![colour; mesh.face_count()],
+            parts: HashMap::new(),
+        }
+    }
+
+    /// The cells of `diagram`.
+    pub(crate) fn cells(diagram: &Diagram) -> Self {
+        let faces = diagram.mesh().faces();
+        let faces = faces.map(|face| colour(diagram.cell_of_face(face).unwrap_or(NO_SOURCE)));
+        let mut parts: HashMap<FaceId, Vec<Part>> = HashMap::new();
+        for part in diagram.parts(POINTS_PER_ARC) {
+            let outline = part.outline.iter();
+            let outline: Vec<[f64; 3]> = outline
+                .map(|&place| diagram.barycentric(part.face, place))
+                .collect();
+            let triangles = part.triangles().into_iter();
+            let triangles =
+                triangles.map(|corners| (corners.map(|i| outline[i]), colour(part.source)));
+            parts.entry(part.face).or_default().extend(triangles);
+        }
+        Self {
+            faces: faces.collect(),
+            parts,
+        }
+    }
+
+    pub(super) fn of_face(&self, face: FaceId) -> Option<[u8; 3]> {
+        self.faces.get(face.index()).copied()
+    }
+
+    /// The parts of a face with several colours.
+    pub(super) fn parts(&self, face: FaceId) -> Option<&[Part]> {
+        self.parts.get(&face).map(Vec::as_slice)
+    }
+}

@@ -1,0 +1,185 @@
+//! Steps of Lloyd's algorithm: each site moves to the centre of its cell.
+
+use std::collections::HashMap;
+
+use geobench_mesh::{FaceId, Mesh, Place, Refined, SurfacePoint, VertexId};
+use geobench_paths::Paths;
+use geobench_vtp::VtpFast;
+use geobench_window::Goal;
+
+use super::RemeshError;
+use super::tangent::{Tangents, Vector};
+use crate::diagram::Diagram;
+
+/// The sum of the logarithms in a cell, weighted by area.
+#[derive(Clone, Copy, Debug, Default)]
+struct Moment {
+    area: f64,
+    sum: Vector,
+}
+
+impl Moment {
+    /// Adds an area at the mean of some logarithms; nothing without any.
+    fn add(&mut self, area: f64, logarithms: impl Iterator<Item = Vector>) {
+        let (mut count, mut sum) = (0.0, [0.0; 2]);
+        for [x, y] in logarithms {
+            count += 1.0;
+            sum = [sum[0] + x, sum[1] + y];
+        }
+        if count > 0.0 && area > 0.0 {
+            self.area += area;
+            self.sum = [0, 1].map(|k| self.sum[k] + area * sum[k] / count);
+        }
+    }
+}
+
+/// The centres of all cells of `diagram`, whose sources are the vertices of `refined`, which was
+/// made of `mesh` with `sites`; and how far they are from the sites on average.
+///
+/// The centre lies at the mean of the logarithms of all points of the cell: the directions and
+/// lengths of the shortest paths to them, in the plane of directions at the site. It is the centre
+/// of mass of a cell in the plane. Inside faces logarithms are interpolated; a part of a face that
+/// several cells share counts with those corners that are in its cell. Sites on the boundary stay.
+pub(super) fn centres(
+    mesh: &Mesh,
+    sites: &[SurfacePoint],
+    refined: &Refined,
+    diagram: &Diagram,
+) -> Result<(Vec<SurfacePoint>, f64), RemeshError> {
+    let logarithms = logarithms(refined)?;
+    let mut moments = vec![Moment::default(); sites.len()];
+    let labels = diagram.labels();
+    let add = |moment: &mut Moment, face: FaceId, source: u32, area: f64| {
+        let corners = refined.mesh.face_vertices(face).map(VertexId::index);
+        let own = corners.into_iter().filter(|&v| labels[v] == source);
+        moment.add(area, own.filter_map(|v| logarithms[v]));
+    };
+    for face in refined.mesh.faces() {
+        if let Some(source) = diagram.cell_of_face(face) {
+            let h = face.half_edge(0);
+            let area = 0.5 * refined.mesh.length(h) * refined.mesh.apex(h)[1];
+            add(&mut moments[source as usize], face, source, area);
+        }
+    }
+    for part in diagram.parts(0) {
+        let next = part.outline.iter().cycle().skip(1);
+        let twice = part.outline.iter().zip(next);
+        let area = 0.5 * twice.map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>();
+        let moment = &mut moments[part.source as usize];
+        add(moment, part.face, part.source, area);
+    }
+    let original = Originals::new(mesh, sites, refined);
+    let mut moved = 0.0;
+    let mut centres = Vec::with_capacity(sites.len());
+    for ((&site, &v), moment) in sites.iter().zip(&refined.vertices).zip(&moments) {
+        let stays = refined.mesh.is_boundary(v) || moment.area == 0.0;
+        let vector = moment.sum.map(|x| x / moment.area);
+        let centre = if stays {
+            None
+        } else {
+            let end = Tangents::new(&refined.mesh, v).exponential(vector);
+            end.and_then(|(face, weights)| original.point(face, weights))
+        };
+        moved += centre.map_or(0.0, |_| libm::hypot(vector[0], vector[1]));
+        centres.push(centre.unwrap_or(site));
+    }
+    Ok((centres, moved / sites.len().max(1) as f64))
+}
+
+/// The logarithm of each vertex at its nearest site; `None` where no path leads.
+fn logarithms(refined: &Refined) -> Result<Vec<Option<Vector>>, RemeshError> {
+    let mesh = &refined.mesh;
+    let mut solver = VtpFast::new(mesh);
+    let paths = Paths::find(&mut solver, mesh, &refined.vertices, &Goal::everything())?;
+    let mut tangents: HashMap<VertexId, Tangents<'_>> = HashMap::new();
+    let logarithm = |v: VertexId| {
+        // A lost path is a vertex less of many.
+        let path = paths.to(v).ok()??;
+        let site = path.points.first()?.vertex()?;
+        let tangents = tangents.entry(site);
+        let tangents = tangents.or_insert_with(|| Tangents::new(mesh, site));
+        tangents.logarithm(&path)
+    };
+    Ok(mesh.vertices().map(logarithm).collect())
+}
+
+/// Points of a refined mesh as points of the original one.
+struct Originals<'a> {
+    mesh: &'a Mesh,
+    refined: &'a Refined,
+    /// The added vertices.
+    added: HashMap<VertexId, SurfacePoint>,
+}
+
+impl<'a> Originals<'a> {
+    fn new(mesh: &'a Mesh, sites: &[SurfacePoint], refined: &'a Refined) -> Self {
+        let added = refined.vertices.iter().copied().zip(sites.iter().copied());
+        Self {
+            mesh,
+            refined,
+            added: added.collect(),
+        }
+    }
+
+    /// The point of a face of the refined mesh.
+    fn point(&self, face: FaceId, weights: [f64; 3]) -> Option<SurfacePoint> {
+        let parent = self.refined.parent(face);
+        let mut sum = [0.0; 3];
+        for (corner, weight) in self
+            .refined
+            .mesh
+            .face_vertices(face)
+            .into_iter()
+            .zip(weights)
+        {
+            let of_corner = self.corner(corner, parent)?;
+            sum = [0, 1, 2].map(|k| sum[k] + weight * of_corner[k]);
+        }
+        self.mesh.point_in_face(parent, sum).ok()
+    }
+
+    /// The barycentric coordinates of a vertex of the refined mesh in a face of the original one.
+    fn corner(&self, v: VertexId, face: FaceId) -> Option<[f64; 3]> {
+        let corners = self.mesh.face_vertices(face);
+        let mut weights = [0.0; 3];
+        let mut add = |v: VertexId, weight: f64| {
+            let k = corners.iter().position(|&corner| corner == v)?;
+            weights[k] += weight;
+            Some(())
+        };
+        if v.index() < self.mesh.vertex_count() {
+            add(v, 1.0)?;
+            return Some(weights);
+        }
+        match self.added.get(&v)?.place() {
+            Place::Vertex(v) => add(v, 1.0)?,
+            Place::Edge(h, [tail, head]) => {
+                add(self.mesh.tail(h), tail)?;
+                add(self.mesh.head(h), head)?;
+            }
+            Place::Face(_, inside) => return Some(inside),
+        }
+        Some(weights)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{diagram, refine};
+    use super::*;
+
+    #[test]
+    fn the_centre_of_a_square_is_its_middle() {
+        let mesh = Mesh::generate("grid,n=10").unwrap();
+        let mut sites = vec![VertexId::new(4 + 11 * 3).into()];
+        let refined = refine(&mesh, &mut sites).unwrap();
+        let (diagram, ()) = diagram(&refined, |_| ()).unwrap();
+        let (centres, moved) = centres(&mesh, &sites, &refined, &diagram).unwrap();
+        let positions = [centres[0], sites[0]].map(|point| mesh.position_of(&point).unwrap());
+        let way = [0, 1].map(|k| positions[0][k] - positions[1][k]);
+        assert!((moved - libm::hypot(way[0], way[1])).abs() < 1e-12);
+        let middle = mesh.positions()[60];
+        let off = [0, 1].map(|k| (positions[0][k] - middle[k]).abs());
+        assert!(off[0].max(off[1]) < 1e-12, "{:?}", positions[0]);
+    }
+}

@@ -1,0 +1,230 @@
+//! The plane of directions at a vertex: where paths start, and straight lines back onto the
+//! surface.
+
+use std::f64::consts::TAU;
+
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
+use geobench_paths::{Path, Place};
+
+/// A direction in the tangent plane, times a length.
+pub(super) type Vector = [f64; 2];
+
+/// The directions at a vertex, as angles from its first half-edge on.
+///
+/// Where the faces around it make up another angle than 2π, all angles are scaled to it. Directions
+/// on the boundary are not.
+pub(super) struct Tangents<'a> {
+    mesh: &'a Mesh,
+    vertex: VertexId,
+    /// For each half-edge that starts here its angle on the surface.
+    angles: Vec<f64>,
+    /// The angle of all faces.
+    total: f64,
+    /// How many times as large as on the surface an angle is in the plane.
+    scale: f64,
+}
+
+/// The angle at the tail of `h` in its face.
+fn corner_angle(mesh: &Mesh, h: HalfEdgeId) -> f64 {
+    let [x, y] = mesh.apex(h);
+    libm::atan2(y, x)
+}
+
+impl<'a> Tangents<'a> {
+    pub(super) fn new(mesh: &'a Mesh, vertex: VertexId) -> Self {
+        let mut total = 0.0;
+        let mut angles = Vec::new();
+        for &h in mesh.outgoing(vertex) {
+            angles.push(total);
+            total += corner_angle(mesh, h);
+        }
+        let is_whole = !mesh.is_boundary(vertex) && total > 0.0;
+        Self {
+            mesh,
+            vertex,
+            angles,
+            total,
+            scale: if is_whole { TAU / total } else { 1.0 },
+        }
+    }
+
+    /// The direction in which `path` leaves the vertex, times its length; `None` if it is no path
+    /// from here.
+    pub(super) fn logarithm(&self, path: &Path) -> Option<Vector> {
+        let Some(next) = path.points.get(1) else {
+            return Some([0.0, 0.0]);
+        };
+        let angle = self.scale * self.angle_of(next.place)?;
+        Some([libm::cos(angle), libm::sin(angle)].map(|x| path.length * x))
+    }
+
+    /// The angle on the surface at which a point of a face around the vertex is seen, which lies on
+    /// an edge or a vertex.
+    fn angle_of(&self, place: Place) -> Option<f64> {
+        let mesh = self.mesh;
+        let along = |v: VertexId| {
+            let mut edges = mesh.outgoing(self.vertex).iter().zip(&self.angles);
+            edges.find_map(|(&h, &angle)| match v {
+                v if v == mesh.head(h) => Some(angle),
+                v if v == mesh.apex_vertex(h) => Some(angle + corner_angle(mesh, h)),
+                _ => None,
+            })
+        };
+        match place {
+            Place::Vertex(v) => along(v),
+            Place::Edge { ends: [a, b], .. } if a == self.vertex => along(b),
+            Place::Edge { ends: [a, b], .. } if b == self.vertex => along(a),
+            Place::Edge { ends: [a, b], t } => {
+                let mut edges = mesh.outgoing(self.vertex).iter().zip(&self.angles);
+                edges.find_map(|(&h, angle)| {
+                    let t = match [mesh.head(h), mesh.apex_vertex(h)] {
+                        ends if ends == [a, b] => t,
+                        ends if ends == [b, a] => 1.0 - t,
+                        _ => return None,
+                    };
+                    let (l, [x, y]) = (mesh.length(h), mesh.apex(h));
+                    Some(angle + libm::atan2(t * y, l + t * (x - l)))
+                })
+            }
+            Place::Face => None,
+        }
+    }
+
+    /// The end of the straight line over the surface that starts along `vector` and has its length:
+    /// a face and barycentric coordinates. It ends early at the boundary.
+    pub(super) fn exponential(&self, vector: Vector) -> Option<(FaceId, [f64; 3])> {
+        let length = libm::hypot(vector[0], vector[1]);
+        let angle = libm::atan2(vector[1], vector[0]).rem_euclid(TAU) / self.scale;
+        let angle = angle.min(self.total);
+        let k = self.angles.partition_point(|&start| start <= angle);
+        let k = k.checked_sub(1)?;
+        let h = self.mesh.outgoing(self.vertex)[k];
+        let angle = angle - self.angles[k];
+        let ray = Ray {
+            x: 0.0,
+            direction: [libm::cos(angle), libm::sin(angle)],
+            length,
+        };
+        Some(ray.walk(self.mesh, h))
+    }
+}
+
+/// A ray that starts on a half-edge, in its frame.
+struct Ray {
+    x: f64,
+    direction: Vector,
+    length: f64,
+}
+
+impl Ray {
+    /// Goes from face to face until the length is used up.
+    fn walk(mut self, mesh: &Mesh, mut h: HalfEdgeId) -> (FaceId, [f64; 3]) {
+        // A straight line can cross a face more than once, but none that is shorter than a path
+        // around the surface crosses all of them.
+        for _ in 0..mesh.face_count() {
+            let (l, [ax, ay]) = (mesh.length(h), mesh.apex(h));
+            let [dx, dy] = self.direction;
+            let passes_right = dx * ay - dy * (ax - self.x) > 0.0;
+            let (exit, from, to) = if passes_right {
+                (h.next(), [l, 0.0], [ax, ay])
+            } else {
+                (h.prev(), [ax, ay], [0.0, 0.0])
+            };
+            let exit_length = mesh.length(exit);
+            let along = [to[0] - from[0], to[1] - from[1]].map(|x| x / exit_length);
+            // Its normal into the face.
+            let normal = [-along[1], along[0]];
+            let speed = -(dx * normal[0] + dy * normal[1]);
+            let gap = (self.x - from[0]) * normal[0] - from[1] * normal[1];
+            let way = (gap / speed).max(0.0);
+            let goes_on = speed > 0.0 && way < self.length;
+            let twin = mesh.twin(exit).filter(|_| goes_on);
+            let way = if goes_on { way } else { self.length };
+            let place = [self.x + way * dx, way * dy];
+            let Some(twin) = twin else {
+                return (h.face(), weights(mesh, h, place));
+            };
+            let at = (place[0] - from[0]) * along[0] + (place[1] - from[1]) * along[1];
+            self = Self {
+                x: (exit_length - at).clamp(0.0, exit_length),
+                direction: [-(dx * along[0] + dy * along[1]), speed],
+                length: self.length - way,
+            };
+            h = twin;
+        }
+        (h.face(), weights(mesh, h, [self.x, 0.0]))
+    }
+}
+
+/// The barycentric coordinates of a place in the frame of `h`, moved into its face.
+fn weights(mesh: &Mesh, h: HalfEdgeId, [x, y]: Vector) -> [f64; 3] {
+    let (l, [ax, ay]) = (mesh.length(h), mesh.apex(h));
+    let apex = (y / ay).clamp(0.0, 1.0);
+    let head = ((x - apex * ax) / l).clamp(0.0, 1.0 - apex);
+    let mut weights = [0.0; 3];
+    weights[h.corner() as usize] = 1.0 - apex - head;
+    weights[h.next().corner() as usize] = head;
+    weights[h.prev().corner() as usize] = apex;
+    weights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The position of a point of a face.
+    fn position(mesh: &Mesh, (face, weights): (FaceId, [f64; 3])) -> [f64; 3] {
+        let point = mesh.point_in_face(face, weights).unwrap();
+        mesh.position_of(&point).unwrap()
+    }
+
+    #[test]
+    fn lines_in_a_plane_are_straight_and_end_at_the_boundary() {
+        let mesh = Mesh::generate("grid,n=8").unwrap();
+        let middle = VertexId::new(40);
+        let origin = mesh.positions()[middle.index()];
+        let tangents = Tangents::new(&mesh, middle);
+        let first = mesh.head(mesh.outgoing(middle)[0]);
+        let first = mesh.positions()[first.index()];
+        let turn = libm::atan2(first[1] - origin[1], first[0] - origin[0]);
+        for i in 0..50 {
+            let angle = f64::from(i) * TAU / 50.0;
+            let vector = [3.9 * libm::cos(angle), 3.9 * libm::sin(angle)];
+            let end = position(&mesh, tangents.exponential(vector).unwrap());
+            let expected = [
+                origin[0] + 3.9 * libm::cos(angle + turn),
+                origin[1] + 3.9 * libm::sin(angle + turn),
+            ];
+            assert!((end[0] - expected[0]).abs() < 1e-12, "{i}: {end:?}");
+            assert!((end[1] - expected[1]).abs() < 1e-12, "{i}: {end:?}");
+        }
+        let far = position(&mesh, tangents.exponential([100.0, 0.0]).unwrap());
+        let off = [far[0] - origin[0], far[1] - origin[1]].map(f64::abs);
+        assert!((off[0].max(off[1]) - 4.0).abs() < 1e-12, "{far:?}");
+    }
+
+    #[test]
+    fn the_logarithm_of_the_end_of_a_line_is_its_vector() {
+        use geobench_paths::Paths;
+        use geobench_vtp::VtpFast;
+        use geobench_window::Goal;
+
+        let mesh = Mesh::generate("sphere,subdiv=3").unwrap();
+        let tangents = Tangents::new(&mesh, VertexId::new(0));
+        for i in 0..40 {
+            let angle = 0.05 + f64::from(i) * TAU / 40.0;
+            let vector = [0.7 * libm::cos(angle), 0.7 * libm::sin(angle)];
+            let (face, weights) = tangents.exponential(vector).unwrap();
+            let end = mesh.point_in_face(face, weights).unwrap();
+            let refined = mesh.with_points(&[end]).unwrap();
+            let mut solver = VtpFast::new(&refined.mesh);
+            let paths = Paths::find(&mut solver, &refined.mesh, 0, &Goal::everything()).unwrap();
+            let path = paths.to(refined.vertices[0]).unwrap().unwrap();
+            let tangents = Tangents::new(&refined.mesh, VertexId::new(0));
+            let found = tangents.logarithm(&path).unwrap();
+            // The vertex is a cone: a straight line near an edge may not be the shortest path.
+            let off = libm::hypot(found[0] - vector[0], found[1] - vector[1]);
+            assert!(off < 0.05, "{i}: {found:?} for {vector:?}");
+        }
+    }
+}

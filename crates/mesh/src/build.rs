@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use crate::corner::corner_angle;
 use crate::ids::{HalfEdgeId, VertexId};
-use crate::mesh::{Mesh, MeshData, VertexFlags};
+use crate::mesh::{Extremes, Mesh, MeshData, VertexFlags};
 use crate::precision::SLIVER_HEIGHT;
 
 /// Excess angle in radians that a vertex may have before it counts as a saddle. Ignoring an
@@ -36,6 +37,7 @@ pub(crate) fn build(
         outgoing: Vec::new(),
         total_angles: Vec::new(),
         flags: vec![VertexFlags::default(); vertex_count],
+        extremes: Extremes::default(),
         frames: BTreeMap::new(),
     };
     let data = Arc::new(data);
@@ -76,18 +78,26 @@ fn data_of(mesh: &mut Mesh) -> &mut MeshData {
     Arc::make_mut(&mut mesh.data)
 }
 
-/// Flags the corners of faces of next to no area.
+/// Flags the corners of faces of next to no area, and finds the extremes of all.
 fn mark_slivers(mesh: &mut Mesh) {
+    let mut extremes = Extremes::default();
     for face in mesh.faces() {
         let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
         let longest = lengths[0].max(lengths[1]).max(lengths[2]);
         let twice_area = lengths[0] * mesh.apexes(face)[0][1];
+        extremes = extremes.with(Extremes::of(longest, twice_area));
         if twice_area < SLIVER_HEIGHT * longest * longest {
             for v in mesh.face_vertices(face) {
                 data_of(mesh).flags[v.index()].beside_sliver = true;
             }
         }
     }
+    data_of(mesh).extremes = extremes;
+}
+
+/// Whether a fan of these angles makes its vertex a saddle.
+pub(crate) fn is_saddle(fan_angle: f64, open: bool) -> bool {
+    fan_angle > if open { PI } else { 2.0 * PI } + SADDLE_SLACK
 }
 
 /// Orders the half-edges around every vertex, and derives its angle and flags.
@@ -107,6 +117,10 @@ fn link_fans(mesh: &mut Mesh) {
     let mut angles = vec![0.0; vertex_count];
     let mut fans = vec![0u32; vertex_count];
     let mut seen = vec![false; tails.len()];
+    let corner_angles: Vec<[f64; 3]> = mesh
+        .faces()
+        .map(|face| mesh.apexes(face).map(corner_angle))
+        .collect();
     // Open fans first, each from its clockwise end; what is left then are closed ones.
     for open in [true, false] {
         for h in (0..tails.len() as u32).map(HalfEdgeId::new) {
@@ -120,14 +134,12 @@ fn link_fans(mesh: &mut Mesh) {
                 seen[g.index()] = true;
                 outgoing[cursor[v] as usize] = g;
                 cursor[v] += 1;
-                let [x, y] = mesh.apex(g);
-                fan_angle += libm::atan2(y, x);
+                fan_angle += corner_angles[g.face().index()][g.corner() as usize];
                 next = mesh.twin(g.prev());
             }
-            let limit = if open { PI } else { 2.0 * PI };
             let flags = &mut all_flags[v];
             flags.boundary |= open;
-            flags.saddle |= fan_angle > limit + SADDLE_SLACK;
+            flags.saddle |= is_saddle(fan_angle, open);
             angles[v] += fan_angle;
             fans[v] += 1;
         }

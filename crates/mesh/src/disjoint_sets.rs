@@ -13,6 +13,11 @@ impl DisjointSets {
         }
     }
 
+    /// Each element with its parent, which is not greater.
+    pub(crate) fn of(parents: Vec<u32>) -> Self {
+        Self { parents }
+    }
+
     /// The smallest element of the set that holds `x`.
     pub(crate) fn find(&mut self, mut x: u32) -> u32 {
         loop {

@@ -4,6 +4,7 @@
 //! rounding error of its own, and in a triangle with an angle near π it moves the apex by the
 //! square root of that error: 1e-8 of an edge instead of 1e-16.
 
+use crate::corner::corner_angle;
 use crate::vector::{cross, dot, norm, sub};
 
 /// Least height of a face over its longest edge, as a fraction of its shortest edge. It is far
@@ -12,7 +13,7 @@ const LEAST_HEIGHT: f64 = 1.0 / (1u128 << 100) as f64;
 
 /// A face whose height is at most this fraction of its longest edge has no area that can be told
 /// from rounding errors.
-const FLAT_HEIGHT: f64 = 16.0 * f64::EPSILON;
+pub(crate) const FLAT_HEIGHT: f64 = 16.0 * f64::EPSILON;
 
 /// Distance of two points.
 pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -34,6 +35,88 @@ pub(crate) fn apexes_from_positions(corners: [[f64; 3]; 3], lengths: [f64; 3]) -
         let x = -dot(edges[k], edges[(k + 2) % 3]) / lengths[k];
         [x, twice_area / lengths[k]]
     })
+}
+
+/// The shapes of `N` faces, side by side; see [`Mesh::shapes`](crate::Mesh::shapes).
+#[derive(Clone, Copy, Debug)]
+pub struct FaceShapes<const N: usize> {
+    /// Lengths of the half-edges of each.
+    pub lengths: [[f64; N]; 3],
+    /// Abscissa of the apex in the frame of each half-edge.
+    pub apexes_x: [[f64; N]; 3],
+    /// Its ordinate times the length of the half-edge.
+    pub twice_areas: [f64; N],
+    /// The angle at the tail of each half-edge, in radians.
+    pub angles: [[f64; N]; 3],
+    pub(crate) longest: [f64; N],
+}
+
+impl<const N: usize> Default for FaceShapes<N> {
+    fn default() -> Self {
+        Self {
+            lengths: [[0.0; N]; 3],
+            apexes_x: [[0.0; N]; 3],
+            twice_areas: [0.0; N],
+            angles: [[0.0; N]; 3],
+            longest: [0.0; N],
+        }
+    }
+}
+
+impl<const N: usize> FaceShapes<N> {
+    /// Gives face `i` these lengths and apexes.
+    pub(crate) fn set(&mut self, i: usize, lengths: [f64; 3], apexes: [[f64; 2]; 3]) {
+        for k in 0..3 {
+            self.lengths[k][i] = lengths[k];
+            self.apexes_x[k][i] = apexes[k][0];
+            self.angles[k][i] = corner_angle(apexes[k]);
+        }
+        self.longest[i] = lengths[longest_side(lengths)];
+        self.twice_areas[i] = apexes[0][1] * lengths[0];
+    }
+}
+
+/// The shapes of `N` triangles; `corners[k][axis][i]` is a coordinate of corner `k` of the `i`th.
+#[inline]
+pub(crate) fn measure<const N: usize>(corners: &[[[f64; N]; 3]; 3]) -> FaceShapes<N> {
+    let mut shapes = FaceShapes::default();
+    let mut projections = [[0.0; N]; 3];
+    for i in 0..N {
+        let [a, b, c] = [0, 1, 2].map(|k| [0, 1, 2].map(|axis| corners[k][axis][i]));
+        let edges = [sub(b, a), sub(c, b), sub(a, c)];
+        let lengths = edges.map(norm);
+        let [p, q, r] = lengths;
+        let (first, second) = (p >= q && p >= r, q >= r);
+        // The two shorter edges, without a branch.
+        let select = |if_first: [f64; 3], if_second: [f64; 3], if_third: [f64; 3]| {
+            [0, 1, 2].map(|axis| {
+                let other = if second {
+                    if_second[axis]
+                } else {
+                    if_third[axis]
+                };
+                if first { if_first[axis] } else { other }
+            })
+        };
+        let normal = cross(
+            select(edges[1], edges[2], edges[0]),
+            select(edges[2], edges[0], edges[1]),
+        );
+        let twice_area = at_least_a_sliver(norm(normal), lengths);
+        for k in 0..3 {
+            shapes.lengths[k][i] = lengths[k];
+            projections[k][i] = -dot(edges[k], edges[(k + 2) % 3]);
+            shapes.apexes_x[k][i] = projections[k][i] / lengths[k];
+        }
+        shapes.longest[i] = p.max(q).max(r);
+        shapes.twice_areas[i] = twice_area / p * p;
+    }
+    for (angles, projections) in shapes.angles.iter_mut().zip(projections) {
+        for ((angle, x), y) in angles.iter_mut().zip(projections).zip(shapes.twice_areas) {
+            *angle = corner_angle([x, y]);
+        }
+    }
+    shapes
 }
 
 /// As [`apexes_from_positions`], for a triangle known by its edge lengths alone.
@@ -89,6 +172,7 @@ fn longest_side(lengths: [f64; 3]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::SplitMix64;
 
     fn lengths_of([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
         [distance(a, b), distance(b, c), distance(c, a)]
@@ -171,6 +255,35 @@ mod tests {
                 apexes_from_lengths(lengths.map(|l| l * scale)),
                 apexes_from_lengths(lengths).map(|apex| apex.map(|x| x * scale))
             );
+        }
+    }
+
+    #[test]
+    fn triangles_measured_together_have_the_bits_of_each_alone() {
+        let mut random = SplitMix64::new(7);
+        for _ in 0..2000 {
+            let mut corners = [[[0.0; 4]; 3]; 3];
+            for x in corners.as_flattened_mut().as_flattened_mut() {
+                *x = (4.0 * random.unit()).floor() / 3.0 + 1e-3 * random.unit();
+            }
+            let (found, mut expected) = (measure(&corners), FaceShapes::default());
+            for i in 0..4 {
+                let own = corners.map(|corner| corner.map(|x| x[i]));
+                let lengths = lengths_of(own);
+                expected.set(i, lengths, apexes_from_positions(own, lengths));
+            }
+            assert_eq!(found.lengths, expected.lengths);
+            assert_eq!(found.longest, expected.longest);
+            assert_eq!(found.apexes_x, expected.apexes_x);
+            assert_eq!(found.twice_areas, expected.twice_areas);
+            for (a, b) in found
+                .angles
+                .as_flattened()
+                .iter()
+                .zip(expected.angles.as_flattened())
+            {
+                assert!((a - b).abs() < 1e-15);
+            }
         }
     }
 

@@ -328,16 +328,7 @@ impl<'a> Inspection<'a> {
 
     /// Finds components that share no vertex.
     pub(crate) fn check_components(&mut self) {
-        let mut parts = DisjointSets::new(self.vertex_count);
-        for &[a, b, c] in &*self.usable.triangles {
-            parts.union(a, b);
-            parts.union(a, c);
-        }
-        let mut counts = vec![0u32; self.vertex_count];
-        for &[a, ..] in &*self.usable.triangles {
-            counts[parts.find(a) as usize] += 1;
-        }
-        counts.retain(|&count| count > 0);
+        let counts = component_sizes(self.vertex_count, &self.usable.triangles);
         if counts.len() > 1 {
             self.defects
                 .push(Defect::SeveralComponents { triangles: counts });
@@ -364,4 +355,20 @@ impl<'a> Inspection<'a> {
         }
         orientation.flipped
     }
+}
+
+/// How many triangles each part has that shares no vertex with others, in the order of their first
+/// vertices.
+pub(crate) fn component_sizes(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut parts = DisjointSets::new(vertex_count);
+    for &[a, b, c] in triangles {
+        parts.union(a, b);
+        parts.union(a, c);
+    }
+    let mut counts = vec![0u32; vertex_count];
+    for &[a, ..] in triangles {
+        counts[parts.find(a) as usize] += 1;
+    }
+    counts.retain(|&count| count > 0);
+    counts
 }

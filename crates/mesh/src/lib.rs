@@ -27,6 +27,7 @@
 //! faces meet. Edges with more than two faces, and surfaces that cannot be oriented, are refused.
 
 mod build;
+mod corner;
 mod defect;
 mod disjoint_sets;
 mod edges;
@@ -46,12 +47,15 @@ mod random;
 mod refine;
 mod report;
 mod sanity;
+mod sound;
 mod soup;
 mod suggestion;
+pub mod threads;
 mod validate;
 mod vector;
 
 pub use defect::{Defect, DefectKind, LONGEST_EDGE, SHORTEST_EDGE, Severity};
+pub use frames::FaceShapes;
 pub use ids::{FaceId, HalfEdgeId, VertexId};
 pub use measure::MeshMeasures;
 pub use mesh::{Mesh, MeshError};

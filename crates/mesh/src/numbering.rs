@@ -44,46 +44,35 @@ impl Numbering {
     /// Breadth first from the first vertex of each component: close to the order in which a
     /// wavefront meets them, wherever it starts. O(faces).
     pub fn breadth_first(mesh: &Mesh) -> Self {
-        let mut numbering = Self::none(mesh);
+        let mut vertices = Order::new(mesh.vertex_count());
+        let mut faces = Order::new(mesh.face_count());
         for start in mesh.vertices() {
-            let mut place = numbering.old_vertices.len();
-            numbering.take_vertex(start);
-            while let Some(&v) = numbering.old_vertices.get(place) {
+            let mut place = vertices.count;
+            vertices.take(start.raw());
+            while place < vertices.count {
+                let v = VertexId::new(vertices.old[place]);
                 place += 1;
-                for &h in mesh.outgoing(VertexId::new(v)) {
-                    numbering.take_face(h.face());
-                    numbering.take_vertex(mesh.head(h));
-                    numbering.take_vertex(mesh.apex_vertex(h));
+                let ring = mesh.outgoing(v);
+                for &h in ring {
+                    faces.take(h.face().raw());
+                    vertices.take(mesh.head(h).raw());
+                    // In a fan it is the next head, except for the last half-edge.
+                    if mesh.is_pinched(v) {
+                        vertices.take(mesh.apex_vertex(h).raw());
+                    }
+                }
+                if let Some(&last) = ring.last() {
+                    vertices.take(mesh.apex_vertex(last).raw());
                 }
             }
         }
-        numbering
-    }
-
-    /// Nothing of `mesh` is numbered yet.
-    fn none(mesh: &Mesh) -> Self {
-        let (vertices, faces) = (mesh.vertex_count(), mesh.face_count());
+        let ([old_vertices, new_vertices], [old_faces, new_faces]) =
+            (vertices.maps(), faces.maps());
         Self {
-            old_vertices: Vec::with_capacity(vertices),
-            new_vertices: vec![NONE; vertices],
-            old_faces: Vec::with_capacity(faces),
-            new_faces: vec![NONE; faces],
-        }
-    }
-
-    fn take_vertex(&mut self, v: VertexId) {
-        let new = &mut self.new_vertices[v.index()];
-        if *new == NONE {
-            *new = self.old_vertices.len() as u32;
-            self.old_vertices.push(v.raw());
-        }
-    }
-
-    fn take_face(&mut self, f: FaceId) {
-        let new = &mut self.new_faces[f.index()];
-        if *new == NONE {
-            *new = self.old_faces.len() as u32;
-            self.old_faces.push(f.raw());
+            old_vertices,
+            new_vertices,
+            old_faces,
+            new_faces,
         }
     }
 
@@ -144,6 +133,41 @@ impl Numbering {
         }
         let places = self.new_vertices.iter();
         places.map(|&place| values[place as usize]).collect()
+    }
+}
+
+/// Elements that get numbers one after the other.
+struct Order {
+    /// By new number, and one more place.
+    old: Vec<u32>,
+    new: Vec<u32>,
+    count: usize,
+}
+
+impl Order {
+    fn new(elements: usize) -> Self {
+        Self {
+            old: vec![0; elements + 1],
+            new: vec![NONE; elements],
+            count: 0,
+        }
+    }
+
+    /// Gives `element` the next number if it has none. Without a branch: whether it has one is hard
+    /// to predict.
+    #[inline]
+    fn take(&mut self, element: u32) {
+        let new = &mut self.new[element as usize];
+        let is_next = *new == NONE;
+        *new = if is_next { self.count as u32 } else { *new };
+        self.old[self.count] = element;
+        self.count += usize::from(is_next);
+    }
+
+    /// From new numbers to old ones, and back.
+    fn maps(mut self) -> [Vec<u32>; 2] {
+        self.old.truncate(self.count);
+        [self.old, self.new]
     }
 }
 

@@ -1,4 +1,5 @@
-//! Finds everything that is wrong with a triangle soup in one pass, and builds its mesh.
+//! Finds everything that is wrong with a triangle soup in one pass, and builds its mesh. Where
+//! nothing is wrong, [`Sound`] has found that out before, and nothing is done here.
 //!
 //! No check hides another: faces whose vertices cannot be used are left out and the rest is still
 //! checked, so that one run reports every [`Defect`]. All checks take time linear in the size of
@@ -11,6 +12,7 @@ use crate::inspection::{Inspection, Metric};
 use crate::mesh::Mesh;
 use crate::orient::turn_over;
 use crate::report::{InvalidMesh, Report};
+use crate::sound::Sound;
 use crate::soup::TriangleSoup;
 
 impl Mesh {
@@ -23,19 +25,26 @@ impl Mesh {
     /// # Errors
     ///
     /// Where the model cannot be used, with every [`Defect`] found and its elements.
-    pub fn from_soup(mut soup: TriangleSoup) -> Result<(Self, Report), InvalidMesh> {
-        let file_faces = std::mem::take(&mut soup.file_faces);
-        let short_faces = std::mem::take(&mut soup.short_faces);
+    pub fn from_soup(soup: TriangleSoup) -> Result<(Self, Report), InvalidMesh> {
+        let Some(mut sound) = Sound::of(&soup.positions, &soup.triangles) else {
+            return Self::from_inspected(soup);
+        };
+        let notes = std::mem::take(&mut sound.notes);
+        let report = Report::new(notes.into_iter().chain(short_faces(&soup)).collect());
+        Ok((sound.into_mesh(soup.positions, soup.triangles), report))
+    }
+
+    /// The same, by checks that name every defect.
+    pub(crate) fn from_inspected(soup: TriangleSoup) -> Result<(Self, Report), InvalidMesh> {
         let mut checked = check(
             soup.positions.len(),
             &soup.triangles,
             Metric::Positions(&soup.positions),
-            &file_faces,
+            &soup.file_faces,
         )?;
-        if !short_faces.is_empty() {
-            let short = short_faces.iter().map(|&face| Defect::ShortFace { face });
+        if !soup.short_faces.is_empty() {
             let found = std::mem::take(&mut checked.report.defects);
-            checked.report = Report::new(found.into_iter().chain(short).collect());
+            checked.report = Report::new(found.into_iter().chain(short_faces(&soup)).collect());
         }
         Ok(checked.into_mesh(soup.positions, soup.triangles))
     }
@@ -57,6 +66,12 @@ impl Mesh {
         let checked = check(vertex_count, triangles, Metric::Lengths(lengths), &[])?;
         Ok(checked.into_mesh(Vec::new(), triangles.to_vec()))
     }
+}
+
+/// The faces that were left out.
+fn short_faces(soup: &TriangleSoup) -> impl Iterator<Item = Defect> {
+    let faces = soup.short_faces.iter();
+    faces.map(|&face| Defect::ShortFace { face })
 }
 
 /// A soup without fatal defects, ready to be built.

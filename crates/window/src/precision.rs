@@ -159,6 +159,9 @@ fn is_too_long(longest: f64, greatest: f64, mut distances: impl Iterator<Item = 
 /// all meshes. O(faces).
 pub fn doubt(mesh: &Mesh, distances: &[f64]) -> Option<Doubt> {
     let greatest = greatest(distances);
+    if mesh.longest_edge() <= LONG * greatest {
+        return None;
+    }
     let mut doubt: Option<Doubt> = None;
     for face in mesh.faces().filter(|_| greatest > 0.0) {
         let corners = mesh.face_vertices(face).map(|v| distances[v.index()]);

@@ -573,8 +573,8 @@ pub(super) struct DistanceOptions {
     #[arg(long, requires = "each")]
     pub(super) matrix: bool,
 
-    /// Threads, if the algorithm is a parallel one (pvtp) or with --each: then so many sources at a
-    /// time
+    /// Threads that read the model, set up the solver and write the distances; also of a parallel
+    /// algorithm (pvtp), or with --each so many sources at a time
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
     pub(super) threads: u32,
 

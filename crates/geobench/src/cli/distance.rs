@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, anyhow, bail};
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::{Goal, Solver, precision};
-use rayon::ThreadPoolBuilder;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::Verdict;
 use super::args::DistanceOptions;
@@ -45,7 +45,8 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
             options.output.display()
         );
     }
-    let mesh = model.mesh_within(options.reading)?;
+    let pool = pool_of(options.threads)?;
+    let mesh = within(pool.as_ref(), || model.mesh_within(options.reading))?;
     let points = Points::new(&mesh, &options.source, wanted.as_deref(), &model.path)?;
     if !options.quiet {
         for note in &points.notes {
@@ -57,6 +58,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         model: &model.name,
         mesh: &mesh,
         points: &points,
+        pool: pool.as_ref(),
     };
     let summaries = match form {
         Form::Matrix(format) => vec![request.matrix(format, &output)?],
@@ -68,6 +70,24 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         }
     }
     Ok(Verdict::Passed)
+}
+
+/// The threads that share the reading, the set-up and the writing; none if there is one.
+fn pool_of(threads: u32) -> anyhow::Result<Option<ThreadPool>> {
+    let pool = || {
+        ThreadPoolBuilder::new()
+            .num_threads(threads as usize)
+            .build()
+    };
+    Ok((threads > 1).then(pool).transpose()?)
+}
+
+/// Does `work` in a pool, if there is one.
+fn within<R: Send>(pool: Option<&ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
+    match pool {
+        Some(pool) => pool.install(work),
+        None => work(),
+    }
 }
 
 /// What is written.
@@ -146,6 +166,7 @@ struct Request<'a> {
     /// The mesh of the model.
     mesh: &'a Mesh,
     points: &'a Points,
+    pool: Option<&'a ThreadPool>,
 }
 
 impl Request<'_> {
@@ -173,7 +194,8 @@ impl Request<'_> {
                 mesh: self.mesh,
                 distances: &distances,
             };
-            task.output.write(&format.render(&field)?)?;
+            let contents = within(self.pool, || format.render(&field))?;
+            task.output.write(&contents)?;
             Ok(summary(&distances, self.points.labels(), &task.path))
         })
     }
@@ -219,7 +241,7 @@ impl Request<'_> {
     /// each.
     ///
     /// Each thread has a solver of its own, which is faster than several threads for one source. A
-    /// parallel algorithm gets the remaining threads.
+    /// parallel algorithm gets the remaining threads. A single solver is set up by all.
     fn carry_out<T: Sync, R: Send>(
         &self,
         tasks: &[T],
@@ -231,12 +253,11 @@ impl Request<'_> {
         let algorithm = algorithm.with_simd(self.options.simd);
         let build = || algorithm.build(&self.points.refined.mesh);
         if workers == 1 {
-            let mut solver = build();
+            let mut solver = within(self.pool, build);
             let solve = |task| work(&algorithm, &mut *solver, task);
             return tasks.iter().map(solve).collect();
         }
-        let pool = ThreadPoolBuilder::new().num_threads(workers).build()?;
-        pool.install(|| {
+        within(self.pool, || {
             tasks
                 .par_iter()
                 // A solver is set up for each piece, not for each source.

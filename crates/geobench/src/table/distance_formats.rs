@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use geobench_mesh::io::PlyWriter;
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::{Mesh, VertexId, threads};
 use serde::Serialize;
 
 use super::{UnknownEnding, of_ending};
@@ -158,17 +158,43 @@ impl FieldFormat {
 fn csv(field: &DistanceField<'_>) -> Vec<u8> {
     use std::fmt::Write;
     let Some(targets) = field.targets else {
-        let mut text = "vertex,distance\n".to_owned();
-        for (vertex, distance) in field.distances.iter().enumerate() {
-            let _ = writeln!(text, "{vertex},{distance}"); // Writing to a string cannot fail.
-        }
-        return text.into_bytes();
+        let lines = threads::each(threads::ranges(field.distances.len(), 1), |range| {
+            const LINE: usize = 28; // Of at most seven digits and seventeen more.
+            let mut text = String::with_capacity(LINE * (range.len() + 1));
+            if range.start == 0 {
+                text += "vertex,distance\n";
+            }
+            let mut vertices = itoa::Buffer::new();
+            let mut numbers = zmij::Buffer::new();
+            for vertex in range {
+                text += vertices.format(vertex);
+                text.push(',');
+                push_number(&mut text, &mut numbers, field.distances[vertex]);
+                text.push('\n');
+            }
+            text.into_bytes()
+        });
+        return lines
+            .into_iter()
+            .reduce(|a, b| [a, b].concat())
+            .unwrap_or_default();
     };
     let mut text = "target,distance\n".to_owned();
     for (target, distance) in targets.iter().zip(field.distances) {
         let _ = writeln!(text, "{},{distance}", csv_word(target));
     }
     text.into_bytes()
+}
+
+/// Appends `number` as it is displayed: the shortest digits that give it back, without an exponent.
+fn push_number(text: &mut String, buffer: &mut zmij::Buffer, number: f64) {
+    use std::fmt::Write;
+    let shortest = buffer.format(number);
+    if shortest.contains('e') {
+        let _ = write!(text, "{number}"); // Writing to a string cannot fail.
+    } else {
+        *text += shortest.strip_suffix(".0").unwrap_or(shortest);
+    }
 }
 
 /// Appends each of `numbers` as `to_bytes` lays it out.
@@ -398,6 +424,35 @@ mod tests {
         assert_eq!(of("a.CSV"), Ok(FieldFormat::Csv));
         assert_eq!(of("a.b/c.vtk"), Ok(FieldFormat::Vtk));
         assert!(of("a").is_err() && of("a.obj").is_err());
+    }
+
+    #[test]
+    fn numbers_are_written_as_they_are_displayed() {
+        let mut random = geobench_mesh::SplitMix64::new(3);
+        let special = [
+            0.0,
+            -0.0,
+            1.0,
+            1e15,
+            1e16,
+            1e17,
+            1e21,
+            1e300,
+            5e-324,
+            1e-4,
+            1e-5,
+            1e-7,
+            0.1,
+            f64::NAN,
+        ];
+        let random = std::iter::from_fn(|| Some(f64::from_bits(random.next())));
+        let usual: Vec<f64> = (0..2000).map(|i| f64::from(i).sqrt() * 1e-3).collect();
+        let mut buffer = zmij::Buffer::new();
+        for number in special.into_iter().chain(usual).chain(random.take(2000)) {
+            let mut text = String::new();
+            push_number(&mut text, &mut buffer, number);
+            assert_eq!(text, number.to_string());
+        }
     }
 
     #[test]

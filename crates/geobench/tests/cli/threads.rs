@@ -223,3 +223,22 @@ fn a_field_that_cannot_be_written_is_named_before_the_work() {
     assert!(message.contains("d.s2.csv: cannot be written"), "{message}");
     assert!(!sandbox.path("d.s0.csv").exists());
 }
+
+#[test]
+fn threads_of_distance_change_no_byte() {
+    let sandbox = Sandbox::new();
+    sandbox.succeed("gen terrain,n=150,seed=1 -o t.obj");
+    sandbox.succeed("gen terrain,n=150,seed=1 -o t.ply");
+    for model in ["t.obj", "t.ply"] {
+        sandbox.succeed(&format!("distance {model} --source 7 -o one.csv"));
+        for threads in [2, 5] {
+            sandbox.succeed(&format!(
+                "distance {model} --source 7 --threads {threads} -o many.csv"
+            ));
+            assert!(
+                sandbox.read("one.csv") == sandbox.read("many.csv"),
+                "{model}, {threads} threads"
+            );
+        }
+    }
+}

@@ -24,6 +24,14 @@ impl FaceList {
         }
     }
 
+    /// All faces of a file, which are triangles.
+    pub(super) fn of(triangles: Vec<[u32; 3]>) -> Self {
+        Self {
+            triangles,
+            ..Self::default()
+        }
+    }
+
     /// Appends a face.
     pub(super) fn push(&mut self, corners: &[u32]) {
         if self.arities.is_empty() {

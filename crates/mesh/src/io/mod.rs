@@ -22,6 +22,7 @@ mod gzip;
 mod obj;
 mod off;
 mod ply;
+mod quick_obj;
 mod stl;
 mod text;
 mod tobj;

@@ -7,11 +7,20 @@ use std::borrow::Cow;
 
 use super::error::Flaw;
 use super::faces::FaceList;
+use super::quick_obj;
 use super::text::{Lines, Words, coordinates, integer, number, shown, without_comment, words};
 use crate::soup::TriangleSoup;
 
 /// Reads a whole OBJ file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
+    if let Some((positions, triangles)) = quick_obj::read(bytes) {
+        return FaceList::of(triangles).into_soup(positions);
+    }
+    read_statements(bytes)
+}
+
+/// Reads every statement.
+fn read_statements(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     let (mut positions, mut faces) = (Vec::new(), FaceList::default());
     let mut corners = Vec::new();
     for (line, statement) in Statements::new(bytes) {
@@ -99,5 +108,44 @@ impl<'a> Iterator for Statements<'a> {
             }
         }
         Some((number, statement))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SplitMix64;
+
+    #[test]
+    fn the_quick_way_leads_where_the_statements_lead() {
+        let start: &[u8] =
+            b"# x\nv 0 0.5 -1\nv 1e3 2 3 \r\nvn 0 0 1\nv 4 5 6\nf 1 2 3\nf 3/1/1 2//2 1/3\n";
+        let bytes = b"v f0123456789.-+eE/\\#\n\r\t ";
+        let mut random = SplitMix64::new(9);
+        let (mut quick, mut tried) = (0, 0);
+        while tried < 100_000 {
+            tried += 1;
+            let mut text = start.to_vec();
+            for _ in 0..=random.below(3) {
+                let (place, byte) = (random.below(text.len()), bytes[random.below(bytes.len())]);
+                match random.below(3) {
+                    0 => text[place] = byte,
+                    1 => text.insert(place, byte),
+                    _ => drop(text.remove(place)),
+                }
+            }
+            if let Some((positions, triangles)) = quick_obj::read(&text) {
+                let shown = String::from_utf8_lossy(&text);
+                let found = FaceList::of(triangles).into_soup(positions);
+                let (Ok(found), Ok(expected)) = (&found, &read_statements(&text)) else {
+                    let failed = [found, read_statements(&text)].map(|soup| soup.is_err());
+                    assert_eq!(failed, [true; 2], "{shown:?}");
+                    continue;
+                };
+                assert_eq!(found, expected, "{shown:?}");
+                quick += 1;
+            }
+        }
+        assert!(quick > 20_000, "{quick}");
     }
 }

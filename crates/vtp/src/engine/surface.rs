@@ -3,10 +3,11 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId, threads};
 use geobench_window::Probe;
 use geobench_window::prefetch_line;
 use geobench_window::trimming::KeptWindows;
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 use super::face_state::FaceState;
 use super::kernels::{Gate, Triangle};
@@ -71,22 +72,43 @@ pub(crate) struct Face {
 
 const _: () = assert!(size_of::<Face>() == 128);
 
+/// How many faces are laid out together.
+const TOGETHER: usize = 8;
+
 impl Face {
-    fn new(mesh: &Mesh, numbering: &Numbering, face: u32) -> Self {
-        let f = numbering.old_face(FaceId::new(face));
-        let sides = [0, 1, 2].map(|corner| f.half_edge(corner));
-        let length = sides.map(|h| mesh.length(h));
-        let apexes = mesh.apexes(f);
-        Self {
-            length,
-            vertex: sides.map(|h| numbering.new_vertex(mesh.tail(h)).raw()),
-            twin: sides.map(|h| mesh.twin(h).map_or(NO_TWIN, |twin| number(numbering, twin))),
-            state: FaceState::default(),
-            apex_x: apexes.map(|[x, _]| x),
-            inverse_length: length.map(f64::recip),
-            twice_area: apexes[0][1] * length[0],
-            flat: sides.map(|h| is_flat(mesh, mesh.tail(h.prev()))),
+    /// The faces numbered from `first` on, of which there may be fewer, and the angles of their
+    /// corners.
+    fn several(
+        mesh: &Mesh,
+        numbering: &Numbering,
+        vertices: &[Vertex],
+        first: usize,
+    ) -> ([Self; TOGETHER], [[f32; 3]; TOGETHER]) {
+        let last = mesh.face_count() - 1;
+        let old: [FaceId; TOGETHER] =
+            std::array::from_fn(|i| numbering.old_face(FaceId::new((first + i).min(last) as u32)));
+        let shapes = mesh.shapes(old);
+        let mut inverse = shapes.lengths;
+        for length in inverse.as_flattened_mut() {
+            *length = length.recip();
         }
+        let faces = std::array::from_fn(|i| {
+            let sides = [0, 1, 2].map(|corner| old[i].half_edge(corner));
+            let vertex = sides.map(|h| numbering.new_vertex(mesh.tail(h)).raw());
+            let [a, b, c] = vertex.map(|v| vertices[v as usize].flat);
+            Self {
+                length: shapes.lengths.map(|l| l[i]),
+                vertex,
+                twin: sides.map(|h| mesh.twin(h).map_or(NO_TWIN, |twin| number(numbering, twin))),
+                state: FaceState::default(),
+                apex_x: shapes.apexes_x.map(|x| x[i]),
+                inverse_length: inverse.map(|l| l[i]),
+                twice_area: shapes.twice_areas[i],
+                flat: [c, a, b],
+            }
+        });
+        let angles = std::array::from_fn(|i| shapes.angles.map(|angle| angle[i] as f32));
+        (faces, angles)
     }
 
     /// The apex in the frame of a half-edge.
@@ -154,8 +176,18 @@ fn is_flat(mesh: &Mesh, v: VertexId) -> bool {
     !bends && (mesh.total_angle(v) - TAU).abs() <= FLATNESS
 }
 
+/// All of `parts`, one after the other.
+fn concatenated<T: Copy>(mut parts: Vec<Vec<T>>) -> Vec<T> {
+    if parts.len() == 1 {
+        parts.remove(0)
+    } else {
+        parts.concat()
+    }
+}
+
 /// What stands at a vertex.
 #[derive(Clone, Copy, Debug, Default)]
+#[allow(clippy::struct_excessive_bools)] // Four facts, one byte each.
 pub(crate) struct Vertex {
     /// Whether windows start from it when a path reaches it.
     pub(crate) pseudo_source: bool,
@@ -164,8 +196,22 @@ pub(crate) struct Vertex {
     pub(crate) all_around: bool,
     /// Whether its last half-edge has no face on its other side.
     pub(crate) boundary: bool,
+    /// Whether all rays go on straight when they pass it, on either side.
+    flat: bool,
     /// Sum of the angles around it, in radians.
     pub(crate) total_angle: f32,
+}
+
+impl Vertex {
+    fn new(mesh: &Mesh, v: VertexId) -> Self {
+        Self {
+            pseudo_source: mesh.is_pseudo_source(v),
+            all_around: mesh.is_boundary(v) || mesh.is_pinched(v) || mesh.is_beside_sliver(v),
+            boundary: mesh.is_boundary(v),
+            flat: is_flat(mesh, v),
+            total_angle: mesh.total_angle(v) as f32,
+        }
+    }
 }
 
 /// The mesh in the order of the solver.
@@ -185,31 +231,53 @@ pub(crate) struct Surface {
 
 impl Surface {
     pub(crate) fn new(mesh: &Mesh, numbering: &Numbering) -> Self {
-        let faces: Vec<Face> = (0..mesh.face_count() as u32)
-            .map(|face| Face::new(mesh, numbering, face))
+        let vertex_count = mesh.vertex_count();
+        let old_vertex = |v: usize| numbering.old_vertex(VertexId::new(v as u32));
+        let vertices = threads::each(threads::ranges(vertex_count, 4), |range| {
+            range.map(|v| Vertex::new(mesh, old_vertex(v))).collect()
+        });
+        let vertices: Vec<Vertex> = concatenated(vertices);
+        let several = |block| Face::several(mesh, numbering, &vertices, TOGETHER * block);
+        let blocks = mesh.face_count().div_ceil(TOGETHER);
+        let (mut faces, mut corners) = (Vec::new(), Vec::new());
+        if threads::count() == 1 {
+            (faces, corners) = (0..blocks).map(several).unzip();
+        } else {
+            let blocks = (0..blocks).into_par_iter().map(several);
+            blocks.unzip_into_vecs(&mut faces, &mut corners);
+        }
+        let mut faces = faces.into_flattened();
+        faces.truncate(mesh.face_count());
+        let corners = corners.into_flattened();
+
+        let mut ring_starts = Vec::with_capacity(vertex_count + 1);
+        ring_starts.push(0);
+        let mut end = 0;
+        for v in 0..vertex_count {
+            end += mesh.outgoing(old_vertex(v)).len();
+            ring_starts.push(end as u32);
+        }
+        let mut rings = vec![0; end];
+        let mut angles = vec![0.0; end];
+        let ranges = threads::ranges(vertex_count, 4);
+        let sizes = || {
+            let size = |range: &Range<usize>| ring_starts[range.end] - ring_starts[range.start];
+            ranges.iter().map(move |range| size(range) as usize)
+        };
+        let shares = (ranges.iter())
+            .zip(threads::cut(&mut rings, sizes()))
+            .zip(threads::cut(&mut angles, sizes()))
             .collect();
-        let mut ring_starts = vec![0];
-        let mut rings = Vec::with_capacity(mesh.half_edge_count());
-        let mut angles = Vec::with_capacity(mesh.half_edge_count());
-        let angle = |h: u32| {
-            let (face, corner) = parts(h);
-            let [x, y] = faces[face].apex(corner);
-            libm::atan2(y, x) as f32
-        };
-        let vertex_of = |v: u32| {
-            let v = numbering.old_vertex(VertexId::new(v));
-            let start = rings.len();
-            rings.extend(mesh.outgoing(v).iter().map(|&h| number(numbering, h)));
-            angles.extend(rings[start..].iter().map(|&h| angle(h)));
-            ring_starts.push(rings.len() as u32);
-            Vertex {
-                pseudo_source: mesh.is_pseudo_source(v),
-                all_around: mesh.is_boundary(v) || mesh.is_pinched(v) || mesh.is_beside_sliver(v),
-                boundary: mesh.is_boundary(v),
-                total_angle: mesh.total_angle(v) as f32,
+        threads::each(shares, |((range, rings), angles)| {
+            let mut places = rings.iter_mut().zip(angles);
+            for v in range.clone() {
+                for (&h, (ring, angle)) in mesh.outgoing(old_vertex(v)).iter().zip(&mut places) {
+                    *ring = number(numbering, h);
+                    let (face, corner) = parts(*ring);
+                    *angle = corners[face][corner];
+                }
             }
-        };
-        let vertices = (0..mesh.vertex_count() as u32).map(vertex_of).collect();
+        });
         let total: f64 = mesh.half_edges().map(|h| mesh.length(h)).sum();
         Self {
             faces,

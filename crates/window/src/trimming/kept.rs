@@ -40,6 +40,9 @@ impl KeptWindows {
     pub fn new(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
         let mut kept = Self::default();
         let thin = ThinFaces::of(mesh, numbers, &number);
+        if thin.is_empty() {
+            return kept;
+        }
         kept.doubt = thin.doubt();
         for h in mesh.half_edges().filter(|&h| thin.is_beside(number(h))) {
             kept.lists.resize(numbers, NO_LIST);

@@ -40,6 +40,10 @@ impl ThinFaces {
         } else {
             THIN
         };
+        // The faces are told apart by another formula than the lowest one was found by.
+        if mesh.least_relative_height() > 1.001 * limit {
+            return thin;
+        }
         let is_thin = |face: &FaceId| relative_height(mesh, face.half_edge(0)) < limit;
         for face in mesh.faces().filter(is_thin) {
             thin.beside.resize(numbers, false);

@@ -39,6 +39,21 @@ fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<Tri
     // An element without properties takes no bytes and no line, however many there are.
     for element in elements.iter().filter(|e| !e.properties.is_empty()) {
         payload.begin(element)?;
+        match element.kind {
+            Kind::Vertex => {
+                if let Some(all) = payload.positions(element) {
+                    positions = all;
+                    continue;
+                }
+            }
+            Kind::Face => {
+                if let Some(all) = payload.triangles(element) {
+                    faces = FaceList::of(all);
+                    continue;
+                }
+            }
+            Kind::Skipped => {}
+        }
         for number in 0..element.count {
             payload.next(element, number)?;
             if element.kind == Kind::Skipped && P::IN_LINES {

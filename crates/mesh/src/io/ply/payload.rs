@@ -1,6 +1,6 @@
 //! What follows the header of a PLY file.
 
-use super::header::{Element, Kind, Property, Scalar};
+use super::header::{Element, Kind, Property, Role, Scalar};
 use crate::io::error::{Flaw, Place};
 use crate::io::text::{self, Lines, Words, integer, shown, words};
 
@@ -14,6 +14,14 @@ pub(super) trait Payload {
     /// All elements of one kind follow.
     fn begin(&self, _element: &Element) -> Result<(), Flaw> {
         Ok(())
+    }
+    /// All of these vertices, if they can be taken at once; else nothing is taken.
+    fn positions(&mut self, _vertices: &Element) -> Option<Vec<[f64; 3]>> {
+        None
+    }
+    /// All of these faces, if they are triangles and can be taken at once; else nothing is taken.
+    fn triangles(&mut self, _faces: &Element) -> Option<Vec<[u32; 3]>> {
+        None
     }
     /// An element follows, the `number`th of its kind.
     fn next(&mut self, element: &Element, number: u64) -> Result<(), Flaw>;
@@ -154,6 +162,17 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
         }
     }
 
+    /// The number of 32 bits with which `bytes` start.
+    #[inline]
+    fn word(bytes: &[u8]) -> u32 {
+        let bytes = std::array::from_fn(|i| bytes[i]);
+        if BIG_ENDIAN {
+            u32::from_be_bytes(bytes)
+        } else {
+            u32::from_le_bytes(bytes)
+        }
+    }
+
     #[cold]
     fn cut_off(&self) -> Flaw {
         self.flaw("the file ends within it; the file is cut off or its header wrong")
@@ -221,6 +240,74 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
             element.name,
             self.rest.len()
         )))
+    }
+
+    fn positions(&mut self, vertices: &Element) -> Option<Vec<[f64; 3]>> {
+        let size = vertices.smallest_size() as usize;
+        let mut places = [None; 3];
+        let mut offset = 0;
+        for property in &vertices.properties {
+            if let Role::Axis(axis) = property.role {
+                places[axis] = Some((offset, property.value));
+            }
+            offset += property.value.size() as usize;
+            if property.length.is_some() {
+                return None;
+            }
+        }
+        let [Some((x, scalar)), Some((y, of_y)), Some((z, of_z))] = places else {
+            return None;
+        };
+        if scalar != of_y || scalar != of_z {
+            return None;
+        }
+        let (own, rest) = self
+            .rest
+            .split_at_checked(size.checked_mul(vertices.count.try_into().ok()?)?)?;
+        let at = |vertex: &[u8]| match scalar {
+            Scalar::F32 => {
+                [x, y, z].map(|offset| f64::from(f32::from_bits(Self::word(&vertex[offset..]))))
+            }
+            _ => [x, y, z].map(|offset| {
+                let [a, b] = [&vertex[offset..], &vertex[offset + 4..]].map(Self::word);
+                let [low, high] = if BIG_ENDIAN { [b, a] } else { [a, b] };
+                f64::from_bits(u64::from(high) << 32 | u64::from(low))
+            }),
+        };
+        if !matches!(scalar, Scalar::F32 | Scalar::F64) {
+            return None;
+        }
+        self.rest = rest;
+        Some(own.chunks_exact(size).map(at).collect())
+    }
+
+    fn triangles(&mut self, faces: &Element) -> Option<Vec<[u32; 3]>> {
+        let [
+            Property {
+                role: Role::Corners,
+                length: Some(Scalar::U8 | Scalar::I8),
+                value: scalar @ (Scalar::I32 | Scalar::U32),
+                ..
+            },
+        ] = faces.properties[..]
+        else {
+            return None;
+        };
+        let size = faces.count.checked_mul(13)?.try_into().ok()?;
+        let (own, rest) = self.rest.split_at_checked(size)?;
+        let is_signed = scalar == Scalar::I32;
+        let mut odd = false;
+        let triangle = |face: &[u8]| {
+            let corners = [1, 5, 9].map(|offset| Self::word(&face[offset..]));
+            odd |= face[0] != 3 || is_signed && corners.iter().any(|&v| v > i32::MAX as u32);
+            corners
+        };
+        let triangles = own.chunks_exact(13).map(triangle).collect();
+        if odd {
+            return None;
+        }
+        self.rest = rest;
+        Some(triangles)
     }
 
     fn next(&mut self, element: &Element, number: u64) -> Result<(), Flaw> {

@@ -452,10 +452,18 @@ impl RoundedTurn {
         }
     }
 
-    /// The distance by `reaches` at abscissa `t`.
-    fn at(reaches: &[Part; 3], t: f64) -> f64 {
+    /// Whether the distance by `reaches` is more than that of `piece` by `clear` everywhere, as told
+    /// by its middle alone.
+    fn is_beyond(reaches: &[Part; 3], piece: &Oriented, clear: f64) -> bool {
+        let [t, d] = piece.middle;
         let k = usize::from(t > reaches[0].to) + usize::from(t > reaches[1].to);
-        reaches[k].distance.at(t)
+        let Rounded {
+            image: [x, y],
+            sigma,
+        } = reaches[k].distance;
+        // Both distances change by at most the way along the side.
+        let least = d - sigma + (piece.near.to - piece.near.from) + clear;
+        least <= 0.0 || (t - x) * (t - x) + y * y >= least * least
     }
 }
 
@@ -485,10 +493,7 @@ impl Across<'_> {
         let mut exact = None;
         let mut most = 0.0_f64;
         for other in there {
-            // Both distances change by at most the way along the side.
-            let [t, d] = other.middle;
-            let half = (other.near.to - other.near.from) / 2.0;
-            if d - RoundedTurn::at(&reaches, t) + 2.0 * half <= -self.clear - self.margin {
+            if RoundedTurn::is_beyond(&reaches, other, self.clear + self.margin) {
                 continue;
             }
             let upper = self.upper(&reaches, &other.near);

@@ -94,7 +94,8 @@ pub enum ClaimError {
 /// How much the distances of a claim may be wrong in one direction.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bound {
-    /// In units of the mesh, for all vertices; infinite if a vertex has no proof at all.
+    /// In units of the mesh, for all vertices, and for all points of edges that it rests on;
+    /// infinite if a vertex has no proof at all.
     pub absolute: f64,
     /// As a fraction of the distance, for all vertices other than sources.
     pub relative: f64,
@@ -125,7 +126,7 @@ pub enum Place {
 
 /// Ways longer than the distance by this fraction of the greatest distance are left out of sums,
 /// as long as all violations together are less than that.
-const CLEAR: f64 = 1e-7;
+const CLEAR: f64 = 2e-9;
 
 /// A violation above this fraction of the distances in the place is a failure, not rounding.
 const ROUNDING: f64 = 1e-13;
@@ -355,8 +356,8 @@ impl<'a> Claim<'a> {
         lengths.fold(0.0, f64::max)
     }
 
-    /// By how much a point may be too long, and a part of what fraction of its distance: of the
-    /// points of all pieces, and of all vertices.
+    /// By how much the distance of a point of an edge may be too long, and that of a vertex as a
+    /// fraction of it.
     fn add_up(
         &self,
         field: &EdgeField<'_>,
@@ -377,19 +378,13 @@ impl<'a> Claim<'a> {
         }
         let generous = 1.0 + (in_face.len() + losses.len()) as f64 * f64::EPSILON;
         let sums = greatest_sums(&losses, &ways, in_face);
-        let (mut absolute, mut relative) = (0.0_f64, 0.0_f64);
-        let mut add = |sum: f64, distance: f64| {
-            let sum = (sum * generous).min(total);
-            absolute = absolute.max(sum);
+        let greatest = sums.iter().copied().fold(0.0, f64::max);
+        let absolute = (greatest * generous).min(total);
+        let mut relative = 0.0_f64;
+        for (sum, &distance) in sums[pieces..].iter().zip(self.distances) {
             if distance > 0.0 && distance.is_finite() {
-                relative = relative.max(sum / distance);
+                relative = relative.max((sum * generous).min(total) / distance);
             }
-        };
-        for (piece, sum) in field.pieces.iter().zip(&sums) {
-            add(*sum, piece.at(piece.from).max(piece.at(piece.to)));
-        }
-        for (v, sum) in sums[pieces..].iter().enumerate() {
-            add(*sum, self.distances[v]);
         }
         (absolute, relative.next_up())
     }

@@ -40,6 +40,76 @@ impl Refined {
             Some(added) => self.parents[added],
         }
     }
+
+    /// The barycentric coordinates in the [parent](Self::parent) of `face` of a point of `face`. The
+    /// refined mesh was made of `mesh` [with](Mesh::with_points) `points`. A coordinate that is
+    /// nothing is 0 to the bit.
+    ///
+    /// ```
+    /// use geobench_mesh::{FaceId, Mesh};
+    ///
+    /// let mesh = Mesh::generate("grid,n=2")?;
+    /// let points = [mesh.point_in_face(FaceId::new(0), [0.25, 0.25, 0.5])?];
+    /// let refined = mesh.with_points(&points)?;
+    /// let part = refined.mesh.outgoing(refined.vertices[0])[0].face();
+    /// let k = refined.mesh.face_vertices(part).iter().position(|&v| v == refined.vertices[0]).unwrap();
+    /// let mut corner = [0.0; 3];
+    /// corner[k] = 1.0;
+    /// assert_eq!(refined.in_parent(&mesh, &points, part, corner), [0.25, 0.25, 0.5]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    ///
+    /// When the refined mesh has no such face, or `mesh` or `points` are others.
+    pub fn in_parent(
+        &self,
+        mesh: &Mesh,
+        points: &[SurfacePoint],
+        face: FaceId,
+        barycentric: [f64; 3],
+    ) -> [f64; 3] {
+        let parent = self.parent(face);
+        let mut weights = [0.0; 3];
+        for (corner, weight) in self.mesh.face_vertices(face).into_iter().zip(barycentric) {
+            if weight != 0.0 {
+                let of_corner = self.corner_in(mesh, points, parent, corner);
+                (0..3).for_each(|k| weights[k] += weight * of_corner[k]);
+            }
+        }
+        weights
+    }
+
+    /// The barycentric coordinates in `parent` of a vertex of one of its parts.
+    fn corner_in(
+        &self,
+        mesh: &Mesh,
+        points: &[SurfacePoint],
+        parent: FaceId,
+        v: VertexId,
+    ) -> [f64; 3] {
+        let mut weights = [0.0; 3];
+        let corners = mesh.face_vertices(parent);
+        let mut add = |v: VertexId, weight: f64| {
+            if let Some(k) = corners.iter().position(|&corner| corner == v) {
+                weights[k] += weight;
+            }
+        };
+        if v.index() < mesh.vertex_count() {
+            add(v, 1.0);
+            return weights;
+        }
+        let added = self.vertices.iter().position(|&other| other == v);
+        match added.map(|i| points[i].place()) {
+            Some(Place::Face(_, inside)) => return inside,
+            Some(Place::Edge(h, [tail, head])) => {
+                add(mesh.tail(h), tail);
+                add(mesh.head(h), head);
+            }
+            Some(Place::Vertex(_)) | None => {}
+        }
+        weights
+    }
 }
 
 /// An added vertex on an edge.

@@ -1,6 +1,6 @@
 //! Paths on refined meshes, told of the mesh that was refined.
 
-use geobench_mesh::{FaceId, Mesh, Place as PointPlace, Refined, SurfacePoint, VertexId};
+use geobench_mesh::{Mesh, Refined, SurfacePoint};
 
 use crate::path::{Path, Place, Point};
 
@@ -61,15 +61,8 @@ impl Onto<'_> {
             return *point;
         };
         let parent = self.refined.parent(face);
-        let mut barycentric = [0.0; 3];
-        let corners = self.refined.mesh.face_vertices(face);
-        for (corner, weight) in corners.into_iter().zip(point.barycentric) {
-            if weight != 0.0 {
-                let of_corner = self.vertex(corner, parent);
-                (0..3).for_each(|k| barycentric[k] += weight * of_corner[k]);
-            }
-        }
-        // Weights that are nothing are 0 to the bit.
+        let weights = point.barycentric;
+        let barycentric = (self.refined).in_parent(self.mesh, self.points, face, weights);
         let positive = (0..3).filter(|&k| barycentric[k] > 0.0);
         let place = match positive.collect::<Vec<_>>()[..] {
             [k] => Place::Vertex(self.mesh.face_vertices(parent)[k]),
@@ -87,30 +80,5 @@ impl Onto<'_> {
             face: Some(parent),
             barycentric,
         }
-    }
-
-    /// The barycentric coordinates in `face` of a vertex of one of its parts.
-    fn vertex(&self, v: VertexId, face: FaceId) -> [f64; 3] {
-        let mut weights = [0.0; 3];
-        let corners = self.mesh.face_vertices(face);
-        let mut add = |v: VertexId, weight: f64| {
-            if let Some(k) = corners.iter().position(|&corner| corner == v) {
-                weights[k] += weight;
-            }
-        };
-        if v.index() < self.mesh.vertex_count() {
-            add(v, 1.0);
-            return weights;
-        }
-        let added = self.refined.vertices.iter().position(|&other| other == v);
-        match added.map(|i| self.points[i].place()) {
-            Some(PointPlace::Face(_, inside)) => return inside,
-            Some(PointPlace::Edge(h, [tail, head])) => {
-                add(self.mesh.tail(h), tail);
-                add(self.mesh.head(h), head);
-            }
-            Some(PointPlace::Vertex(_)) | None => {}
-        }
-        weights
     }
 }

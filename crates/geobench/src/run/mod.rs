@@ -6,6 +6,7 @@ pub mod check;
 pub mod cluster;
 mod earlier;
 pub mod journal;
+mod labels;
 mod log;
 pub mod merge;
 #[cfg(test)]

@@ -107,5 +107,6 @@ fn record(reference: Option<&str>, comparison: &Deviation) -> Check {
         edge_excess: None,
         doubt: None,
         cluster: None,
+        wrong_labels: None,
     }
 }

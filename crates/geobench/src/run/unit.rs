@@ -19,6 +19,7 @@ use crate::run::agreement;
 use crate::run::each;
 use crate::run::earlier::{self, Earlier, NOT_CHECKED};
 use crate::run::journal::{Journal, JournalLine, RunId, RunOutcome};
+use crate::run::labels::NearestSources;
 use crate::run::log::RunLog;
 use crate::run::reference_check::{Answer, ReferenceCheck};
 use crate::schema::{Cell, Check, Memory, ModelRecord, SourceLabel, Status, Time};
@@ -124,11 +125,11 @@ impl<'p> Unit<'p> {
     ) -> anyhow::Result<()> {
         self.begin(log);
         if !self.is_complete() {
-            let check = Mutex::default();
+            let checks = Checks::default();
             let mut context = RunContext {
                 session,
                 log,
-                check: &check,
+                checks: &checks,
             };
             let done = self
                 .plan
@@ -230,7 +231,7 @@ impl<'p> UnitPlan<'p> {
         open: &(dyn Fn() -> Result<Box<dyn Session + 's>, Refusal> + Sync),
         log: &RunLog<'_>,
     ) -> anyhow::Result<()> {
-        let check = Mutex::default();
+        let checks = Checks::default();
         let mut session = match first.map_or_else(open, Ok) {
             Ok(session) => session,
             Err(refusal) => return self.refuse(cells, &refusal, log),
@@ -238,7 +239,7 @@ impl<'p> UnitPlan<'p> {
         let mut context = RunContext {
             session: &mut *session,
             log,
-            check: &check,
+            checks: &checks,
         };
         let warmed = self.prepare(cells, &mut context)?;
         // Its session goes on with the cell that it has warmed up.
@@ -259,7 +260,7 @@ impl<'p> UnitPlan<'p> {
                     let mut context = RunContext {
                         session: &mut *session,
                         log,
-                        check: &check,
+                        checks: &checks,
                     };
                     self.make_runs(cell, warmed, &mut context)
                 }
@@ -456,9 +457,14 @@ impl<'p> UnitPlan<'p> {
         pass: Pass,
         round: usize,
         done: Result<Observation, Failure>,
-        context: &RunContext<'_, '_>,
+        context: &mut RunContext<'_, '_>,
     ) -> anyhow::Result<()> {
+        let mut done = done;
+        let labels = done.as_mut().ok().and_then(|done| done.labels.take());
         let mut outcome = self.judge(cell.algorithm, done, &mut context.check());
+        if let Some(labels) = labels.filter(|_| outcome.failure.is_none()) {
+            self.judge_labels(&labels, &mut outcome, context)?;
+        }
         if pass == Pass::Time {
             outcome.place = self.place(round, cell.place);
         }
@@ -486,6 +492,69 @@ impl<'p> UnitPlan<'p> {
             cell.count_samples();
         }
         Ok(())
+    }
+
+    /// Compares labels with one run of the reference from each source.
+    fn judge_labels(
+        &self,
+        labels: &[u32],
+        outcome: &mut RunOutcome,
+        context: &mut RunContext<'_, '_>,
+    ) -> Result<(), Interrupted> {
+        let checks = context.checks;
+        let mut nearest = lock(&checks.nearest);
+        if matches!(*nearest, Nearest::NotSought) {
+            let found = self.find_nearest(context)?;
+            *nearest = found.map_or(Nearest::Unknown, Nearest::Known);
+        }
+        if let Nearest::Known(nearest) = &*nearest {
+            let wrong: Vec<usize> = nearest.wrong(labels).collect();
+            outcome.check.wrong_labels = Some(wrong.len() as u64);
+            if let Some(first) = wrong.first() {
+                outcome.failure = Some(Failure {
+                    status: Status::Wrong,
+                    message: format!(
+                        "vertex {first} has label {}, which is not that of a nearest source; {} of {} labels are wrong",
+                        labels[*first],
+                        wrong.len(),
+                        labels.len()
+                    ),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The nearest sources of every vertex; `None` where nothing is checked, of a single source, and
+    /// of more than [`MOST_SOURCES`].
+    fn find_nearest(
+        &self,
+        context: &mut RunContext<'_, '_>,
+    ) -> Result<Option<NearestSources>, Interrupted> {
+        let Reference::Algorithm(reference) = &self.plan.reference else {
+            return Ok(None);
+        };
+        let vertices = self.model.vertices.unwrap_or(0) as usize;
+        let Ok(points) = self.source.points(vertices) else {
+            return Ok(None);
+        };
+        if !(2..=MOST_SOURCES).contains(&points.len()) {
+            return Ok(None);
+        }
+        let mut nearest = NearestSources::new(vertices, points.len());
+        for (i, point) in points.into_iter().enumerate() {
+            let source = SourceSpec::from(point);
+            let step = Step {
+                source: &source,
+                ..self.as_step(reference, Pass::Warmup, 1)
+            };
+            let done = context.execute(&step)?;
+            let (Ok(done), Some(answer)) = (done, &context.reference_check.answer) else {
+                return Ok(None);
+            };
+            nearest.add(i, &done.distances, &answer.distances, self.plan.tolerance);
+        }
+        Ok(Some(nearest))
     }
 
     fn judge(
@@ -544,12 +613,33 @@ impl<'p> UnitPlan<'p> {
     }
 }
 
+/// The most sources whose labels are checked, each by a run of its own.
+const MOST_SOURCES: usize = 100;
+
 /// The environment of the runs.
 struct RunContext<'s, 'l> {
     session: &'s mut dyn Session,
     log: &'s RunLog<'l>,
+    checks: &'s Checks,
+}
+
+/// What the answers of the cells are compared with; cells that run at the same time share it.
+#[derive(Default)]
+struct Checks {
     /// The reference, and the answers that differ from it.
-    check: &'s Mutex<ReferenceCheck>,
+    reference: Mutex<ReferenceCheck>,
+    nearest: Mutex<Nearest>,
+}
+
+/// The nearest sources of every vertex.
+#[derive(Default)]
+enum Nearest {
+    /// No labels have come yet.
+    #[default]
+    NotSought,
+    /// Labels are not checked.
+    Unknown,
+    Known(NearestSources),
 }
 
 /// A signal arrived.
@@ -571,7 +661,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl<'s> RunContext<'s, '_> {
     fn check(&self) -> MutexGuard<'s, ReferenceCheck> {
-        lock(self.check)
+        lock(&self.checks.reference)
     }
 
     /// Makes a run, unless a signal arrives first.
@@ -739,6 +829,7 @@ impl<'p> CellRuns<'p> {
             });
         }
         let (mut samples, mut solves, mut setup) = (Vec::new(), Vec::new(), None);
+        let mut extraction = None;
         let (mut outside, mut claimed, mut doubted) = (Vec::new(), Vec::new(), false);
         for ((pass, _), outcome) in self.outcomes {
             let observation = outcome.observation;
@@ -748,6 +839,7 @@ impl<'p> CellRuns<'p> {
             }
             // The set-up of the counted run is not that of the timed runs.
             setup = setup.or(observation.setup_seconds);
+            extraction = extraction.or(observation.extraction_seconds);
             match pass {
                 Pass::Warmup => {}
                 Pass::Time => {
@@ -784,6 +876,7 @@ impl<'p> CellRuns<'p> {
             }
         }
         cell.time = Time {
+            extraction,
             places,
             solves,
             outside,
@@ -818,10 +911,12 @@ impl<'p> CellRuns<'p> {
             .rev()
             .find_map(|outcome| outcome.check.unreachable);
         let doubt = outcomes().find_map(|outcome| outcome.check.doubt);
+        let wrong_labels = outcomes().find_map(|outcome| outcome.check.wrong_labels);
         if outcomes().any(|outcome| outcome.unchecked.is_some()) {
             return Check {
                 unreachable,
                 doubt,
+                wrong_labels,
                 cluster: worst.and_then(|check| check.cluster),
                 ..Check::default()
             };
@@ -829,6 +924,7 @@ impl<'p> CellRuns<'p> {
         Check {
             unreachable,
             doubt,
+            wrong_labels,
             ..worst.cloned().unwrap_or_default()
         }
     }

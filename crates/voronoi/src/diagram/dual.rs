@@ -45,7 +45,10 @@ pub enum Obstacle {
 impl fmt::Display for Obstacle {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoDisc { cell, euler: 0.. } => {
+            Self::NoDisc { cell, euler: 0 } => {
+                write!(f, "cell {cell} is no disc: it has a hole, or is empty")
+            }
+            Self::NoDisc { cell, euler: 1.. } => {
                 write!(
                     f,
                     "cell {cell} is no disc: it is not in one piece, or the whole surface"

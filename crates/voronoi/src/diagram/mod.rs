@@ -18,6 +18,8 @@ use arrange::{Arrangement, NodeKind, arrange};
 pub use curve::Bisector;
 pub use dual::{Dual, Obstacle};
 use line::Line;
+#[cfg(test)]
+pub(crate) use plane::between;
 use plane::{Point, cross, norm, sub};
 use sites::{FaceSites, corners};
 

@@ -18,6 +18,9 @@ use crate::{
 /// Largest error of distances at points of arcs, relative to the distance.
 const ON_ARCS: f64 = 1e-9;
 
+/// No complaints.
+const NOTHING: [String; 0] = [];
+
 fn diagram_of(mesh: &Mesh, sources: &[VertexId]) -> Diagram {
     let mut solver = WindowVtp::new(mesh);
     Diagram::new(&solver.field(sources).unwrap(), sources.len())
@@ -514,6 +517,155 @@ fn removal_leaves_all_that_border_faces_need() {
     assert_eq!(wrong[0], 0);
     // With the mistakes of the printed procedure some are wrong.
     assert!(wrong[1] > 0 && wrong[2] > 0, "{wrong:?}");
+}
+
+#[test]
+fn the_vertices_of_a_face_are_sites() {
+    let mesh = Mesh::generate("terrain,n=12,seed=3").unwrap();
+    let sources = some_vertices(&mesh, 60, 3);
+    let mut solver = WindowVtp::new(&mesh);
+    let field = solver.field(&sources).unwrap();
+    let diagram = Diagram::new(&field, sources.len());
+    let mut too_long = 0;
+    for face in mesh.faces().filter(|face| diagram.is_border(*face)) {
+        let all = FaceSites::new(&field, face);
+        let mut windows = all.clone();
+        windows.sites.truncate(all.sites.len() - 3);
+        for k in 0..3 {
+            let x = crate::diagram::between(all.corners[k], all.corners[(k + 1) % 3], 0.3);
+            let (expected, found) = (all.distance(x), windows.distance(x));
+            too_long += usize::from(found > (1.0 + 1e-9) * expected);
+        }
+    }
+    assert!(too_long > 0);
+}
+
+#[test]
+fn on_the_boundary_the_sites_inside_count() {
+    // The border of two cells meets the boundary between vertices that tell nothing of it.
+    let mesh = Mesh::generate("grid,n=5").unwrap();
+    let sources = [14, 15].map(VertexId::new);
+    let diagram = diagram_of(&mesh, &sources);
+    assert!((diagram.cells()[0].area - 12.5).abs() < 12.5);
+    let mut solver = WindowVtp::new(&mesh);
+    let field = solver.field(&sources).unwrap();
+    let mut too_long = 0;
+    for h in mesh.half_edges().filter(|&h| mesh.twin(h).is_none()) {
+        let sites = FaceSites::new(&field, h.face());
+        let k = h.corner() as usize;
+        let x = crate::diagram::between(sites.corners[k], sites.corners[(k + 1) % 3], 0.5);
+        let ends = [mesh.tail(h), mesh.head(h)].map(|v| field.distances()[v.index()]);
+        let along = ends[0].min(ends[1]) + 0.5 * mesh.length(h);
+        too_long += usize::from(along > sites.distance(x) + 1e-9);
+    }
+    assert!(too_long > 0);
+    assert_eq!(check("grid", &mesh, &sources), NOTHING);
+}
+
+#[test]
+fn a_cell_may_have_a_hole() {
+    // The cell of the tip of a spike is a disc, and the cell around it a ring.
+    let mut soup = TriangleSoup::new(Vec::new(), Vec::new());
+    let n = 9u32;
+    for i in 0..n * n {
+        let height = if i == n * n / 2 { 20.0 } else { 0.0 };
+        soup.positions
+            .push([f64::from(i % n), f64::from(i / n), height]);
+    }
+    for y in 0..n - 1 {
+        for x in 0..n - 1 {
+            let a = y * n + x;
+            let (b, c, d) = (a + 1, a + n, a + n + 1);
+            soup.triangles.extend([[a, b, d], [a, d, c]]);
+        }
+    }
+    let mesh = Mesh::from_soup(soup).unwrap().0;
+    let sources = [n * n / 2, 0].map(VertexId::new);
+    assert_eq!(check("spike", &mesh, &sources), NOTHING);
+    let diagram = diagram_of(&mesh, &sources);
+    let [tip, around] = diagram.cells() else {
+        panic!("{:?}", diagram.cells())
+    };
+    assert!(tip.is_disc() && !around.is_disc() && around.is_connected);
+    assert_eq!(around.euler, 0);
+    let dual = diagram.dual();
+    let says = dual.obstacles[0].to_string();
+    assert_eq!(says, "cell 1 is no disc: it has a hole, or is empty");
+}
+
+#[test]
+fn four_cells_may_meet_in_a_point() {
+    let mesh = Mesh::generate("grid,n=4").unwrap();
+    let sources = [0, 4, 20, 24].map(VertexId::new);
+    assert_eq!(check("grid", &mesh, &sources), NOTHING);
+    let diagram = diagram_of(&mesh, &sources);
+    for cell in diagram.cells() {
+        assert!(
+            (cell.area - 4.0).abs() < 1e-12 && cell.is_disc(),
+            "{cell:?}"
+        );
+    }
+    let dual = diagram.dual();
+    // One vertex of four cells, or two of three at the same place.
+    assert_eq!(dual.triangles.len(), 2, "{dual:?}");
+}
+
+#[test]
+fn cells_touch_at_a_pinched_vertex_and_not_across_a_gap() {
+    // Two triangles that share a vertex, and a third apart from both.
+    let soup = TriangleSoup::new(
+        vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [-1.0, 0.0, 0.0],
+            [0.0, -1.0, 0.0],
+            [5.0, 0.0, 0.0],
+            [6.0, 0.0, 0.0],
+            [5.0, 1.0, 0.0],
+            [9.0, 0.0, 0.0],
+            [9.5, 0.0, 0.0],
+            [9.0, 1.0, 0.0],
+        ],
+        vec![[0, 1, 2], [0, 3, 4], [5, 6, 7], [8, 9, 10]],
+    );
+    let mesh = Mesh::from_soup(soup).unwrap().0;
+    let sources = [1, 3, 5].map(VertexId::new);
+    assert_eq!(check("triangles", &mesh, &sources), NOTHING);
+    let diagram = diagram_of(&mesh, &sources);
+    assert_eq!(diagram.labels()[8], NO_SOURCE);
+    for cell in diagram.cells() {
+        assert!(
+            (cell.area - 0.5).abs() < 1e-12 && cell.is_connected,
+            "{cell:?}"
+        );
+    }
+    let apart = &diagram.cells()[2];
+    assert!(apart.is_disc() && apart.neighbours.is_empty(), "{apart:?}");
+}
+
+#[test]
+fn sources_may_lie_in_faces_and_on_edges() {
+    for (spec, seed) in [("sphere,subdiv=2", 1), ("terrain,n=8,seed=1", 2)] {
+        let mesh = Mesh::generate(spec).unwrap();
+        let face = FaceId::new(seed);
+        let [a, b, _] = mesh.face_vertices(face);
+        let points = [
+            // Two in one face, two on one edge, two at one place, a vertex.
+            mesh.point_in_face(face, [0.2, 0.3, 0.5]).unwrap(),
+            mesh.point_in_face(face, [0.6, 0.3, 0.1]).unwrap(),
+            mesh.point_on_edge([a, b], 0.25).unwrap(),
+            mesh.point_on_edge([a, b], 0.75).unwrap(),
+            mesh.point_on_edge([b, a], 0.25).unwrap(),
+            mesh.point_at_vertex(VertexId::new(30)).unwrap(),
+        ];
+        let refined = mesh.with_points(&points).unwrap();
+        let sources = &refined.vertices;
+        assert_eq!(check(spec, &refined.mesh, sources), NOTHING);
+        let diagram = diagram_of(&refined.mesh, sources);
+        assert_eq!(diagram.cells()[4].area, 0.0);
+        assert!(diagram.cells()[3].area > 0.0);
+    }
 }
 
 #[test]

@@ -104,6 +104,8 @@
 //! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`], [`paths`], [`isolines`],
 //!   [`voronoi`], [`certify`]: the crates behind this one, with the parts from which solvers are
 //!   made.
+//! * [`approx`]: approximate solvers to compare with, such as fast marching; the heat method with
+//!   the feature `heat`.
 //!
 //! # What to expect
 //!
@@ -120,6 +122,7 @@
 
 mod certificate;
 
+pub use geobench_approx as approx;
 pub use geobench_certify as certify;
 pub use geobench_fwp as fwp;
 pub use geobench_ich as ich;

@@ -26,6 +26,22 @@ def test_distances_are_those_of_pygeodesic(spec):
     check_with_pygeodesic(gb.generate(spec))
 
 
+@pytest.mark.parametrize("spec", ["torus,faces=3000,bump=0.1,seed=7", "sphere,subdiv=4", "terrain,n=24,seed=1"])
+@pytest.mark.parametrize("t", [0.5, 1.0, 4.0])
+def test_heat_is_that_of_potpourri3d(spec, t):
+    """It has no condition of a cold boundary, and adds 1e-6 to the Laplace matrix."""
+    mesh = gb.generate(spec)
+    solver = gb.Solver(mesh, f"heat{{t={t},boundary=neumann,shift=1e-6}}")
+    other = pp3d.MeshHeatMethodDistanceSolver(
+        mesh.vertices, mesh.faces.astype(np.int64), t_coef=t, use_robust=False
+    )
+    assert not solver.exact
+    for source in [0, 17]:
+        expected = np.maximum(other.compute_distance(source), 0)
+        found = solver.distance(source)
+        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9 * expected.max())
+
+
 @pytest.mark.parametrize("name", ["suzanne.obj", "spot.obj"])
 def test_distances_of_shared_models_are_those_of_pygeodesic(name):
     check_with_pygeodesic(gb.read(model(name)))

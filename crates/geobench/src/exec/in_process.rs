@@ -234,12 +234,25 @@ impl InProcess {
         let (solution, mut counters) =
             step.algorithm.build(&source.mesh).count(&source.vertices)?;
         let wavefront = std::mem::take(&mut counters.wavefront);
+        let is_approximate = step.algorithm.is_approximate();
         Ok(Observation {
+            edge_excess: is_approximate.then(|| edge_excess(&source.mesh, &solution.distances)),
             counters: Some(counters),
             wavefront: wavefront.into_iter().map(Into::into).collect(),
             ..source.observation(solution.distances, &self.mesh)
         })
     }
+}
+
+/// Most by which the distances of the ends of an edge differ beyond its length, beyond rounding: no
+/// shortest path does that.
+fn edge_excess(mesh: &Mesh, distances: &[f64]) -> f64 {
+    let excesses = mesh.half_edges().filter_map(|h| {
+        let [from, to] = [mesh.tail(h), mesh.head(h)].map(|v| distances[v.index()]);
+        let excess = (from - to).abs() - mesh.length(h);
+        (excess > f64::EPSILON * from.max(to)).then_some(excess)
+    });
+    excesses.fold(0.0, f64::max)
 }
 
 fn panic_message(panic: &(dyn Any + Send)) -> &str {

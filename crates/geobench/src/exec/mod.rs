@@ -81,6 +81,10 @@ pub struct Observation {
     /// The wavefront at even intervals of the run that counted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub wavefront: Vec<WavefrontRecord>,
+    /// Most by which the distances of the ends of an edge differ beyond its length; of the counted
+    /// run of an approximate algorithm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub edge_excess: Option<f64>,
     /// Peak memory.
     pub peaks: Peaks,
     /// Seconds in each phase.

@@ -71,6 +71,9 @@ pub(crate) struct Reply {
     pub(crate) phases: Option<Phases>,
     /// The wavefront at even intervals of the run.
     pub(crate) wavefront: Vec<WavefrontRecord>,
+    /// Most by which the distances of the ends of an edge differ beyond its length; from this
+    /// program only.
+    pub(crate) edge_excess: Option<f64>,
     /// Where the source is, if that is not as it was asked for; from this program only.
     pub(crate) note: Option<String>,
     /// The answer of a child of this program, unless it equals the last one sent.
@@ -101,6 +104,7 @@ impl Reply {
                 rss: self.rss_peak_bytes,
             },
             phases: self.phases,
+            edge_excess: self.edge_excess,
             note: self.note,
         }
     }
@@ -117,6 +121,7 @@ impl From<Observation> for Reply {
             heap_peak_bytes: observation.peaks.heap,
             phases: observation.phases,
             wavefront: observation.wavefront,
+            edge_excess: observation.edge_excess,
             note: observation.note,
             distances: Some(observation.distances),
             ..Self::default()
@@ -223,6 +228,7 @@ mod tests {
                     propagation: Some(0.1),
                     ..Phases::default()
                 }),
+                edge_excess: Some(0.1 + 0.2),
                 note: Some("at:1,2,3 is 1 from the surface".to_owned()),
             };
             let text = serde_json::to_vec(&Reply::from(observation.clone())).unwrap();

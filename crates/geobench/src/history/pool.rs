@@ -108,6 +108,8 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     cell.memory.rss_peak_bytes = most(|c| c.memory.rss_peak_bytes);
     cell.check.max_abs = largest(|c| c.check.max_abs);
     cell.check.max_rel = largest(|c| c.check.max_rel);
+    cell.check.mean_rel = largest(|c| c.check.mean_rel);
+    cell.check.rms_rel = largest(|c| c.check.rms_rel);
     if let Some(counted) = rounds.iter().find(|c| c.instructions.is_some()) {
         cell.instructions = counted.instructions;
         cell.instructions_simd

@@ -12,6 +12,7 @@ use geobench_window::continuous::{Continuous, Policy};
 use geobench_window::queue::Discipline;
 use geobench_window::{Counter, Solver};
 
+mod approx;
 mod ch;
 #[cfg(feature = "failing-algorithms")]
 mod failing;
@@ -41,6 +42,7 @@ pub fn algorithms() -> &'static [Algorithm] {
             voronoi::FAMILY,
             mmp::FAST,
             vtp::FAST,
+            approx::FAMILY,
             graphs::FAMILY,
         ]
         .concat()
@@ -79,6 +81,7 @@ pub struct Algorithm {
     /// Where it is described: authors, year, section.
     pub paper: &'static str,
     /// Whether its distances are exact up to rounding (as long as its parameters are the defaults).
+    /// Approximate ones are compared with the reference, but not held to the tolerance.
     pub exact: bool,
     /// What it does, in one line.
     pub summary: &'static str,
@@ -120,6 +123,14 @@ impl Algorithm {
         comfortable_faces: None,
         parameters: &[parameter::THRESHOLD],
         build: |_, _| panic!("this algorithm has no solver"),
+    };
+
+    /// Defaults of an approximate algorithm, which has no windows; for the tables of this module.
+    const APPROXIMATE: Self = Self {
+        family: "approximate",
+        exact: false,
+        parameters: &[],
+        ..Self::EXACT
     };
 
     /// Sets the algorithm up for `mesh`, every parameter at its default.

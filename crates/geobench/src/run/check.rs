@@ -13,6 +13,11 @@ pub struct Deviation {
     /// Largest relative difference: of a pair a, b it is |a - b| / max(|a|, |b|), and 0 if they
     /// are equal.
     pub max_rel: f64,
+    /// Mean of the errors relative to the reference, over vertices that it reaches and that are no
+    /// sources of it; infinite where the answer does not reach them.
+    pub mean_rel: f64,
+    /// Root of the mean square of the same errors.
+    pub rms_rel: f64,
     /// Vertices that the answer leaves unreachable.
     pub unreachable: usize,
     /// Vertices that were compared.
@@ -83,6 +88,8 @@ pub fn compare_some(
     let mut result = Deviation {
         max_abs: 0.0,
         max_rel: 0.0,
+        mean_rel: 0.0,
+        rms_rel: 0.0,
         // NaN counts as a wrong answer below, not as unreachable.
         unreachable: found.iter().filter(|d| **d == f64::INFINITY).count(),
         compared: 0,
@@ -90,12 +97,19 @@ pub fn compare_some(
         worst: None,
     };
     let mut worst_rel = 0.0;
+    let (mut sum, mut squares, mut errors) = (0.0, 0.0, 0_usize);
     for (vertex, expected) in expected {
         let found = found[vertex];
         let (abs, rel) = difference(found, expected);
         result.compared += 1;
         result.max_abs = result.max_abs.max(abs);
         result.max_rel = result.max_rel.max(rel);
+        if expected > 0.0 && expected.is_finite() {
+            let error = abs / expected;
+            sum += error;
+            squares += error * error;
+            errors += 1;
+        }
         if rel > tolerance {
             result.disagreeing += 1;
             if rel > worst_rel {
@@ -107,6 +121,10 @@ pub fn compare_some(
                 });
             }
         }
+    }
+    if errors > 0 {
+        result.mean_rel = sum / errors as f64;
+        result.rms_rel = (squares / errors as f64).sqrt();
     }
     result
 }
@@ -143,6 +161,15 @@ mod tests {
         assert!(compare(&[1e6 + 1.0], &[1e6], 1e-6).unwrap().agrees());
         assert!(!compare(&[1e-6 + 1e-9], &[1e-6], 1e-6).unwrap().agrees());
         assert!(compare(&[1.0], &[2.0], 0.5).unwrap().agrees());
+    }
+
+    #[test]
+    fn errors_are_relative_to_the_reference_and_leave_sources_and_unreachable_vertices_out() {
+        let result = compare(&[0.0, 1.3, 1.9, INF], &[0.0, 1.0, 2.0, INF], 1e-9).unwrap();
+        assert!((result.mean_rel - 0.175).abs() < 1e-15);
+        assert!((result.rms_rel - (0.0925_f64 / 2.0).sqrt()).abs() < 1e-15);
+        assert_eq!(compare(&[0.0], &[0.0], 0.0).unwrap().rms_rel, 0.0);
+        assert_eq!(compare(&[INF], &[1.0], 1.0).unwrap().mean_rel, INF);
     }
 
     #[test]

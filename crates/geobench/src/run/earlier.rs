@@ -112,6 +112,7 @@ pub(super) fn outcome(cell: &Cell, pass: Pass, round: usize) -> Option<RunOutcom
         Pass::Count => Some(of(Observation {
             counters: Some(cell.counters.clone()),
             wavefront: cell.wavefront.clone(),
+            edge_excess: cell.check.edge_excess,
             ..Observation::default()
         })),
     }

@@ -102,6 +102,9 @@ fn record(reference: Option<&str>, comparison: &Deviation) -> Check {
         worst_vertex: reference
             .and(comparison.worst)
             .map(|worst| worst.vertex as u64),
+        mean_rel: finite(comparison.mean_rel),
+        rms_rel: finite(comparison.rms_rel),
+        edge_excess: None,
         doubt: None,
         cluster: None,
     }

@@ -545,6 +545,7 @@ impl<'p> CellRuns<'p> {
             source: Some(run.source),
             check: self.check(),
             threads: self.algorithm.threads(),
+            approximate: self.algorithm.is_approximate(),
             simd: self.algorithm.simd(),
             ..Cell::new(&run.model, &run.algorithm)
         };
@@ -584,6 +585,7 @@ impl<'p> CellRuns<'p> {
                     outside.extend(observation.outside_seconds);
                 }
                 Pass::Count => {
+                    cell.check.edge_excess = observation.edge_excess;
                     cell.counters = observation.counters.unwrap_or_default();
                     if with_wavefront {
                         cell.wavefront = observation.wavefront;

@@ -290,6 +290,10 @@ pub struct Cell {
     /// null for an outside program, and in files of older programs.
     #[serde(default)]
     pub simd: Option<String>,
+    /// Whether the algorithm is approximate: compared with the reference, but not held to the
+    /// tolerance.
+    #[serde(default)]
+    pub approximate: bool,
     /// Outcome.
     pub status: Status,
     /// Reason of a failure, or a note; one line.
@@ -560,6 +564,17 @@ pub struct Check {
     /// reference.
     #[serde(default)]
     pub worst_vertex: Option<u64>,
+    /// Mean error, relative to the reference, over all compared vertices that it reaches, without
+    /// the sources; null if not finite.
+    #[serde(default)]
+    pub mean_rel: Option<f64>,
+    /// Root of the mean square of the same errors; null if not finite.
+    #[serde(default)]
+    pub rms_rel: Option<f64>,
+    /// Most by which the distances of the ends of an edge differ beyond its length, in the units of
+    /// the model, which breaks the triangle inequality; null unless the algorithm is approximate.
+    #[serde(default)]
+    pub edge_excess: Option<f64>,
     /// Bound on the error of a distance next to edges too long for `f64` to place a path on them,
     /// in the units of the model; null without such edges, as on nearly all models.
     #[serde(default)]

@@ -219,6 +219,25 @@ fn all() -> &'static [Figure] {
                 c.check.max_rel
             })
             .informative(),
+            Figure::computed("mean_rel", "Mean relative error", Scientific, |c| {
+                c.check.mean_rel
+            })
+            .informative(),
+            Figure::computed(
+                "rms_rel",
+                "Root mean square relative error",
+                Scientific,
+                |c| c.check.rms_rel,
+            )
+            .informative(),
+            Figure::computed("max_abs", "Largest difference", Scientific, |c| {
+                c.check.max_abs
+            })
+            .informative(),
+            Figure::computed("edge_excess", "Excess along an edge", Scientific, |c| {
+                c.check.edge_excess
+            })
+            .informative(),
         ];
         all.extend(of_wavefront());
         all.extend(Counter::ALL.iter().map(|&counter| Figure {

@@ -63,6 +63,12 @@ impl<'r> Group<'r> {
         }
     }
 
+    /// Whether an algorithm is approximate.
+    pub(crate) fn is_approximate(&self, algorithm: &str) -> bool {
+        let mut cells = self.cells.iter();
+        cells.any(|cell| cell.algorithm == algorithm && cell.approximate)
+    }
+
     /// The cells of an algorithm on a model, one for each source.
     pub(crate) fn of(&self, model: &str, algorithm: &str) -> Vec<&'r Cell> {
         let cells = self.cells.iter().copied();

@@ -35,7 +35,13 @@ pub(crate) fn table(group: &Group<'_>) -> Table {
 
 /// A column for the labels of rows, and one for each algorithm.
 pub(super) fn columns(group: &Group<'_>) -> Vec<Column> {
-    let algorithms = group.algorithms.iter().map(|name| Column::number(name));
+    let algorithms = group.algorithms.iter().map(|name| {
+        if group.is_approximate(name) {
+            Column::number(&format!("{name} (approx.)"))
+        } else {
+            Column::number(name)
+        }
+    });
     std::iter::once(Column::text(""))
         .chain(algorithms)
         .collect()
@@ -53,13 +59,11 @@ pub(super) fn part(group: &Group<'_>, model: &ModelRecord) -> Part {
     let own = group.cells.iter().copied();
     let cells: Vec<&Cell> = own.filter(|cell| cell.model == model.name).collect();
     let mut figures = figures(&group.record.rows);
+    if cells.iter().any(|cell| cell.approximate) {
+        add_after_time(&mut figures, &["setup", "mean_rel", "max_rel"]);
+    }
     if cells.iter().any(|cell| !cell.time.outside.is_empty()) {
-        let known = |name: &&&Figure| figures.iter().all(|figure| figure.key != name.key);
-        let both = super::figures::figures(&["outside_time", "claimed_time"]);
-        let both: Vec<_> = both.iter().filter(known).copied().collect();
-        let after_time = figures.iter().position(|figure| figure.key == "time");
-        let place = after_time.map_or(figures.len(), |time| time + 1);
-        figures.splice(place..place, both);
+        add_after_time(&mut figures, &["outside_time", "claimed_time"]);
     }
     let mut rows: Vec<_> = figures
         .into_iter()
@@ -91,13 +95,29 @@ pub(super) fn part(group: &Group<'_>, model: &ModelRecord) -> Part {
     }
 }
 
+/// Puts the figures of these names that are not there behind the time.
+fn add_after_time(figures: &mut Vec<&'static Figure>, names: &[&str]) {
+    let known = |name: &&&Figure| figures.iter().all(|figure| figure.key != name.key);
+    let more = super::figures::figures(names);
+    let more: Vec<_> = more.iter().filter(known).copied().collect();
+    let after_time = figures.iter().position(|figure| figure.key == "time");
+    let place = after_time.map_or(figures.len(), |time| time + 1);
+    figures.splice(place..place, more);
+}
+
 /// The row of a figure; a column holds one cell for each source.
 fn figure_row(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) -> Vec<Entry> {
     let found = columns.iter().map(|cells| overall(figure, cells, vertices));
     let values: Vec<Option<f64>> = found.collect();
     let present = || values.iter().copied().flatten();
-    let best = present().fold(f64::INFINITY, f64::min);
-    let all_equal = present().all(|v| v == best);
+    // Approximate algorithms are not the best at anything.
+    let is_exact = |cells: &[&Cell]| !cells.iter().any(|cell| cell.approximate);
+    let exact = || {
+        let both = columns.iter().zip(&values);
+        both.filter_map(|(cells, value)| value.filter(|_| is_exact(cells)))
+    };
+    let best = exact().fold(f64::INFINITY, f64::min);
+    let all_equal = exact().all(|v| v == best);
     let digits = match figure.style {
         Style::Decimals(most) => decimals(present(), most),
         Style::Count | Style::Scientific => 0,
@@ -106,7 +126,7 @@ fn figure_row(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) ->
         let Some(value) = value else {
             return absent(cells);
         };
-        let is_best = figure.less_is_better && *value == best && !all_equal;
+        let is_best = figure.less_is_better && *value == best && !all_equal && is_exact(cells);
         let mut text = match figure.style {
             Style::Count => self::group(&format!("{value:.0}")),
             Style::Decimals(_) => format!("{value:.digits$}"),

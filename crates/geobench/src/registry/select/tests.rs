@@ -96,6 +96,8 @@ fn names_families_and_groups_in_any_case() {
     assert!(names("vtp-family").contains(&"vtp".to_owned()));
     assert!(!names("vtp-family").contains(&"mmp".to_owned()));
     assert_eq!(names("all").len(), algorithms().len());
+    assert!(names("approximate").contains(&"dijkstra".to_owned()));
+    assert!(!names("exact").contains(&"dijkstra".to_owned()));
     assert!(names("approximate").contains(&"svg".to_owned()));
     assert!(!names("exact").contains(&"svg".to_owned()));
     assert!(!names("exact").contains(&"test-wrong".to_owned()));

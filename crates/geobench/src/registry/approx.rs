@@ -1,0 +1,114 @@
+//! Approximate algorithms, to set beside exact ones.
+
+use geobench_approx::{Boundary, Dijkstra, Fmm, FmmUntidy, Heat, HeatOptions};
+
+use super::{Algorithm, Parameter, Values};
+
+const UNFOLD: Parameter = Parameter::word(
+    "unfold",
+    &["on", "off"],
+    "splits obtuse corners by unfolding the faces opposite to them",
+);
+
+const BUCKET: Parameter = Parameter::real(
+    "bucket",
+    0.1,
+    0.001..=1e6,
+    "width of a bucket of the untidy queue, in mean edge lengths",
+);
+
+const TIME: Parameter = Parameter::real(
+    "t",
+    1.0,
+    1e-3..=1e6,
+    "for how long heat flows, in squares of the mean edge length",
+);
+
+const BOUNDARY: Parameter = Parameter::word(
+    "boundary",
+    &["average", "neumann", "dirichlet"],
+    "whether heat crosses no boundary, or leaves it cold; the mean of both by default",
+);
+
+const DELAUNAY: Parameter = Parameter::word(
+    "delaunay",
+    &["off", "on"],
+    "flips edges inside the surface first, until they are Delaunay",
+);
+
+const SHIFT: Parameter = Parameter::real(
+    "shift",
+    0.0,
+    0.0..=1.0,
+    "is added to the diagonal of the Laplace matrix; 1e-6 in geometry-central",
+);
+
+pub(super) const FAMILY: &[Algorithm] = &[
+    Algorithm {
+        name: "dijkstra",
+        paper: "Dijkstra 1959",
+        summary: "shortest paths along edges",
+        departs: "in nothing",
+        complexity: "time O(n log n), space O(n)",
+        keeps: "one distance for each vertex",
+        choose: "as the floor of all approximations: never too short, and no better on finer meshes",
+        build: |mesh, _| Box::new(Dijkstra::new(mesh)),
+        ..Algorithm::APPROXIMATE
+    },
+    Algorithm {
+        name: "fmm",
+        paper: "Kimmel, Sethian 1998",
+        summary: "fast marching: a front that is straight within each triangle",
+        departs: "at most 100 faces are unfolded for an obtuse corner",
+        complexity: "time O(n log n), space O(n)",
+        keeps: "one distance for each vertex and the shapes of all faces",
+        choose: "for one source and an error of about a percent, in a little more time than dijkstra",
+        parameters: &[UNFOLD],
+        build: |mesh, values| Box::new(Fmm::new(mesh, is_on(values, &UNFOLD))),
+        ..Algorithm::APPROXIMATE
+    },
+    Algorithm {
+        name: "fmm-untidy",
+        paper: "Yatziv, Bartesaghi, Sapiro 2006",
+        summary: "fmm with a queue of buckets, in linear time",
+        departs: "as fmm; the paper is on grids",
+        complexity: "time O(n), space O(n)",
+        keeps: "as fmm",
+        choose: "to see what the order of fmm's queue costs and brings",
+        parameters: &[BUCKET, UNFOLD],
+        build: |mesh, values| {
+            let unfold = is_on(values, &UNFOLD);
+            Box::new(FmmUntidy::new(mesh, unfold, values.real(&BUCKET)))
+        },
+        ..Algorithm::APPROXIMATE
+    },
+    Algorithm {
+        name: "heat",
+        paper: "Crane, Weischedel, Wardetzky 2013",
+        summary: "heat flows for a short time, and its directions are integrated",
+        departs: "edges are made a little longer where faces have no area",
+        complexity: "set-up O(n^1.5), then O(n log n) for each source; space O(n log n)",
+        keeps: "the factors of two sparse matrices, or of three if there is a boundary",
+        choose: "for many sources on one mesh, and for smooth distances",
+        parameters: &[TIME, BOUNDARY, DELAUNAY, SHIFT],
+        build: |mesh, values| Box::new(Heat::new(mesh, heat_options(values))),
+        ..Algorithm::APPROXIMATE
+    },
+];
+
+fn is_on(values: &Values, parameter: &Parameter) -> bool {
+    values.word(parameter) == Some("on")
+}
+
+fn heat_options(values: &Values) -> HeatOptions {
+    HeatOptions {
+        time: values.real(&TIME),
+        boundary: match values.word(&BOUNDARY) {
+            Some("neumann") => Boundary::Insulated,
+            Some("dirichlet") => Boundary::Cold,
+            _ => Boundary::Average,
+        },
+        delaunay: is_on(values, &DELAUNAY),
+        shift: values.real(&SHIFT),
+    }
+}

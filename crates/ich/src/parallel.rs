@@ -62,8 +62,7 @@ pub struct Pch {
 }
 
 impl Pch {
-    /// Width of a bucket, in mean edge lengths: enough windows for several threads on large models,
-    /// and hardly more of them than in order.
+    /// Width of a bucket, in mean edge lengths.
     pub const BUCKET: f64 = 0.1;
 
     /// Sets up for `mesh` and a number of threads, from 1 to 1024; O(faces).

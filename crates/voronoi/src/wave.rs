@@ -239,12 +239,11 @@ impl Wave {
         is_kept
     }
 
-    /// Whether a path along the edge beats all of `window` beyond the doubt that thin faces leave
-    /// about it: of windows that are equal to the rounding of a long edge the first one stays.
+    /// Whether a path along the edge beats all of `window`.
     #[inline]
     fn is_beaten(&self, h: HalfEdgeId, window: &Window, l: f64) -> bool {
         let [tail, head, _] = self.faces.corners(h);
-        let [d0, d1] = [tail, head].map(|v| self.distances[v.index()] + self.thin.doubt());
+        let [d0, d1] = [tail, head].map(|v| self.distances[v.index()]);
         is_beaten_from_ends(window, l, d0, d1)
     }
 

@@ -72,6 +72,9 @@ pub struct WindowVtp {
     /// Windows of the area beside thin faces, by their distances. First in, first out, they would
     /// wind around a needle before the ones that beat them have come.
     thin: MinHeap<(HalfEdgeId, u32)>,
+    /// Whether windows beside thin faces cross nearest first in this run. Only distances are asked
+    /// for then: diagrams on needles are right in the other order only.
+    by_distance: bool,
 }
 
 impl WindowVtp {
@@ -92,6 +95,7 @@ impl WindowVtp {
             is_ready: vec![false; mesh.half_edge_count()],
             batch: Vec::new(),
             thin: MinHeap::default(),
+            by_distance: false,
         }
     }
 
@@ -140,6 +144,12 @@ impl WindowVtp {
         self.wave.finish(probe);
     }
 
+    /// Whether the windows of `h` cross nearest first.
+    #[inline]
+    fn crosses_by_distance(&self, h: HalfEdgeId) -> bool {
+        self.by_distance && self.wave.thin.is_beside(h.index())
+    }
+
     /// The distance at which the next vertex has its turn.
     fn next_turn(&self) -> f64 {
         self.queue.peek().map_or(f64::INFINITY, |(d, _)| d)
@@ -166,7 +176,7 @@ impl WindowVtp {
             for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
                 if let Some(twin) = self.wave.faces.twin(h) {
                     let (e, is_reversed) = edge_of(h, twin);
-                    if self.wave.thin.is_beside(h.index()) {
+                    if self.crosses_by_distance(h) {
                         for stored in self.wave.store.waiting_on(e, is_reversed) {
                             let label = stored.window.min_distance();
                             self.thin.push(label, (h, stored.serial));
@@ -251,7 +261,7 @@ impl WindowVtp {
         for arrival in arrivals.drain(..) {
             let h = arrival.h;
             if self.joined[h.face().index()] {
-                if self.wave.thin.is_beside(h.index()) {
+                if self.crosses_by_distance(h) {
                     self.thin.push(arrival.label, (h, arrival.serial));
                 } else {
                     self.make_ready(h);
@@ -278,6 +288,7 @@ impl WindowVtp {
 impl FieldSolver for WindowVtp {
     fn field(&mut self, sources: &[VertexId]) -> Result<Field<'_>, SolveError> {
         crate::check_sources(self.wave.mesh.vertex_count(), sources)?;
+        self.by_distance = false;
         self.run(sources, &mut ());
         Ok(self.wave.field())
     }
@@ -293,6 +304,7 @@ impl Propagate for WindowVtp {
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
+        self.by_distance = true;
         self.run(sources, probe);
         Solution::new(self.wave.distances.clone())
     }

@@ -593,9 +593,15 @@ pub(super) struct VoronoiOptions {
     #[arg(value_name = "MODEL")]
     pub(super) model: String,
 
-    /// The sources: a list of vertex numbers or random:N[,seed=S]
-    #[arg(long, value_name = "SRC", allow_negative_numbers = true)]
-    pub(super) source: SourceSpec,
+    /// The sources: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
+    /// at:X,Y,Z or a list of these; may be repeated
+    #[arg(
+        long,
+        value_name = "SRC",
+        required = true,
+        allow_negative_numbers = true
+    )]
+    pub(super) source: Vec<SourceSpec>,
 
     /// The algorithm: window-vtp, lct11 or xls14
     #[arg(long, value_name = "A", default_value = "window-vtp", value_parser = registry::select_one)]

@@ -1,19 +1,23 @@
 //! `geobench voronoi`.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use geobench_mesh::io as mesh_io;
 use geobench_mesh::{TriangleSoup, VertexId};
 use geobench_voronoi::{Diagram, Dual};
 
 use super::Verdict;
 use super::args::VoronoiOptions;
+use super::points::Points;
 use super::{generate, terminal};
 use crate::exec::model;
 use crate::registry;
+use crate::schema::SourceLabel;
 use crate::table::diagram_formats::{DiagramFile, DiagramFormat, LabelFormat};
 use crate::table::output::OutputFile;
 
@@ -33,11 +37,10 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     };
     let model = model::only(&options.model)?;
     let mesh = &model.mesh_within(options.reading)?;
-    let sources = options
-        .source
-        .vertices(mesh.vertex_count())
-        .with_context(|| model.path.clone())?;
-    let Some(mut solver) = registry::field_solver(&options.algo, mesh) else {
+    let points = Points::new(mesh, &options.source, Some(&[]), &model.path)?;
+    let refined = &points.refined.mesh;
+    let sources: Vec<VertexId> = points.sources.iter().map(|(_, vertex)| *vertex).collect();
+    let Some(mut solver) = registry::field_solver(&options.algo, refined) else {
         bail!(
             "{} keeps no windows from which a diagram could be made; use window-vtp, lct11 or xls14",
             options.algo.label()
@@ -49,11 +52,15 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let start = Instant::now();
     let diagram = Diagram::new(&field, sources.len());
     let extraction = start.elapsed().as_secs_f64();
-    let numbers: Vec<u32> = sources.iter().map(|v| v.raw()).collect();
+    let labels_of_sources = points.sources.iter().map(|(label, _)| label.clone());
+    let labels_of_sources: Vec<SourceLabel> = labels_of_sources.collect();
     let file = DiagramFile {
         model: &model.name,
         algorithm: options.algo.label(),
-        sources: &numbers,
+        sources: &labels_of_sources,
+        mesh,
+        refined: &points.refined,
+        places: &points.places,
         distances: field.distances(),
         diagram: &diagram,
         stage_seconds: [windows, extraction],
@@ -61,7 +68,12 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     // Everything is made before anything is written.
     let contents = format.render(&file)?;
     let labels = labels.map(|(format, output)| (format.render(&file), output));
-    let mut summary = summary(&options.output, &file);
+    let mut summary = points.notes.join("\n");
+    if !summary.is_empty() {
+        summary.push('\n');
+    }
+    summary.push_str(&coinciding(&points.sources));
+    summary.push_str(&summary_of(&options.output, &file));
     let dual = match &dual_file {
         Some((path, ..)) => {
             let dual = diagram.dual();
@@ -124,11 +136,34 @@ fn dual_mesh(
     Ok(TriangleSoup::new(corners, dual.triangles.clone()))
 }
 
-fn summary(path: &Path, file: &DiagramFile<'_>) -> String {
+/// A line for each source at the place of an earlier one.
+fn coinciding(sources: &[(SourceLabel, VertexId)]) -> String {
+    let mut text = String::new();
+    let mut first: HashMap<VertexId, &SourceLabel> = HashMap::new();
+    for (i, (label, vertex)) in sources.iter().enumerate() {
+        match first.entry(*vertex) {
+            Entry::Occupied(earlier) => {
+                let earlier = earlier.get();
+                // Writing to a string cannot fail.
+                let _ = writeln!(
+                    text,
+                    "source {label} is at the same place as {earlier}: cell {i} is empty"
+                );
+            }
+            Entry::Vacant(place) => {
+                place.insert(label);
+            }
+        }
+    }
+    text
+}
+
+fn summary_of(path: &Path, file: &DiagramFile<'_>) -> String {
     let diagram = file.diagram;
     let cells = diagram.cells();
     let discs = cells.iter().filter(|cell| cell.is_disc()).count();
-    let unreachable = file.distances.iter().filter(|d| d.is_infinite()).count();
+    let distances = &file.distances[..file.mesh.vertex_count()];
+    let unreachable = distances.iter().filter(|d| d.is_infinite()).count();
     let [windows, extraction] = file.stage_seconds;
     let mut text = format!(
         "{}: {} cells ({discs} discs), {} vertices, {} arcs in {} faces; {windows:.3} s for windows, {extraction:.3} s for the diagram\n",

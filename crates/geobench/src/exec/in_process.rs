@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use geobench_mesh::{Mesh, VertexId};
+use geobench_voronoi::Diagram;
 use geobench_window::{PhaseSampler, Solver};
 
 use crate::exec::limits::DecompressionLimit;
@@ -13,6 +14,7 @@ use crate::exec::model::ModelRef;
 use crate::exec::source::{LocatedPoint, Locator, SourceSpec};
 use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::PeakMemory;
+use crate::registry;
 use crate::schema::{ModelRecord, Phases, SourceLabel, Status};
 
 /// Samples of phases after which a profiled run is not repeated: a share is then within 0.02 of
@@ -234,12 +236,40 @@ impl InProcess {
         let (solution, mut counters) =
             step.algorithm.build(&source.mesh).count(&source.vertices)?;
         let wavefront = std::mem::take(&mut counters.wavefront);
+        let (extraction_seconds, labels) = extract(step, &source, &self.mesh)?.unzip();
         Ok(Observation {
+            extraction_seconds,
+            labels,
             counters: Some(counters),
             wavefront: wavefront.into_iter().map(Into::into).collect(),
             ..source.observation(solution.distances, &self.mesh)
         })
     }
+}
+
+/// Extractions of which the median is taken.
+const EXTRACTIONS: usize = 3;
+
+/// The time of making the Voronoi diagram after a solve, and the labels of the vertices of the model;
+/// `None` for an algorithm that keeps no windows for it.
+fn extract(
+    step: &Step<'_>,
+    source: &PreparedSource,
+    model: &Mesh,
+) -> anyhow::Result<Option<(f64, Vec<u32>)>> {
+    let Some(mut solver) = registry::field_solver(step.algorithm, &source.mesh) else {
+        return Ok(None);
+    };
+    let field = solver.field(&source.vertices)?;
+    let mut seconds = [0.0; EXTRACTIONS];
+    for seconds in &mut seconds {
+        let start = Instant::now();
+        std::hint::black_box(Diagram::new(&field, source.vertices.len()));
+        *seconds = start.elapsed().as_secs_f64();
+    }
+    seconds.sort_by(f64::total_cmp);
+    let labels = field.labels()[..model.vertex_count()].to_vec();
+    Ok(Some((seconds[EXTRACTIONS / 2], labels)))
 }
 
 fn panic_message(panic: &(dyn Any + Send)) -> &str {
@@ -257,7 +287,7 @@ mod tests {
 
     use super::*;
     use crate::measure::memory::Peaks;
-    use crate::registry::{self, Algorithm, Selection, Values};
+    use crate::registry::{Algorithm, Selection, Values};
 
     static PANICS: Algorithm = Algorithm {
         name: "panics",

@@ -75,6 +75,12 @@ pub struct Observation {
     pub outside_seconds: Option<f64>,
     /// Seconds that the set-up took, if this run needed one.
     pub setup_seconds: Option<f64>,
+    /// Seconds that the Voronoi diagram took after the solve, for algorithms that keep windows for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub extraction_seconds: Option<f64>,
+    /// The nearest source of each vertex, by its place among the sources; journals do not hold it.
+    #[serde(skip)]
+    pub labels: Option<Vec<u32>>,
     /// The counters.
     #[serde(with = "protocol::counters")]
     pub counters: Option<Counters>,

@@ -60,6 +60,10 @@ pub(crate) struct Reply {
     pub(crate) solves: Option<usize>,
     /// Seconds of set-up that depends on the mesh alone, if part of this run.
     pub(crate) setup_seconds: Option<f64>,
+    /// Seconds that the Voronoi diagram took; from this program only.
+    pub(crate) extraction_seconds: Option<f64>,
+    /// The nearest source of each vertex; from this program only.
+    pub(crate) labels: Option<Vec<u32>>,
     /// Counters, by the names of result files.
     #[serde(with = "counters")]
     pub(crate) counters: Option<Counters>,
@@ -94,6 +98,8 @@ impl Reply {
             solves: self.solves,
             outside_seconds: None,
             setup_seconds: self.setup_seconds,
+            extraction_seconds: self.extraction_seconds,
+            labels: self.labels,
             counters: self.counters,
             wavefront: self.wavefront,
             peaks: Peaks {
@@ -112,6 +118,8 @@ impl From<Observation> for Reply {
             seconds: observation.seconds,
             solves: observation.solves,
             setup_seconds: observation.setup_seconds,
+            extraction_seconds: observation.extraction_seconds,
+            labels: observation.labels,
             counters: observation.counters,
             rss_peak_bytes: observation.peaks.rss,
             heap_peak_bytes: observation.peaks.heap,
@@ -207,6 +215,8 @@ mod tests {
                 solves: Some(7),
                 outside_seconds: None,
                 setup_seconds: None,
+                extraction_seconds: Some(0.1),
+                labels: Some(vec![0, u32::MAX]),
                 counters,
                 wavefront: vec![WavefrontRecord {
                     parents: u64::MAX,

@@ -97,6 +97,7 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
         outside: rounds.iter().flat_map(|c| c.time.outside.clone()).collect(),
         claimed: rounds.iter().flat_map(|c| c.time.claimed.clone()).collect(),
         doubted: rounds.iter().any(|c| c.time.doubted),
+        extraction: over(|c| c.time.extraction),
         ..statistics::time(samples, over(|c| c.time.setup))
     };
     cell.phases.propagation = over(|c| c.phases.propagation);

@@ -59,6 +59,7 @@ pub fn time(samples: Vec<f64>, setup: Option<f64>) -> Time {
         note: too_few(samples.len()),
         outliers: summary.and_then(|s| s.outliers),
         setup,
+        extraction: None,
         samples,
         places: Vec::new(),
         solves: Vec::new(),

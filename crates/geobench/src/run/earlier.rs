@@ -111,6 +111,7 @@ pub(super) fn outcome(cell: &Cell, pass: Pass, round: usize) -> Option<RunOutcom
         })),
         Pass::Count => Some(of(Observation {
             counters: Some(cell.counters.clone()),
+            extraction_seconds: cell.time.extraction,
             wavefront: cell.wavefront.clone(),
             ..Observation::default()
         })),

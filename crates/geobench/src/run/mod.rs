@@ -6,6 +6,7 @@ pub mod check;
 pub mod cluster;
 mod earlier;
 pub mod journal;
+mod labels;
 pub mod merge;
 #[cfg(test)]
 pub(crate) mod mock;

@@ -104,5 +104,6 @@ fn record(reference: Option<&str>, comparison: &Deviation) -> Check {
             .map(|worst| worst.vertex as u64),
         doubt: None,
         cluster: None,
+        wrong_labels: None,
     }
 }

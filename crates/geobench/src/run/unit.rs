@@ -16,6 +16,7 @@ use crate::registry::{ProcessLifetime, Program, Selection};
 use crate::run::agreement;
 use crate::run::earlier::{self, Earlier, NOT_CHECKED};
 use crate::run::journal::{Journal, JournalLine, RunId, RunOutcome};
+use crate::run::labels::NearestSources;
 use crate::run::reference_check::{Answer, ReferenceCheck};
 use crate::schema::{Cell, Check, Memory, ModelRecord, SourceLabel, Status, Time};
 
@@ -120,6 +121,7 @@ impl<'p> Unit<'p> {
                 journal,
                 listener,
                 reference_check: ReferenceCheck::default(),
+                nearest: Nearest::default(),
             };
             match self.make_runs(&mut context) {
                 Err(error) if error.is::<Interrupted>() => {}
@@ -309,7 +311,12 @@ impl<'p> Unit<'p> {
     ) -> anyhow::Result<()> {
         let run = self.run_id(self.cells[place].algorithm, pass, round);
         let algorithm = self.cells[place].algorithm;
+        let mut done = done;
+        let labels = done.as_mut().ok().and_then(|done| done.labels.take());
         let mut outcome = self.judge(algorithm, done, &mut context.reference_check);
+        if let Some(labels) = labels.filter(|_| outcome.failure.is_none()) {
+            self.judge_labels(&labels, &mut outcome, context)?;
+        }
         if pass == Pass::Time {
             outcome.place = self.order.place(round, place);
         }
@@ -323,6 +330,67 @@ impl<'p> Unit<'p> {
             cell.count_samples();
         }
         Ok(())
+    }
+
+    /// Compares labels with one run of the reference from each source.
+    fn judge_labels(
+        &self,
+        labels: &[u32],
+        outcome: &mut RunOutcome,
+        context: &mut RunContext<'_>,
+    ) -> Result<(), Interrupted> {
+        if matches!(context.nearest, Nearest::NotSought) {
+            let found = self.find_nearest(context)?;
+            context.nearest = found.map_or(Nearest::Unknown, Nearest::Known);
+        }
+        if let Nearest::Known(nearest) = &context.nearest {
+            let wrong: Vec<usize> = nearest.wrong(labels).collect();
+            outcome.check.wrong_labels = Some(wrong.len() as u64);
+            if let Some(first) = wrong.first() {
+                outcome.failure = Some(Failure {
+                    status: Status::Wrong,
+                    message: format!(
+                        "vertex {first} has label {}, which is not that of a nearest source; {} of {} labels are wrong",
+                        labels[*first],
+                        wrong.len(),
+                        labels.len()
+                    ),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The nearest sources of every vertex; `None` where nothing is checked, of a single source, and
+    /// of more than [`MOST_SOURCES`].
+    fn find_nearest(
+        &self,
+        context: &mut RunContext<'_>,
+    ) -> Result<Option<NearestSources>, Interrupted> {
+        let Reference::Algorithm(reference) = &self.plan.reference else {
+            return Ok(None);
+        };
+        let vertices = self.model.vertices.unwrap_or(0) as usize;
+        let Ok(points) = self.source.points(vertices) else {
+            return Ok(None);
+        };
+        if !(2..=MOST_SOURCES).contains(&points.len()) {
+            return Ok(None);
+        }
+        let mut nearest = NearestSources::new(vertices, points.len());
+        for (i, point) in points.into_iter().enumerate() {
+            let source = SourceSpec::from(point);
+            let step = Step {
+                source: &source,
+                ..self.as_step(reference, Pass::Warmup, 1)
+            };
+            let done = context.execute(&step)?;
+            let (Ok(done), Some(answer)) = (done, &context.reference_check.answer) else {
+                return Ok(None);
+            };
+            nearest.add(i, &done.distances, &answer.distances, self.plan.tolerance);
+        }
+        Ok(Some(nearest))
     }
 
     fn judge(
@@ -378,12 +446,27 @@ impl<'p> Unit<'p> {
     }
 }
 
+/// The most sources whose labels are checked, each by a run of its own.
+const MOST_SOURCES: usize = 100;
+
 /// The environment of the runs.
 struct RunContext<'s> {
     session: &'s mut dyn Session,
     journal: Option<&'s mut Journal>,
     listener: &'s mut dyn Listener,
     reference_check: ReferenceCheck,
+    nearest: Nearest,
+}
+
+/// The nearest sources of every vertex.
+#[derive(Default)]
+enum Nearest {
+    /// No labels have come yet.
+    #[default]
+    NotSought,
+    /// Labels are not checked.
+    Unknown,
+    Known(NearestSources),
 }
 
 /// A signal arrived.
@@ -559,6 +642,7 @@ impl<'p> CellRuns<'p> {
             cell.message = Some("approximate: compared, but not held to the tolerance".to_owned());
         }
         let (mut samples, mut solves, mut setup) = (Vec::new(), Vec::new(), None);
+        let mut extraction = None;
         let (mut outside, mut claimed, mut doubted) = (Vec::new(), Vec::new(), false);
         for ((pass, _), outcome) in self.outcomes {
             let observation = outcome.observation;
@@ -568,6 +652,7 @@ impl<'p> CellRuns<'p> {
             }
             // The set-up of the counted run is not that of the timed runs.
             setup = setup.or(observation.setup_seconds);
+            extraction = extraction.or(observation.extraction_seconds);
             match pass {
                 Pass::Warmup => {}
                 Pass::Time => {
@@ -603,6 +688,7 @@ impl<'p> CellRuns<'p> {
             }
         }
         cell.time = Time {
+            extraction,
             places,
             solves,
             outside,
@@ -637,10 +723,12 @@ impl<'p> CellRuns<'p> {
             .rev()
             .find_map(|outcome| outcome.check.unreachable);
         let doubt = outcomes().find_map(|outcome| outcome.check.doubt);
+        let wrong_labels = outcomes().find_map(|outcome| outcome.check.wrong_labels);
         if outcomes().any(|outcome| outcome.unchecked.is_some()) {
             return Check {
                 unreachable,
                 doubt,
+                wrong_labels,
                 cluster: worst.and_then(|check| check.cluster),
                 ..Check::default()
             };
@@ -648,6 +736,7 @@ impl<'p> CellRuns<'p> {
         Check {
             unreachable,
             doubt,
+            wrong_labels,
             ..worst.cloned().unwrap_or_default()
         }
     }

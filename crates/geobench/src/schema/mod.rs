@@ -430,6 +430,10 @@ pub struct Time {
     pub note: Option<String>,
     /// Set-up time of the solver, not included in the samples.
     pub setup: Option<f64>,
+    /// Time of making the Voronoi diagram after a solve (stage 2), not included in the samples; the
+    /// median of three. Null for algorithms that keep no windows for it.
+    #[serde(default)]
+    pub extraction: Option<f64>,
     /// Number of outliers: samples more than ten standard deviations, estimated from the MAD, from
     /// the median. All figures include them. Null from fewer than five samples.
     #[serde(default)]
@@ -568,6 +572,10 @@ pub struct Check {
     /// reference. Null without an answer, and for approximate algorithms.
     #[serde(default)]
     pub cluster: Option<u32>,
+    /// Vertices whose label is not that of a nearest source, by one run of the reference from each
+    /// source; null if labels were not checked.
+    #[serde(default)]
+    pub wrong_labels: Option<u64>,
 }
 
 /// Counters as a map from name to count or `null`, in the order of their table.

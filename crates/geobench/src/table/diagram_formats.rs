@@ -4,12 +4,13 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::Context;
-use geobench_mesh::Mesh;
 use geobench_mesh::io::PlyWriter;
+use geobench_mesh::{FaceId, Mesh, Refined, SurfacePoint};
 use geobench_voronoi::{Arc, Diagram, NO_SOURCE};
 use serde::Serialize;
 
 use super::{UnknownEnding, of_ending};
+use crate::schema::SourceLabel;
 
 /// A diagram and where it comes from.
 #[derive(Clone, Copy, Debug)]
@@ -19,13 +20,108 @@ pub struct DiagramFile<'a> {
     /// Name of the algorithm.
     pub algorithm: &'a str,
     /// The sources.
-    pub sources: &'a [u32],
-    /// Distance of each vertex of the mesh from the nearest one.
+    pub sources: &'a [SourceLabel],
+    /// The mesh of the model.
+    pub mesh: &'a Mesh,
+    /// The same with a vertex at each source.
+    pub refined: &'a Refined,
+    /// The places of the sources on the mesh of the model.
+    pub places: &'a [SurfacePoint],
+    /// Distance of each vertex of the refined mesh from the nearest one.
     pub distances: &'a [f64],
-    /// The diagram.
+    /// The diagram, on the refined mesh.
     pub diagram: &'a Diagram,
     /// Seconds that the windows and the diagram took.
     pub stage_seconds: [f64; 2],
+}
+
+impl DiagramFile<'_> {
+    /// Whether the refined mesh has faces of its own.
+    fn is_refined(&self) -> bool {
+        self.refined.mesh.face_count() > self.mesh.face_count()
+    }
+
+    /// A place in the plane of a face of the refined mesh as a face of the model and barycentric
+    /// coordinates there.
+    fn in_model(&self, face: FaceId, place: [f64; 2]) -> (FaceId, [f64; 3]) {
+        let weights = self.diagram.barycentric(face, place);
+        if !self.is_refined() {
+            return (face, weights);
+        }
+        let weights = self
+            .refined
+            .in_parent(self.mesh, self.places, face, weights);
+        (self.refined.parent(face), weights)
+    }
+
+    /// The motion from the plane of a face of the refined mesh to that of its face of the model.
+    fn motion(&self, face: FaceId) -> Motion {
+        if !self.is_refined() {
+            return Motion::default();
+        }
+        let part = corners_of(&self.refined.mesh, face);
+        let whole = corners_of(self.mesh, self.refined.parent(face));
+        let place = |k: usize| {
+            let mut corner = [0.0; 3];
+            corner[k] = 1.0;
+            let weights = self.refined.in_parent(self.mesh, self.places, face, corner);
+            let sum = |axis: usize| (0..3).map(|i| weights[i] * whole[i][axis]).sum::<f64>();
+            [sum(0), sum(1)]
+        };
+        let length = |k: u32| self.refined.mesh.length(face.half_edge(k));
+        // The longest side tells the direction best.
+        let mut k = 0;
+        for other in [1, 2] {
+            if length(other) > length(k) {
+                k = other;
+            }
+        }
+        let [tail, head] = [k as usize, (k as usize + 1) % 3];
+        Motion::between([part[tail], part[head]], [place(tail), place(head)])
+    }
+}
+
+/// A turn and a shift of the plane: where the origin and the first axis go.
+#[derive(Clone, Copy, Debug)]
+struct Motion {
+    origin: [f64; 2],
+    direction: [f64; 2],
+}
+
+impl Default for Motion {
+    fn default() -> Self {
+        Self {
+            origin: [0.0; 2],
+            direction: [1.0, 0.0],
+        }
+    }
+}
+
+impl Motion {
+    /// The motion that takes the first two points to the others.
+    fn between([a, b]: [[f64; 2]; 2], [p, q]: [[f64; 2]; 2]) -> Self {
+        let (u, v) = ([b[0] - a[0], b[1] - a[1]], [q[0] - p[0], q[1] - p[1]]);
+        let turn = [u[0] * v[0] + u[1] * v[1], u[0] * v[1] - u[1] * v[0]];
+        let long = turn[0].hypot(turn[1]);
+        let mut motion = Self {
+            origin: [0.0; 2],
+            direction: turn.map(|x| x / long),
+        };
+        let turned = motion.of(a);
+        motion.origin = [p[0] - turned[0], p[1] - turned[1]];
+        motion
+    }
+
+    fn of(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let ([ox, oy], [c, s]) = (self.origin, self.direction);
+        [ox + x * c - y * s, oy + x * s + y * c]
+    }
+}
+
+/// The corners of `face` in the frame of its first half-edge.
+fn corners_of(mesh: &Mesh, face: FaceId) -> [[f64; 2]; 3] {
+    let h = face.half_edge(0);
+    [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)]
 }
 
 /// A form in which a diagram can be written.
@@ -81,7 +177,7 @@ struct Document<'a> {
     schema: &'static str,
     model: &'a str,
     algorithm: &'a str,
-    sources: &'a [u32],
+    sources: &'a [SourceLabel],
     cells: Vec<CellRecord<'a>>,
     vertices: Vec<VertexRecord<'a>>,
     arcs: Vec<ArcRecord>,
@@ -132,21 +228,25 @@ fn json(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
     });
     let vertices = diagram.vertices().iter().map(|vertex| {
         let node = diagram.nodes()[vertex.node as usize];
+        let (face, barycentric) = file.in_model(node.face, node.place);
         VertexRecord {
             position: diagram.position(node.face, node.place),
-            face: node.face.raw(),
-            barycentric: diagram.barycentric(node.face, node.place),
+            face: face.raw(),
+            barycentric,
             sources: &vertex.cells,
             distance: vertex.distance,
         }
     });
     let arcs = diagram.arcs().iter().map(|arc| ArcRecord {
-        face: arc.face.raw(),
+        face: file.refined.parent(arc.face).raw(),
         sources: arc.sources,
         from: diagram.position(arc.face, arc.ends[0]),
         to: diagram.position(arc.face, arc.ends[1]),
         kind: if arc.is_line() { "line" } else { "hyperbola" },
-        foci: arc.bisector.map(|bisector| bisector.images),
+        foci: arc.bisector.map(|bisector| {
+            let motion = file.motion(arc.face);
+            bisector.images.map(|image| motion.of(image))
+        }),
         offsets: arc.bisector.map(|bisector| bisector.sigmas),
         nodes: arc.nodes,
     });
@@ -310,7 +410,7 @@ impl LabelFormat {
 
     /// The contents of a file in this form.
     pub fn render(self, file: &DiagramFile<'_>) -> Vec<u8> {
-        let labels = file.diagram.labels();
+        let labels = &file.diagram.labels()[..file.mesh.vertex_count()];
         match self {
             Self::Csv => {
                 let mut text = "vertex,label,distance\n".to_owned();
@@ -335,6 +435,24 @@ impl LabelFormat {
                 let bytes = labels.iter().flat_map(|&label| number(label).to_le_bytes());
                 super::distance_formats::npy_of("<i8", &format!("({},)", labels.len()), bytes)
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_motion_keeps_lengths_and_takes_both_points_along() {
+        // A quarter turn and a shift.
+        let motion = Motion::between([[1.0, 0.0], [3.0, 0.0]], [[5.0, 5.0], [5.0, 7.0]]);
+        for (from, to) in [
+            ([1.0, 0.0], [5.0, 5.0]),
+            ([3.0, 0.0], [5.0, 7.0]),
+            ([1.0, 4.0], [1.0, 5.0]),
+        ] {
+            assert_eq!(motion.of(from), to);
         }
     }
 }

@@ -139,6 +139,9 @@ fn all() -> &'static [Figure] {
             })
             .informative(),
             Figure::computed("setup", "Set-up (s)", Decimals(6), |c| c.time.setup),
+            Figure::computed("extraction", "Stage 2, diagram (s)", Decimals(6), |c| {
+                c.time.extraction
+            }),
             Figure::computed(
                 "papers_memory",
                 "Peak memory, papers' count (MB)",

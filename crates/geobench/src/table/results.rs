@@ -46,6 +46,17 @@ fn row(label: impl Into<String>, entries: impl Iterator<Item = Entry>) -> Vec<En
     std::iter::once(Entry::new(label)).chain(entries).collect()
 }
 
+/// Inserts those of `names` that are not there yet behind the figure `after`, or at the end.
+fn insert_after(after: &str, names: &[&str], into: &mut Vec<&'static Figure>) {
+    let new = super::figures::figures(names).into_iter();
+    let new: Vec<_> = new
+        .filter(|name| into.iter().all(|figure| figure.key != name.key))
+        .collect();
+    let place = into.iter().position(|figure| figure.key == after);
+    let place = place.map_or(into.len(), |place| place + 1);
+    into.splice(place..place, new);
+}
+
 /// The figures of a model.
 pub(super) fn part(group: &Group<'_>, model: &ModelRecord) -> Part {
     let names = group.algorithms.iter();
@@ -54,12 +65,19 @@ pub(super) fn part(group: &Group<'_>, model: &ModelRecord) -> Part {
     let cells: Vec<&Cell> = own.filter(|cell| cell.model == model.name).collect();
     let mut figures = figures(&group.record.rows);
     if cells.iter().any(|cell| !cell.time.outside.is_empty()) {
-        let known = |name: &&&Figure| figures.iter().all(|figure| figure.key != name.key);
-        let both = super::figures::figures(&["outside_time", "claimed_time"]);
-        let both: Vec<_> = both.iter().filter(known).copied().collect();
-        let after_time = figures.iter().position(|figure| figure.key == "time");
-        let place = after_time.map_or(figures.len(), |time| time + 1);
-        figures.splice(place..place, both);
+        insert_after("time", &["outside_time", "claimed_time"], &mut figures);
+    }
+    let makes_diagrams = |cell: &&Cell| {
+        let several = cell.source.as_ref().is_some_and(|s| s.vertex().is_none());
+        several && cell.time.extraction.is_some()
+    };
+    if group.record.rows.is_empty() && cells.iter().any(makes_diagrams) {
+        insert_after("time", &["extraction"], &mut figures);
+        insert_after(
+            "propagated",
+            &["peak_windows", "stored_windows"],
+            &mut figures,
+        );
     }
     let mut rows: Vec<_> = figures
         .into_iter()

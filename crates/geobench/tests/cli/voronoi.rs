@@ -82,11 +82,62 @@ fn a_dual_that_is_no_triangulation_leaves_no_file() {
 }
 
 #[test]
+fn sources_may_be_anywhere() {
+    let sandbox = Sandbox::new();
+    // Two in one face, one on an edge, one at a place of space; the cells share the square.
+    let run = "voronoi gen:grid,n=4 --source face:0,0.2,0.3,0.5 --source face:0,0.6,0.2,0.2 \
+        --source edge:12-13,0.5 --source at:3.9,3.1,0.7 -o v.json --labels l.csv";
+    let said = sandbox.succeed(run);
+    assert!(
+        said.contains("at:3.9,3.1,0.7 is 0.7 from the surface"),
+        "{said}"
+    );
+    let file = sandbox.json("v.json");
+    assert_eq!(file["sources"][2], "edge:12-13,0.5");
+    let cells = file["cells"].as_array().unwrap();
+    let area: f64 = cells
+        .iter()
+        .map(|cell| cell["area"].as_f64().unwrap())
+        .sum();
+    assert!((area - 16.0).abs() < 1e-9, "{area}");
+    // The labels are those of the model's vertices, and faces are its faces.
+    assert_eq!(sandbox.read("l.csv").lines().count(), 1 + 25);
+    for arc in file["arcs"].as_array().unwrap() {
+        assert!(arc["face"].as_u64().unwrap() < 32, "{arc}");
+    }
+    for vertex in file["vertices"].as_array().unwrap() {
+        let face = vertex["face"].as_u64().unwrap();
+        let weights: Vec<f64> = serde_json::from_value(vertex["barycentric"].clone()).unwrap();
+        let sum: f64 = weights.iter().sum();
+        assert!(face < 32 && (sum - 1.0).abs() < 1e-12, "{vertex}");
+        assert!(weights.iter().all(|&w| w > -1e-12), "{vertex}");
+    }
+}
+
+#[test]
+fn sources_at_one_place_have_one_cell() {
+    let sandbox = Sandbox::new();
+    let run = "voronoi gen:grid,n=4 --source 3 --source edge:3-4,0 --source 20 -o v.json";
+    let said = sandbox.succeed(run);
+    assert!(
+        said.contains("source edge:3-4,0 is at the same place as 3: cell 1 is empty"),
+        "{said}"
+    );
+    let file = sandbox.json("v.json");
+    assert_eq!(file["cells"][1]["area"], json!(0.0));
+    let error = sandbox.refuse("voronoi gen:grid,n=4 --source 3,5,3 -o w.json");
+    assert!(error.contains("3 is named twice"), "{error}");
+}
+
+#[test]
 fn unusable_arguments_are_named() {
     let sandbox = Sandbox::new();
     for (arguments, part) in [
         ("--source 0 -o v.txt", "v.txt"),
         ("--source 999 -o v.json", "999"),
+        ("-o v.json", "--source"),
+        ("--source random:0 -o v.json", "at least one"),
+        ("--source face:99,1,0,0 -o v.json", "99"),
         ("--source 0 --algo vtp -o v.json", "use window-vtp"),
         ("--source 0 -o v.json --dual d.stl", "d.stl"),
         ("--source 0 -o v.json --labels l.txt", "l.txt"),
@@ -112,4 +163,37 @@ fn what_no_source_reaches_has_no_label() {
     let file = sandbox.json("v.json");
     let area = |cell: usize| file["cells"][cell]["area"].as_f64().unwrap();
     assert!((area(0) + area(1) - 0.5).abs() < 1e-12);
+}
+
+#[test]
+fn a_run_times_the_diagram_apart_and_checks_labels() {
+    let sandbox = Sandbox::new();
+    let run = "run gen:torus,faces=500 --algo window-vtp,lct11,lct11{queue=buckets},xls14,mmp \
+        --source random:5 --sources-together --repeat 2 -o r.json";
+    let table = sandbox.succeed(run);
+    for row in ["Stage 2, diagram (s)", "Window limit", "Peak windows"] {
+        assert!(
+            table.to_lowercase().contains(&row.to_lowercase()),
+            "{row}: {table}"
+        );
+    }
+    let file = sandbox.json("r.json");
+    for cell in file["cells"].as_array().unwrap() {
+        let makes_diagrams = cell["algorithm"] != "mmp";
+        assert_eq!(cell["status"], "ok", "{cell}");
+        assert_eq!(
+            cell["time"]["extraction"].as_f64().is_some_and(|s| s > 0.0),
+            makes_diagrams
+        );
+        let wrong = if makes_diagrams {
+            json!(0)
+        } else {
+            json!(null)
+        };
+        assert_eq!(cell["check"]["wrong_labels"], wrong, "{cell}");
+    }
+    sandbox.succeed(&run.replace("r.json", "r.csv"));
+    let csv = sandbox.read("r.csv");
+    let header = csv.lines().next().unwrap();
+    assert!(header.contains(",time_extraction,") && header.contains(",check_wrong_labels,"));
 }

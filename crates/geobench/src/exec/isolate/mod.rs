@@ -573,7 +573,7 @@ impl Child {
         if reply.seconds.is_none() {
             return Err(ChildError::Garbage("no \"seconds\"".into()).failure(doing));
         }
-        reply.solves = None;
+        (reply.solves, reply.extraction_seconds, reply.labels) = (None, None, None);
         // The program's own figure stands where the system tells none.
         let measured = self.process.peak();
         reply.rss_peak_bytes = measured.or(reply.rss_peak_bytes);

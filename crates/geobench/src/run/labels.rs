@@ -1,0 +1,75 @@
+//! Which sources are the nearest to each vertex, by one run from each.
+
+use geobench_voronoi::NO_SOURCE;
+
+/// The nearest sources of every vertex, as bits.
+#[derive(Debug)]
+pub(super) struct NearestSources {
+    words: usize,
+    bits: Vec<u64>,
+}
+
+impl NearestSources {
+    /// For so many vertices and sources; none is near yet.
+    pub(super) fn new(vertices: usize, sources: usize) -> Self {
+        let words = sources.div_ceil(64);
+        Self {
+            words,
+            bits: vec![0; vertices * words],
+        }
+    }
+
+    /// Adds a source with its distances, where no other one is nearer by more than `tolerance`
+    /// relative; `least` are the distances from the nearest source.
+    pub(super) fn add(
+        &mut self,
+        source: usize,
+        distances: &[f64],
+        least: &[(usize, f64)],
+        tolerance: f64,
+    ) {
+        for &(v, least) in least {
+            let is_near = distances
+                .get(v)
+                .is_some_and(|&d| d.is_finite() && d <= least * (1.0 + tolerance));
+            if is_near {
+                self.bits[v * self.words + source / 64] |= 1 << (source % 64);
+            }
+        }
+    }
+
+    /// The vertices whose label is not one of the nearest sources. One that no source reaches has
+    /// none.
+    pub(super) fn wrong<'s>(&'s self, labels: &'s [u32]) -> impl Iterator<Item = usize> + 's {
+        let near = self.bits.chunks_exact(self.words);
+        let wrong = near.zip(labels).map(|(near, &label)| {
+            if label == NO_SOURCE {
+                return near.iter().any(|&word| word != 0);
+            }
+            let word = near.get(label as usize / 64);
+            word.is_none_or(|word| word & (1 << (label % 64)) == 0)
+        });
+        wrong
+            .enumerate()
+            .filter(|(_, wrong)| *wrong)
+            .map(|(v, _)| v)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_label_is_that_of_any_nearest_source() {
+        let mut nearest = NearestSources::new(3, 70);
+        let least = [(0, 0.0), (1, 2.0), (2, f64::INFINITY)];
+        nearest.add(3, &[0.0, 2.0, f64::INFINITY], &least, 1e-9);
+        nearest.add(69, &[4.0, 2.0 + 1e-9, f64::INFINITY], &least, 1e-9);
+        let wrong = |labels: [u32; 3]| nearest.wrong(&labels).collect::<Vec<_>>();
+        assert!(wrong([3, 3, NO_SOURCE]).is_empty());
+        assert!(wrong([3, 69, NO_SOURCE]).is_empty());
+        assert_eq!(wrong([69, 0, 3]), [0, 1, 2]);
+        assert_eq!(wrong([NO_SOURCE, 200, NO_SOURCE]), [0, 1]);
+    }
+}

@@ -549,7 +549,8 @@ impl<'p> UnitPlan<'p> {
                 ..self.as_step(reference, Pass::Warmup, 1)
             };
             let done = context.execute(&step)?;
-            let (Ok(done), Some(answer)) = (done, &context.reference_check.answer) else {
+            let check = context.check();
+            let (Ok(done), Some(answer)) = (done, &check.answer) else {
                 return Ok(None);
             };
             nearest.add(i, &done.distances, &answer.distances, self.plan.tolerance);

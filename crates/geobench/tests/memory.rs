@@ -23,7 +23,7 @@ fn isolated() -> Isolated {
 }
 
 /// Carries out these runs and returns the peaks of each.
-fn runs(place: Isolated, model: &str, list: &[(&str, Pass)]) -> Vec<Peaks> {
+fn runs(place: &Isolated, model: &str, list: &[(&str, Pass)]) -> Vec<Peaks> {
     let model = ModelRef::generated(model).unwrap();
     let mut session = place.open(&model).unwrap();
     let peaks = list.iter().map(|&(algorithm, pass)| {
@@ -40,13 +40,13 @@ fn runs(place: Isolated, model: &str, list: &[(&str, Pass)]) -> Vec<Peaks> {
 }
 
 fn measured(place: Isolated) -> Peaks {
-    runs(place, "gen:sphere,subdiv=4", &[("vtp", Pass::Profile)])[0]
+    runs(&place, "gen:sphere,subdiv=4", &[("vtp", Pass::Profile)])[0]
 }
 
 #[test]
 fn the_heap_of_a_run_is_the_same_each_time() {
     let model = "gen:anisotropic,faces=2000,g=4";
-    let heap = |algorithm| runs(isolated(), model, &[(algorithm, Pass::Profile)])[0].heap;
+    let heap = |algorithm| runs(&isolated(), model, &[(algorithm, Pass::Profile)])[0].heap;
     for algorithm in ["vtp", "vtp-fast"] {
         let first = heap(algorithm);
         assert!(first.is_some());
@@ -71,9 +71,9 @@ fn a_parent_of_a_gigabyte_does_not_change_the_figures_of_a_child() {
 #[test]
 fn solvers_of_the_timed_runs_are_no_part_of_the_peak() {
     let model = "gen:torus,faces=20000,bump=0.1,seed=7";
-    let fresh = runs(isolated(), model, &[("mmp", Pass::Profile)])[0];
+    let fresh = runs(&isolated(), model, &[("mmp", Pass::Profile)])[0];
     let used = runs(
-        isolated(),
+        &isolated(),
         model,
         &[("mmp", Pass::Time), ("mmp", Pass::Profile)],
     )[1];
@@ -93,7 +93,7 @@ fn what_is_kept_for_the_counts_is_no_memory_of_the_algorithm() {
         ("vtp", Pass::Count),
         ("vtp", Pass::Profile),
     ];
-    let peaks = runs(isolated(), model, &purposes);
+    let peaks = runs(&isolated(), model, &purposes);
     assert_eq!(peaks[1], Peaks::default());
     assert_eq!(peaks[0].heap, peaks[2].heap);
 }

@@ -60,7 +60,8 @@ struct Line {
 }
 
 fn main() -> ExitCode {
-    match run(std::env::args().skip(1).collect()) {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match run(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             let _ = writeln!(io::stderr(), "certificates: {error}");
@@ -69,9 +70,9 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
+fn run(arguments: &[String]) -> Result<(), Box<dyn std::error::Error>> {
     let mut out = io::stdout().lock();
-    if let [option, file] = &arguments[..]
+    if let [option, file] = arguments
         && option == "--table"
     {
         let record: Record = serde_json::from_slice(&std::fs::read(file)?)?;
@@ -79,7 +80,7 @@ fn run(arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
         return Ok(());
     }
     let mut certificates = Vec::new();
-    for model in &arguments {
+    for model in arguments {
         let path = Path::new(model);
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         certificates.push(certify("models", &name, &Mesh::read(path)?, &[0])?);

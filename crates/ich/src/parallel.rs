@@ -232,7 +232,7 @@ impl Pch {
     /// The fourth step of a round, for one task.
     fn gather<P: Probe>(&mut self, part: Children, probe: &mut P) {
         probe.add(Counter::Propagated, part.tried);
-        probe.add(Counter::Children, part.children);
+        probe.add(Counter::Children, part.made);
         probe.raise(Counter::Levels, u64::from(part.level));
         let mut kept = 0;
         for (bucket, mut windows) in part.buckets {
@@ -245,7 +245,7 @@ impl Pch {
             }
         }
         probe.add(Counter::Kept, kept as u64);
-        probe.add(Counter::Filtered, part.children - kept as u64);
+        probe.add(Counter::Filtered, part.made - kept as u64);
     }
 }
 
@@ -326,7 +326,7 @@ struct Children {
     /// Those that the filter lets pass, by bucket, in no order.
     buckets: Vec<(u64, Vec<Waiting>)>,
     tried: u64,
-    children: u64,
+    made: u64,
     level: u32,
 }
 
@@ -336,7 +336,7 @@ impl Children {
             width,
             buckets: Vec::new(),
             tried: 0,
-            children: 0,
+            made: 0,
             level: 0,
         }
     }
@@ -388,7 +388,7 @@ impl Children {
         let (Some(h), Some(window)) = (exit.half_edge, child) else {
             return;
         };
-        self.children += 1;
+        self.made += 1;
         let edge = Edge::behind(exit, exit.corners.map(|v| surface.distance(v)));
         let waiting = Waiting { h, window, lineage };
         if is_beaten(&waiting, &edge, kept, surface) {
@@ -404,6 +404,7 @@ impl Children {
 }
 
 /// The bucket of a label.
+#[expect(clippy::cast_sign_loss, reason = "no label is negative")]
 fn bucket(label: f64, width: f64) -> u64 {
     (label / width) as u64
 }
@@ -412,7 +413,7 @@ fn bucket(label: f64, width: f64) -> u64 {
 #[derive(Clone, Debug, Default)]
 struct Buckets {
     width: f64,
-    buckets: BTreeMap<u64, Bucket>,
+    by_number: BTreeMap<u64, Bucket>,
     /// Number of windows.
     waiting: usize,
 }
@@ -430,11 +431,11 @@ impl Buckets {
     }
 
     fn number(&mut self, bucket: u64) -> &mut Bucket {
-        self.buckets.entry(bucket).or_default()
+        self.by_number.entry(bucket).or_default()
     }
 
     fn clear(&mut self) {
-        self.buckets.clear();
+        self.by_number.clear();
         self.waiting = 0;
     }
 }
@@ -483,7 +484,7 @@ impl Propagate for Pch {
             self.spawn(s, probe);
         }
         let mut steps = Vec::new();
-        while let Some((number, bucket)) = self.buckets.buckets.pop_first() {
+        while let Some((number, bucket)) = self.buckets.by_number.pop_first() {
             let bound = number as f64 * self.buckets.width;
             if P::STOPS && probe.is_reached(bound, |v| self.surface.distance(v)) {
                 probe.end(bound);
@@ -496,7 +497,7 @@ impl Propagate for Pch {
             probe.raise(Counter::PeakWavefront, self.buckets.waiting as u64);
             self.buckets.waiting -= windows.len();
             if probe.wants_sample(windows.len() as u64) {
-                let later = self.buckets.buckets.values().flat_map(|b| &b.windows);
+                let later = self.buckets.by_number.values().flat_map(|b| &b.windows);
                 probe.sample(windows.iter().chain(later).map(|w| w.window.min_distance()));
             }
             for (d, v) in vertices {

@@ -21,12 +21,12 @@ const SEEDS: std::ops::Range<u64> = 0..400;
 pub(crate) fn cases() -> impl Iterator<Item = Case> {
     zoo::small()
         .into_iter()
-        .flat_map(of_zoo)
+        .flat_map(|model| of_zoo(&model))
         .chain(SEEDS.filter_map(of_seed))
 }
 
-fn of_zoo(model: Model) -> Vec<Case> {
-    let Some(mesh) = mesh_of(&model) else {
+fn of_zoo(model: &Model) -> Vec<Case> {
+    let Some(mesh) = mesh_of(model) else {
         panic!("{} is refused", model.name);
     };
     let surface = model.surface::<f64>();

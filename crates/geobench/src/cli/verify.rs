@@ -160,6 +160,18 @@ impl LoadedModelCheck<'_> {
         }
     }
 
+    /// Says that an algorithm was not run.
+    fn tell_left_out(&self, algorithm: &Selection, source: PointSpec) -> anyhow::Result<()> {
+        if self.options.quiet {
+            return Ok(());
+        }
+        terminal::print(&format!(
+            "{}: source {source}: {}: left out, the model has too many faces for it; name it with --algo to run it\n",
+            self.record.name,
+            algorithm.label()
+        ))
+    }
+
     fn verify_source(
         &self,
         source: PointSpec,
@@ -177,13 +189,7 @@ impl LoadedModelCheck<'_> {
                 return Ok(());
             }
             if self.is_too_slow(algorithm) {
-                if !self.options.quiet {
-                    terminal::print(&format!(
-                        "{}: source {source}: {}: left out, the model has too many faces for it; name it with --algo to run it\n",
-                        self.record.name,
-                        algorithm.label()
-                    ))?;
-                }
+                self.tell_left_out(algorithm, source)?;
                 continue;
             }
             let mut verdict = Judgement::default();
@@ -228,12 +234,12 @@ impl LoadedModelCheck<'_> {
                     if let Some(field) = stored.as_ref().filter(|_| found.len() == vertices) {
                         let expected = field.distances.iter().copied();
                         let comparison = check::compare_some(&found, expected, tolerance);
-                        let mut reference = field.path.display().to_string();
+                        let mut name = field.path.display().to_string();
                         if comparison.compared < vertices {
-                            let some = comparison.compared;
-                            reference += &format!(" at {some} of {vertices} vertices");
+                            name =
+                                format!("{name} at {} of {vertices} vertices", comparison.compared);
                         }
-                        verdict.judge(&reference, &comparison);
+                        verdict.judge(&name, &comparison);
                     }
                     if algorithm.label() == REFERENCE {
                         reference = Some(found);

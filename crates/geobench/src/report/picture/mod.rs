@@ -64,7 +64,7 @@ impl Scene<'_> {
     pub(crate) fn draw(&self, png: bool, model: &str, what: &str) -> anyhow::Result<Vec<u8>> {
         let picture = Picture::new(self, f64::INFINITY, None);
         let picture = picture.ok_or_else(|| no_surface(model))?;
-        picture.file(png, &format!("{what} on {model}"))
+        Ok(picture.file(png, &format!("{what} on {model}")))
     }
 
     /// The same with `after`, seen from the same side, on its right.
@@ -84,7 +84,7 @@ impl Scene<'_> {
         let after = Picture::new(after, f64::INFINITY, Some(&before.camera));
         let after = after.ok_or_else(|| no_surface(model))?;
         before.join(after);
-        before.file(png, &format!("{what} of {model}"))
+        Ok(before.file(png, &format!("{what} of {model}")))
     }
 }
 
@@ -183,12 +183,12 @@ impl Picture {
     }
 
     /// The picture as a file.
-    fn file(self, png: bool, title: &str) -> anyhow::Result<Vec<u8>> {
+    fn file(self, png: bool, title: &str) -> Vec<u8> {
         if png {
-            return Ok(self.png());
+            return self.png();
         }
         let chart = Chart::Picture(self);
-        Ok(chart.draw("picture", title, "", true).into_bytes())
+        chart.draw("picture", title, "", true).into_bytes()
     }
 
     /// The picture with its lines and sources but without a scale, as a PNG file.

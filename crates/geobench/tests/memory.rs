@@ -39,8 +39,8 @@ fn runs(place: &Isolated, model: &str, list: &[(&str, Pass)]) -> Vec<Peaks> {
     peaks.collect()
 }
 
-fn measured(place: Isolated) -> Peaks {
-    runs(&place, "gen:sphere,subdiv=4", &[("vtp", Pass::Profile)])[0]
+fn measured(place: &Isolated) -> Peaks {
+    runs(place, "gen:sphere,subdiv=4", &[("vtp", Pass::Profile)])[0]
 }
 
 #[test]
@@ -58,9 +58,9 @@ fn the_heap_of_a_run_is_the_same_each_time() {
 
 #[test]
 fn a_parent_of_a_gigabyte_does_not_change_the_figures_of_a_child() {
-    let alone = measured(isolated());
+    let alone = measured(&isolated());
     let gigabyte = black_box(vec![1_u8; 1024 * MEGABYTE as usize]);
-    let beside = measured(isolated());
+    let beside = measured(&isolated());
     drop(gigabyte);
     assert_eq!(alone.heap, beside.heap);
     let (alone, beside) = (alone.rss.unwrap(), beside.rss.unwrap());

@@ -44,6 +44,10 @@ const ADVICE: [(&str, &str); 6] = [
         "vtp-no-rule1, vtp-no-rules23, vtp-mmp, vtp-ch, ftp, opvtp",
     ),
     ("Voronoi diagrams", "window-vtp, by geobench voronoi"),
+    (
+        "an approximation",
+        "fmm; for many sources heat or svg; with a bound avtp",
+    ),
 ];
 
 /// Width of the output if it is not a terminal.

@@ -427,7 +427,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_written_as_they_are_displayed() {
+    fn numbers_are_as_short_as_displayed_and_read_back_to_the_bit() {
         let mut random = geobench_mesh::SplitMix64::new(3);
         let special = [
             0.0,
@@ -451,7 +451,10 @@ mod tests {
         for number in special.into_iter().chain(usual).chain(random.take(2000)) {
             let mut text = String::new();
             push_number(&mut text, &mut buffer, number);
-            assert_eq!(text, number.to_string());
+            // Of two shortest texts at the same distance from the number either may be written.
+            assert_eq!(text.len(), number.to_string().len(), "{text}");
+            let read: f64 = text.parse().unwrap();
+            assert!(read.to_bits() == number.to_bits() || read.is_nan() && number.is_nan());
         }
     }
 

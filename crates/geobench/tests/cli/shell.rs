@@ -50,7 +50,7 @@ fn manual_pages_hold_what_help_says() {
     let page = sandbox.succeed("man run");
     assert!(page.contains(".TH geobench-run 1"), "{page}");
     assert!(
-        page.contains("\\-\\-repeat") && page.contains("Suite file: models"),
+        page.contains("\\-\\-repeat") && page.contains("Suite file with models"),
         "{page}"
     );
     assert_eq!(

@@ -28,7 +28,7 @@ pub(super) struct AlgosOptions {
 }
 
 /// The recommended algorithm for each use, as in `docs/algorithms`.
-const ADVICE: [(&str, &str); 6] = [
+const ADVICE: [(&str, &str); 7] = [
     (
         "distances, fast",
         "vtp-fast; on several idle processors pvtp",

@@ -40,7 +40,6 @@ fn verdicts_are_a_page_and_data() {
     assert!(page.starts_with("# The papers' claims, one by one\n"));
     assert!(page.contains("| Rule 1 saves propagations: "));
     assert!(page.contains("there is no result of the suite 002-table-1"));
-    assert!(page.contains("not available yet: window-vtp"));
     assert_eq!(
         sandbox.succeed("claims r.json -o page.md --quiet"),
         "",

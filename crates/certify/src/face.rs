@@ -139,6 +139,9 @@ pub(crate) struct Way {
 /// distances come from fewer than a hundred operations, each right to 1.1e-16 of them.
 const MARGIN: f64 = 1e-11;
 
+/// The most ways that are kept, 16 bytes each. Errors on more of them are added up by distance.
+pub(crate) const MOST_WAYS: usize = 1 << 26;
+
 /// Ways as short as this part of the margin have no direction.
 const TINY: f64 = 0.1;
 
@@ -153,7 +156,7 @@ pub(crate) struct Checker<'a> {
     radii: Vec<f64>,
     /// Ways that are too long by more than this are left out.
     clear: f64,
-    /// The ways that are left.
+    /// The ways that are left, up to [`MOST_WAYS`] and those of one face more.
     pub(crate) ways: Vec<Way>,
     sides: [Vec<Oriented>; 3],
 }
@@ -532,7 +535,7 @@ impl Across<'_> {
     /// Adds the ways between the nodes of two pieces.
     fn connect(&self, piece: &Part, other: &Part, upper: f64, ways: &mut Vec<Way>) {
         let mut add = |from: &Part, to: &Part, upper: f64| {
-            if from.node != to.node && upper > -self.clear {
+            if from.node != to.node && upper > -self.clear && ways.len() <= MOST_WAYS {
                 ways.push(Way {
                     from: from.node as u32,
                     to: to.node as u32,

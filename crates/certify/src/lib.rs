@@ -54,7 +54,7 @@ use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 use boundary::windows_from_inside;
 use chains::greatest_sums;
 use envelope::{Piece, lower_envelope, piece};
-use face::{Checker, EdgeField, Way, canonical};
+use face::{Checker, EdgeField, MOST_WAYS, Way, canonical};
 use jump::jump;
 
 pub use envelope::WindowData;
@@ -366,6 +366,9 @@ impl<'a> Claim<'a> {
         mut ways: Vec<Way>,
         total: f64,
     ) -> (f64, f64) {
+        if ways.len() > MOST_WAYS {
+            return (total, self.add_up_by_distance(&own, in_face, total));
+        }
         ways.retain(|way| f64::from(way.excess) >= -total);
         let pieces = field.pieces.len();
         // A path may pass all faces around a vertex in its neighbourhood.
@@ -387,5 +390,35 @@ impl<'a> Claim<'a> {
             }
         }
         (absolute, relative.next_up())
+    }
+
+    /// By how much the distance of a vertex may be too long as a fraction of it, if its path may pass
+    /// everything that is not farther than it.
+    fn add_up_by_distance(&self, own: &[f64], in_face: &[f64], total: f64) -> f64 {
+        // Distances are known up to the total, and fall by at most its longest edge within a face.
+        let of_faces = self.mesh.faces().map(|face| {
+            let corners = self.mesh.face_vertices(face);
+            let least = corners.map(|v| self.distances[v.index()]);
+            let least = least.into_iter().fold(f64::INFINITY, f64::min);
+            let edges = [0, 1, 2].map(|k| self.mesh.length(face.half_edge(k)));
+            let from = least - edges.into_iter().fold(0.0, f64::max);
+            (from, in_face[face.index()])
+        });
+        let of_vertices = self.distances.iter().copied().zip(own.iter().copied());
+        let mut losses: Vec<(f64, f64)> = of_faces.chain(of_vertices).collect();
+        losses.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut order: Vec<f64> = self.distances.to_vec();
+        order.retain(|d| d.is_finite() && *d > 0.0);
+        order.sort_by(f64::total_cmp);
+        let generous = 1.0 + losses.len() as f64 * f64::EPSILON;
+        let mut losses = losses.into_iter().peekable();
+        let (mut relative, mut lost) = (0.0_f64, 0.0);
+        for d in order {
+            while let Some((_, loss)) = losses.next_if(|(from, _)| *from <= d + 2.0 * total) {
+                lost += loss;
+            }
+            relative = relative.max(lost * generous / d);
+        }
+        relative.next_up()
     }
 }

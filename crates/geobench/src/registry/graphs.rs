@@ -2,7 +2,6 @@
 //! vertices within a bound.
 
 use geobench_approx::{SaddleVertexGraph, SvgBuilder, SvgOptions, avtp, mmp_approx};
-use geobench_window::Counter;
 
 use super::parameter::THREADS;
 use super::{Algorithm, Parameter, Value, Values};
@@ -59,7 +58,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "for many sources on one mesh",
         parameters: &[K, BUILD, THREADS],
         build: |mesh, values| Box::new(SaddleVertexGraph::new(mesh, svg_options(values))),
-        ..APPROXIMATE
+        ..Algorithm::APPROXIMATE
     },
     Algorithm {
         name: "mmp-approx",
@@ -71,7 +70,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "to see what windows cost that distances hardly need",
         parameters: &[EPS],
         build: |mesh, values| Box::new(mmp_approx(mesh, values.real(&EPS))),
-        ..APPROXIMATE
+        ..Algorithm::APPROXIMATE
     },
     Algorithm {
         name: "avtp",
@@ -83,13 +82,6 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "as mmp-approx, with less memory",
         parameters: &[EPS],
         build: |mesh, values| Box::new(avtp(mesh, values.real(&EPS))),
-        ..APPROXIMATE
+        ..Algorithm::APPROXIMATE
     },
 ];
-
-const APPROXIMATE: Algorithm = Algorithm {
-    family: "approximate",
-    exact: false,
-    memory_counter: Counter::PeakWindows,
-    ..Algorithm::EXACT
-};

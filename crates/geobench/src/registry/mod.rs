@@ -127,7 +127,7 @@ impl Algorithm {
         build: |_, _| panic!("this algorithm has no solver"),
     };
 
-    /// Defaults of an approximate algorithm, which has no windows; for the tables of this module.
+    /// Defaults of an approximate algorithm; for the tables of this module.
     const APPROXIMATE: Self = Self {
         family: "approximate",
         exact: false,

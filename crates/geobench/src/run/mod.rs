@@ -1,6 +1,7 @@
 //! Carries out a [`Plan`], model by model. `unit` runs the cells of one model and source.
 
 pub mod agreement;
+mod cell_runs;
 pub mod check;
 #[cfg(feature = "command-line")]
 pub mod cluster;
@@ -11,6 +12,7 @@ mod log;
 pub mod merge;
 #[cfg(test)]
 pub(crate) mod mock;
+mod order;
 mod reference_check;
 #[cfg(test)]
 mod tests;

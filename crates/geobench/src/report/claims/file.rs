@@ -383,7 +383,7 @@ fn test(document: &Document<'_>, raw: Spanned<RawTest>) -> Result<Test, Document
         let parameter = best.get_ref();
         let all = raw.of.iter().flat_map(|operand| &operand.algorithms);
         for selection in all {
-            if super::parameter(selection, parameter).is_none() {
+            if super::cases::parameter(selection, parameter).is_none() {
                 let problem = format!(
                     "{} has no number for the parameter `{parameter}`",
                     selection.label()

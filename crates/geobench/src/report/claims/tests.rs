@@ -4,11 +4,13 @@ use std::path::Path;
 
 use geobench_window::Counter;
 
+use super::cases::is_like;
 use super::*;
 use crate::exec::mock::MockBackend;
 use crate::measure::statistics::time;
 use crate::run::mock::{plan, result, run_mock};
-use crate::schema::IsolationRecord;
+use crate::registry::Selection;
+use crate::schema::{Cell, IsolationRecord, PlannedAlgorithm, SourceLabel, Status};
 use crate::table::Look;
 
 /// Results of these algorithms on models of 1,000, 4,000 and 16,000 faces and g = 1, 2 and 4. Time

@@ -1,0 +1,676 @@
+//! The cases of a test: values computed from results, and whether the claim holds for each.
+
+use super::Case;
+use super::expression::{Leaves, Node, Quantity, ends};
+use super::file::{Axis, Combine, Operand, Show, Size, Test, Vectors, labels};
+use crate::exec::source::SourceSpec;
+use crate::measure::number::grouped;
+use crate::measure::statistics::{FEWEST_FOR_FIT, FEWEST_FOR_INTERVAL};
+use crate::registry::{Selection, Value as Parameter};
+use crate::schema::{Cell, ModelRecord, Phases, PlannedAlgorithm, ResultFile, SourceLabel, Status};
+use crate::table::figures::Figure;
+use crate::table::group::{Value, distinct};
+
+/// The value of a parameter of `selection`, if it is a number.
+pub(super) fn parameter(selection: &Selection, name: &str) -> Option<f64> {
+    let mut parameters = selection.algorithm().parameters.iter();
+    match selection.value(parameters.find(|parameter| parameter.name == name)?) {
+        Parameter::Integer(n) => Some(n as f64),
+        Parameter::Real(x) => Some(x),
+        Parameter::Word(_) => None,
+    }
+}
+
+/// Algorithms that took other steps under the same name and parameters while phases were still
+/// clocked: a window born in a round did not wait for the next.
+const CHANGED_BEFORE_SAMPLING: &[&str] = &["fwp-ch", "fwp-mmp"];
+
+/// The results of a suite, for one test.
+#[derive(Clone, Copy)]
+pub(super) struct Results<'r> {
+    pub(super) result: &'r ResultFile,
+    pub(super) test: &'r Test,
+}
+
+/// Why there is no value.
+type Reason = String;
+
+/// An expression over numbers that vary.
+struct Built {
+    leaves: Leaves,
+    node: Node,
+    /// The least and the greatest place of the models of a growth.
+    range: Option<[f64; 2]>,
+}
+
+/// A point of a series: a model in a group.
+#[derive(Clone, Copy)]
+struct Place<'r> {
+    group: Option<&'r str>,
+    model: &'r ModelRecord,
+}
+
+impl<'r> Results<'r> {
+    /// The groups of the suite that the test is on.
+    fn groups(&self) -> Vec<Option<&'r str>> {
+        let cells = self.result.cells.iter();
+        let groups = distinct(cells.map(|cell| cell.group.as_deref()));
+        let wanted = |group: Option<&str>| {
+            let wanted = &self.test.groups;
+            wanted.is_empty() || group.is_some_and(|name| wanted.iter().any(|one| one == name))
+        };
+        groups.into_iter().filter(|group| wanted(*group)).collect()
+    }
+
+    /// The models of a group that the test is on.
+    fn models(&self, group: Option<&str>) -> Vec<&'r ModelRecord> {
+        let models = self.result.models.iter().filter(|model| {
+            let mut cells = self.result.cells.iter();
+            let patterns = &self.test.models;
+            let named = |pattern: &String| is_like(pattern, &model.name);
+            cells.any(|cell| cell.group.as_deref() == group && cell.model == model.name)
+                && (patterns.is_empty() || patterns.iter().any(named))
+        });
+        models.collect()
+    }
+
+    /// The algorithms of the plan of a group with the name of `selection`.
+    fn namesakes(
+        &self,
+        group: Option<&str>,
+        selection: &Selection,
+    ) -> impl Iterator<Item = &PlannedAlgorithm> {
+        let name = selection.algorithm().name;
+        let groups = self.result.plan.iter().flat_map(|plan| &plan.groups);
+        let planned = groups.filter(move |planned| planned.name.as_deref() == group);
+        let planned = planned.flat_map(|planned| &planned.algorithms);
+        planned.filter(move |planned| planned.label.split('{').next() == Some(name))
+    }
+
+    /// The label of `selection` in the cells of a group: that of an algorithm of the plan with this
+    /// name and exactly these parameters. Labels alone do not tell, because defaults change from
+    /// version to version.
+    fn label(&self, group: Option<&str>, selection: &Selection) -> Result<&str, Reason> {
+        let missing = |why: &str| Err(format!("{} {why}", selection.label()));
+        if self.result.plan.is_none() {
+            return missing("cannot be told from others: the result does not hold its plan");
+        }
+        let mut namesakes = self.namesakes(group, selection).peekable();
+        if namesakes.peek().is_none() {
+            return missing("was not run");
+        }
+        let Some(same) = namesakes.find(|planned| is_same(selection, planned)) else {
+            return missing("was run with other parameters than the claim has");
+        };
+        if CHANGED_BEFORE_SAMPLING.contains(&selection.algorithm().name) && self.is_clocked() {
+            return missing("has changed since this result was made");
+        }
+        Ok(&same.label)
+    }
+
+    /// Whether the result is of a program that clocked phases.
+    fn is_clocked(&self) -> bool {
+        let mut phases = self.result.cells.iter().map(|cell| &cell.phases);
+        phases.any(|phases| phases.management.is_some() && phases.samples.is_none())
+    }
+
+    /// The cells of an algorithm on a model, one for each source.
+    fn cells(
+        &self,
+        group: Option<&str>,
+        selection: &Selection,
+        model: &str,
+    ) -> Result<Vec<&Cell>, Reason> {
+        let label = self.label(group, selection)?;
+        let cells = self.result.cells.iter();
+        let cells: Vec<&Cell> = cells
+            .filter(|c| c.group.as_deref() == group && c.algorithm == label && c.model == model)
+            .collect();
+        if cells.is_empty() {
+            Err(format!("{label} has no cell"))
+        } else {
+            Ok(cells)
+        }
+    }
+
+    /// The figure of a cell.
+    fn quantity(
+        &self,
+        figure: &Figure,
+        cell: &Cell,
+        model: &ModelRecord,
+    ) -> Result<Quantity, Reason> {
+        let label = &cell.algorithm;
+        if cell.status != Status::Ok {
+            return Err(format!("{label}: {}", cell.status.in_words()));
+        }
+        if is_timed(figure) && self.result.tool.profile != "release" {
+            return Err("it was measured with a debug build".to_owned());
+        }
+        if is_timed(figure) && self.test.simd == Vectors::Scalar {
+            // Vector code of one algorithm beside scalar code of another compares programs.
+            let simd = match figure.key {
+                "instructions" if cell.instructions.is_none() => Some("scalar"),
+                "instructions" => cell.instructions_simd.as_deref(),
+                _ => cell.simd.as_deref(),
+            };
+            match simd {
+                Some("scalar") => {}
+                Some(other) => {
+                    return Err(format!(
+                        "{label} ran with vector instructions ({other}); only scalar runs decide"
+                    ));
+                }
+                None => {
+                    return Err(
+                        "the result does not say which vector instructions ran; only scalar runs \
+                         decide"
+                            .to_owned(),
+                    );
+                }
+            }
+        }
+        if figure.key == "time" {
+            return match &cell.time.samples[..] {
+                [] => Err(format!("{label} has no times")),
+                samples => Ok(Quantity::Samples(samples.to_vec())),
+            };
+        }
+        if let Some(phase) = phase_of(figure) {
+            return phase_quantity(figure, phase, cell);
+        }
+        let value = figure.of(cell, model.vertices);
+        value
+            .map(Quantity::Exact)
+            .ok_or_else(|| format!("{label} has no `{}`", figure.key))
+    }
+
+    /// All cases of the test.
+    pub(super) fn cases(&self) -> Vec<Case> {
+        let mut cases = Vec::new();
+        for operand in &self.test.of {
+            let groups: Vec<_> = self
+                .groups()
+                .into_iter()
+                .filter(|group| !self.models(*group).is_empty())
+                .collect();
+            // Groups of other algorithms are passed over, unless all are.
+            let has_all = |group: Option<&str>| {
+                let all = operand.algorithms.iter();
+                let mut all = all.chain(self.test.to.iter().flat_map(|to| &to.algorithms));
+                all.all(|selection| self.namesakes(group, selection).next().is_some())
+            };
+            let able: Vec<_> = groups
+                .iter()
+                .copied()
+                .filter(|group| has_all(*group))
+                .collect();
+            let groups = if able.is_empty() { groups } else { able };
+            cases.extend(match (self.test.ends, self.test.combine) {
+                (Some(ends), _) => self.endings(operand, &groups, ends),
+                (None, Combine::Each) if self.test.over.is_some() => {
+                    let series = self.series(&groups).into_iter();
+                    series
+                        .map(|(on, places)| {
+                            self.case(operand, on, None, |figure| {
+                                self.growth(operand, &places, figure)
+                            })
+                        })
+                        .collect()
+                }
+                (None, Combine::Each) => groups
+                    .iter()
+                    .flat_map(|group| {
+                        self.models(*group).into_iter().map(|model| {
+                            self.case(operand, &model.name, Some(model), |figure| {
+                                let mut leaves = Leaves::default();
+                                let node = self.on(operand, *group, model, figure, &mut leaves)?;
+                                Ok(Built {
+                                    leaves,
+                                    node,
+                                    range: None,
+                                })
+                            })
+                        })
+                    })
+                    .collect(),
+                (None, combine) => {
+                    let models = groups.iter().map(|group| self.models(*group).len());
+                    let on = format!("{} of {} models", words(combine), models.sum::<usize>());
+                    vec![self.case(operand, &on, None, |figure| {
+                        self.combined(operand, &groups, figure, combine)
+                    })]
+                }
+            });
+        }
+        cases
+    }
+
+    /// A case: the first figure that decides.
+    fn case(
+        &self,
+        operand: &Operand,
+        on: &str,
+        model: Option<&ModelRecord>,
+        build: impl Fn(&'static Figure) -> Result<Built, Reason>,
+    ) -> Case {
+        let mut first: Option<Case> = None;
+        let blank = |figure: &str| Case {
+            of: self.in_words(operand),
+            ..Case::open(figure, on)
+        };
+        for (place, figure) in self.test.figures.iter().enumerate() {
+            let mut case = blank(figure.key);
+            match build(figure).map(|built| self.decide(&built, figure, &mut case)) {
+                Ok(Ok(())) if place == 0 => {
+                    case.fits = self.fits(operand, model, case.value.unwrap_or(f64::NAN));
+                    return case;
+                }
+                Ok(Ok(())) => {
+                    // The paper's numbers are of the first figure; here only the direction shows.
+                    let printed = !self.test.printed(operand).is_empty();
+                    case.fits = printed.then_some(false);
+                    let why = first.and_then(|case| case.reason).unwrap_or_default();
+                    case.reason = Some(format!("decided by {}, because {why}", figure.key));
+                    return case;
+                }
+                Ok(Err(reason)) | Err(reason) => {
+                    case.reason = Some(reason);
+                    first.get_or_insert(case);
+                }
+            }
+        }
+        first.unwrap_or_else(|| blank(""))
+    }
+
+    /// Whether the claim holds for the value of an expression.
+    fn decide(&self, built: &Built, figure: &Figure, case: &mut Case) -> Result<(), Reason> {
+        let Some(value) = built.leaves.value(&built.node) else {
+            return Err(format!("`{}` is 0", figure.key));
+        };
+        (case.value, case.ci95) = (Some(value.value), value.interval);
+        case.range = built.range;
+        let holds = self.test.holds;
+        let sure = match value {
+            Value {
+                interval: Some([low, high]),
+                ..
+            } => {
+                let same = [low, high].map(|end| holds.holds(end));
+                match same {
+                    [true, true] => true,
+                    [false, false] if !holds.touches([low, high]) => false,
+                    _ => return Err("the 95 % interval holds both sides".to_owned()),
+                }
+            }
+            _ if !built.leaves.are_exact() => {
+                let samples = built.leaves.fewest_samples();
+                let s = if samples == 1 { "" } else { "s" };
+                return Err(format!(
+                    "{samples} sample{s}; an interval takes {FEWEST_FOR_INTERVAL}"
+                ));
+            }
+            Value { value, .. } => holds.holds(value),
+        };
+        case.holds = Some(sure);
+        Ok(())
+    }
+
+    /// Whether `value` is within a third of the paper's numbers, if it has any: of that of the same
+    /// model for a figure of one algorithm, else of the range of all.
+    fn fits(&self, operand: &Operand, model: Option<&ModelRecord>, value: f64) -> Option<bool> {
+        let mut printed = self.test.printed(operand);
+        if self.test.to.is_none() && printed.iter().any(|(of, _)| of.is_some()) {
+            printed.retain(|(of, _)| {
+                let same = |(name, faces): &(String, u64)| {
+                    let model = model?;
+                    let ours = model.faces?;
+                    let close = ours.abs_diff(*faces) * 100 <= *faces;
+                    Some(close && model.name.to_lowercase().contains(name))
+                };
+                of.as_ref().and_then(same).unwrap_or(false)
+            });
+        }
+        let numbers = printed.iter().map(|(_, number)| *number);
+        let ends = numbers.fold(None, |ends: Option<[f64; 2]>, number| {
+            let [low, high] = ends.unwrap_or([number; 2]);
+            Some([low.min(number), high.max(number)])
+        });
+        let [low, high] = ends?;
+        Some(value >= low - low.abs() / 3.0 && value <= high + high.abs() / 3.0)
+    }
+
+    /// The expression on one model: the median over the sources.
+    fn on(
+        &self,
+        operand: &Operand,
+        group: Option<&str>,
+        model: &ModelRecord,
+        figure: &'static Figure,
+        leaves: &mut Leaves,
+    ) -> Result<Node, Reason> {
+        let cells = |operand: &Operand| {
+            let all = operand.algorithms.iter();
+            all.map(|selection| self.cells(group, selection, &model.name))
+                .collect::<Result<Vec<_>, _>>()
+        };
+        let (over, under) = (
+            cells(operand)?,
+            self.test.to.as_ref().map(cells).transpose()?,
+        );
+        let sources = distinct(over.iter().flatten().map(|cell| cell.source.clone()));
+        let own = operand.figure(figure);
+        let mut nodes = Vec::new();
+        for source in sources {
+            let at = |cells: &[Vec<&Cell>], figure: &Figure| {
+                let of_source = |cells: &Vec<&Cell>| {
+                    let cell = cells.iter().find(|cell| cell.source == source);
+                    let cell =
+                        cell.ok_or_else(|| "not all ran from the same sources".to_owned())?;
+                    self.quantity(figure, cell, model)
+                };
+                cells.iter().map(of_source).collect::<Result<Vec<_>, _>>()
+            };
+            let over = at(&over, own)?;
+            let under = match (&under, &self.test.to) {
+                (Some(under), Some(to)) => at(under, to.figure(figure))?,
+                _ => Vec::new(),
+            };
+            nodes.push(self.source(operand, over, under, leaves));
+        }
+        let node = match nodes.len() {
+            1 => nodes.remove(0),
+            _ => Node::Median(nodes),
+        };
+        let node = match self.test.per {
+            None => node,
+            Some(size) => {
+                let size = match size {
+                    Size::Vertices => model.vertices,
+                    Size::Faces => model.faces,
+                };
+                let size = size.ok_or("the size of the model is not known")?;
+                Node::Per(Box::new(node), size as f64)
+            }
+        };
+        Ok(match self.test.show {
+            Show::Value => node,
+            Show::Saving => Node::Saving(Box::new(node)),
+        })
+    }
+
+    /// The expression on one model from one source.
+    fn source(
+        &self,
+        operand: &Operand,
+        over: Vec<Quantity>,
+        under: Vec<Quantity>,
+        leaves: &mut Leaves,
+    ) -> Node {
+        if let Some(best) = &self.test.best {
+            let beside = operand.algorithms.iter();
+            let beside = beside.map(|one| parameter(one, best).unwrap_or(f64::NAN));
+            let all = beside.zip(over.into_iter().map(|quantity| leaves.node(quantity)));
+            return Node::Best(all.collect());
+        }
+        let least = |quantities: Vec<Quantity>, leaves: &mut Leaves| {
+            let mut nodes: Vec<Node> = quantities.into_iter().map(|q| leaves.node(q)).collect();
+            match nodes.len() {
+                1 => nodes.remove(0),
+                _ => Node::Least(nodes),
+            }
+        };
+        match (
+            <[Quantity; 1]>::try_from(over),
+            <[Quantity; 1]>::try_from(under),
+        ) {
+            (Ok([over]), Ok([under])) => leaves.ratio(over, under),
+            (over, under) => {
+                let over = least(over.map_or_else(|many| many, Vec::from), leaves);
+                let under = under.map_or_else(|many| many, Vec::from);
+                if under.is_empty() {
+                    return over;
+                }
+                Node::Ratio(Box::new(over), Box::new(least(under, leaves)))
+            }
+        }
+    }
+
+    /// The series over which expressions grow: the models of each group or, if they grow with the
+    /// sources, each model in all groups.
+    fn series(&self, groups: &[Option<&'r str>]) -> Vec<(&'r str, Vec<Place<'r>>)> {
+        let all = groups.iter().flat_map(|&group| {
+            let models = self.models(group).into_iter();
+            models.map(move |model| Place { group, model })
+        });
+        let of_series = |place: &Place<'r>| match self.test.over {
+            Some(Axis::Sources) => place.model.name.as_str(),
+            _ => place.group.unwrap_or("all models"),
+        };
+        let all: Vec<Place<'r>> = all.collect();
+        let names = distinct(all.iter().map(of_series));
+        let series = names.into_iter().map(|name| {
+            let places = all.iter().filter(|place| of_series(place) == name);
+            (name, places.copied().collect())
+        });
+        series.collect()
+    }
+
+    /// Where a point of a series lies on its axis.
+    fn along(&self, place: Place<'_>) -> Option<f64> {
+        let Place { group, model } = place;
+        match self.test.over {
+            Some(Axis::Anisotropy) => model.anisotropy,
+            Some(Axis::Sources) => {
+                let mut cells = self.result.cells.iter();
+                let same = |c: &&Cell| c.group.as_deref() == group && c.model == model.name;
+                match cells.find(same)?.source.as_ref()? {
+                    SourceLabel::Vertex(_) => Some(1.0),
+                    SourceLabel::Other(text) => {
+                        Some(text.parse::<SourceSpec>().ok()?.count() as f64)
+                    }
+                }
+            }
+            _ => model.faces.map(|faces| faces as f64),
+        }
+    }
+
+    /// How the expression grows over a series.
+    fn growth(
+        &self,
+        operand: &Operand,
+        series: &[Place<'_>],
+        figure: &'static Figure,
+    ) -> Result<Built, Reason> {
+        let (mut leaves, mut points) = (Leaves::default(), Vec::new());
+        let mut missing = None;
+        for &place @ Place { group, model } in series {
+            let Some(place) = self.along(place) else {
+                continue;
+            };
+            // A series ends where an algorithm has no result any more.
+            let mut longer = leaves.clone();
+            match self.on(operand, group, model, figure, &mut longer) {
+                Ok(node) => {
+                    leaves = longer;
+                    points.push((place, node));
+                }
+                Err(reason) => missing = missing.or(Some(reason)),
+            }
+        }
+        let places: Vec<f64> = points.iter().map(|(x, _)| *x).collect();
+        if distinct(places).len() < FEWEST_FOR_FIT {
+            let few = format!("fewer than {FEWEST_FOR_FIT} models of the series have a value");
+            return Err(missing.map_or(few.clone(), |why| format!("{few}: {why}")));
+        }
+        Ok(Built {
+            range: Some(ends(&points)),
+            leaves,
+            node: Node::Growth(points),
+        })
+    }
+
+    /// The expression over all models.
+    fn combined(
+        &self,
+        operand: &Operand,
+        groups: &[Option<&str>],
+        figure: &'static Figure,
+        combine: Combine,
+    ) -> Result<Built, Reason> {
+        let (mut leaves, mut nodes) = (Leaves::default(), Vec::new());
+        for &group in groups {
+            for model in self.models(group) {
+                nodes.push(self.on(operand, group, model, figure, &mut leaves)?);
+            }
+        }
+        if nodes.is_empty() {
+            return Err("no model".to_owned());
+        }
+        let node = match combine {
+            Combine::Median | Combine::Each => Node::Median(nodes),
+            Combine::Mean => Node::Mean(nodes),
+            Combine::GeometricMean => Node::GeometricMean(nodes),
+            Combine::Spread => Node::Spread(nodes),
+        };
+        Ok(Built {
+            leaves,
+            node,
+            range: None,
+        })
+    }
+
+    /// Cases of runs that must end in a certain way.
+    fn endings(&self, operand: &Operand, groups: &[Option<&str>], ends: Status) -> Vec<Case> {
+        let mut cases = Vec::new();
+        for &group in groups {
+            let models = self.models(group).into_iter();
+            let large = |model: &&ModelRecord| {
+                let least = self.test.at_least_faces;
+                least == 0 || model.faces.is_some_and(|faces| faces >= least)
+            };
+            for (model, one) in models
+                .filter(large)
+                .flat_map(|model| operand.algorithms.iter().map(move |one| (model, one)))
+            {
+                let found = self.cells(group, one, &model.name);
+                let found = found.map(|cells| cells.iter().any(|cell| cell.status == ends));
+                cases.push(Case {
+                    holds: found.as_ref().ok().copied(),
+                    reason: found.err(),
+                    of: one.label().to_owned(),
+                    ..Case::open("status", &model.name)
+                });
+            }
+        }
+        if cases.is_empty() && self.test.at_least_faces > 0 {
+            let greatest = groups.iter().flat_map(|group| self.models(*group));
+            let greatest = greatest.filter_map(|model| model.faces).max().unwrap_or(0);
+            cases.push(Case {
+                reason: Some(format!(
+                    "the largest model has {} faces, the claim is about {}",
+                    grouped(greatest),
+                    grouped(self.test.at_least_faces),
+                )),
+                of: labels(&operand.algorithms),
+                ..Case::open("status", "no model")
+            });
+        }
+        cases
+    }
+
+    /// The expression of an operand in words.
+    fn in_words(&self, operand: &Operand) -> String {
+        let own = operand.figure.map(|figure| format!("{} of ", figure.key));
+        let own = own.unwrap_or_default() + &operand.in_words();
+        match &self.test.to {
+            None => own,
+            Some(to) => {
+                let figure = to.figure.map(|figure| format!("{} of ", figure.key));
+                format!("{own} to {}{}", figure.unwrap_or_default(), to.in_words())
+            }
+        }
+    }
+}
+
+/// The phase of a figure of phases.
+fn phase_of(figure: &Figure) -> Option<fn(&Phases) -> Option<f64>> {
+    match figure.key {
+        "phase_propagation" => Some(|phases| phases.propagation),
+        "phase_pruning" => Some(|phases| phases.pruning),
+        "phase_management" | "management_share" => Some(|phases| phases.management),
+        _ => None,
+    }
+}
+
+/// A phase of a cell: its share of the samples, for a time multiplied by the timed runs.
+fn phase_quantity(
+    figure: &Figure,
+    phase: fn(&Phases) -> Option<f64>,
+    cell: &Cell,
+) -> Result<Quantity, Reason> {
+    let phases = &cell.phases;
+    let parts = [phases.propagation, phases.pruning, phases.management];
+    let all = parts
+        .into_iter()
+        .sum::<Option<f64>>()
+        .filter(|all| *all > 0.0);
+    let (Some(all), Some(own)) = (all, phase(phases)) else {
+        return Err(format!("{} has no phases", cell.algorithm));
+    };
+    let Some(samples) = phases.samples else {
+        return Err(
+            "the phases were clocked, which makes short ones look longer; only samples decide"
+                .to_owned(),
+        );
+    };
+    Ok(match figure.key {
+        "management_share" => Quantity::Share(own / all, samples),
+        _ if cell.time.samples.is_empty() => {
+            return Err(format!("{} has no times", cell.algorithm));
+        }
+        _ => Quantity::Part(cell.time.samples.clone(), own / all, samples),
+    })
+}
+
+/// Whether a figure depends on how well the program was compiled.
+fn is_timed(figure: &Figure) -> bool {
+    matches!(figure.key, "time" | "setup" | "instructions") || phase_of(figure).is_some()
+}
+
+/// Whether a planned algorithm has exactly the parameters of `selection`.
+fn is_same(selection: &Selection, planned: &PlannedAlgorithm) -> bool {
+    let parameters = selection.algorithm().parameters;
+    let equal = |parameter: &crate::registry::Parameter| {
+        let Some(recorded) = planned.parameters.get(parameter.name) else {
+            return false;
+        };
+        match selection.value(parameter) {
+            Parameter::Integer(n) => recorded.as_u64() == Some(n),
+            Parameter::Real(x) => recorded.as_f64() == Some(x),
+            Parameter::Word(word) => recorded.as_str() == Some(word),
+        }
+    };
+    planned.parameters.len() == parameters.len() && parameters.iter().all(equal)
+}
+
+const fn words(combine: Combine) -> &'static str {
+    match combine {
+        Combine::Each => "each",
+        Combine::Median => "median",
+        Combine::Mean => "mean",
+        Combine::GeometricMean => "geometric mean",
+        Combine::Spread => "greatest to least",
+    }
+}
+
+/// Whether `text` is like `pattern`, in which a star stands for any text.
+pub(super) fn is_like(pattern: &str, text: &str) -> bool {
+    match pattern.split_once('*') {
+        None => pattern == text,
+        Some((start, rest)) => text.strip_prefix(start).is_some_and(|text| {
+            let mut starts = text.char_indices().map(|(at, _)| at).chain([text.len()]);
+            starts.any(|at| is_like(rest, &text[at..]))
+        }),
+    }
+}

@@ -171,7 +171,7 @@ pub(super) struct RunOptions {
     /// What answers must agree with: an algorithm, certificate (mmp with a proof of its distances),
     /// none, file (MODEL.sSOURCE.csv beside the model or in a folder named expected there or beside
     /// its folder), or the path of such a file
-    /// [default: mmp-fast if it runs, else the first algorithm]
+    /// [default: mmp-fast if it runs, else the first exact algorithm]
     #[arg(long, value_name = "REF")]
     pub(super) check: Option<String>,
 

@@ -66,12 +66,17 @@ pub enum Reference {
 }
 
 impl Reference {
-    /// The default: `mmp-fast` if it runs, else the first algorithm.
+    /// The default: `mmp-fast` if it runs, else the first algorithm that is exact, else `mmp-fast`,
+    /// which then runs for the check alone. An approximation is never a reference: it would make
+    /// right answers wrong.
     pub fn usual(algorithms: &[Selection]) -> Self {
-        let usual = algorithms.iter().find(|a| a.label() == "mmp-fast");
-        match usual.or(algorithms.first()) {
-            Some(selection) => Self::Algorithm(selection.clone()),
-            None => Self::None,
+        const USUAL: &str = "mmp-fast";
+        let usual = algorithms.iter().find(|a| a.label() == USUAL);
+        let exact = usual.or_else(|| algorithms.iter().find(|a| a.is_exact()));
+        match (exact, algorithms) {
+            (Some(selection), _) => Self::Algorithm(selection.clone()),
+            (None, []) => Self::None,
+            (None, _) => registry::select_one(USUAL).map_or(Self::None, Self::Algorithm),
         }
     }
 
@@ -122,13 +127,19 @@ impl<'de> Deserialize<'de> for Reference {
 }
 
 impl Plan {
-    /// Refuses a single file of distances for more than one model or source.
+    /// Refuses a reference that cannot judge the answers of the plan.
     ///
     /// # Errors
     ///
-    /// When the plan has more than one model or source.
+    /// When the reference is approximate, or a single file of distances and the plan has more than
+    /// one model or source.
     pub fn check_reference(&self) -> Result<(), UsageError> {
         match &self.reference {
+            Reference::Algorithm(one) if !one.is_exact() => Err(UsageError(format!(
+                "`{}` is not exact, and no reference therefore; take an exact one, such as \
+                 `mmp-fast`",
+                one.label()
+            ))),
             Reference::Files(Expected::File(path))
                 if self.models.len() > 1
                     || self.sources_of_model() > 1
@@ -150,16 +161,18 @@ impl Plan {
     ///
     /// Names the program that is not in `programs`.
     pub fn find_programs(&mut self, programs: &Programs) -> Result<(), UsageError> {
-        if let Reference::Algorithm(reference) = &mut self.reference {
-            let found = reference.find_programs(programs)?;
-            // A program with several values was chosen because it is the first algorithm.
-            if let Some(first) = found.into_iter().next() {
-                *reference = first;
-            }
-        }
         let found = self.algorithms.iter().map(|a| a.find_programs(programs));
         let found = found.collect::<Result<Vec<_>, UsageError>>()?;
         self.algorithms = found.into_iter().flatten().collect();
+        if let Reference::Algorithm(reference) = &self.reference {
+            // A program with several values was chosen because it is the first algorithm.
+            let found = reference.find_programs(programs)?.into_iter().next();
+            self.reference = match found {
+                Some(found) if found.is_exact() => Reference::Algorithm(found),
+                Some(_) => Reference::usual(&self.algorithms),
+                None => Reference::None,
+            };
+        }
         Ok(())
     }
 

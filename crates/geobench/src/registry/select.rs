@@ -7,7 +7,7 @@ use geobench_mesh::{Mesh, did_you_mean};
 use geobench_window::Solver;
 use geobench_window::simd::Instructions;
 
-use super::parameter::THREADS;
+use super::parameter::{THREADS, THRESHOLD};
 use super::program::{OUTSIDE, PREFIX};
 use super::program::{Program, Programs};
 use super::{Algorithm, Parameter, Simd, Value, Values, algorithms, by_name_only};
@@ -86,6 +86,16 @@ impl Selection {
             Some(program) => program.approximate,
             None => !self.algorithm.exact && self.outside_name().is_none(),
         }
+    }
+
+    /// Whether its distances are exact up to rounding, so that others can be compared with them: it
+    /// is not approximate and drops no narrow windows. An outside program counts as exact until it
+    /// is found.
+    pub fn is_exact(&self) -> bool {
+        let drops_windows = (self.algorithm.parameters.iter())
+            .filter(|parameter| parameter.name == THRESHOLD.name)
+            .any(|parameter| self.values.real_or_word(parameter).is_some_and(|x| x > 0.0));
+        !self.is_approximate() && !drops_windows
     }
 
     /// The greatest relative error of its distances, if that is proven and not that of rounding.

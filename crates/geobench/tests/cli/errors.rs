@@ -64,6 +64,10 @@ fn wrong_usage() {
             "run square.off --check all",
             "algorithms; name one algorithm",
         ),
+        (
+            "run square.off --check heat",
+            "`heat` is not exact, and no reference therefore",
+        ),
         ("run square.off --check no.csv", "--check: no.csv: "),
         (
             "run square.off --color blue",

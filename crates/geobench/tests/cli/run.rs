@@ -57,6 +57,15 @@ fn prints_a_table_like_those_of_the_papers() {
 }
 
 #[test]
+fn an_approximate_algorithm_that_comes_first_is_no_reference() {
+    let sandbox = Sandbox::with_square();
+    let table = sandbox.succeed("run gen:torus,faces=500 --algo dijkstra,ich --repeat 1");
+    assert!(table.contains("checked against ich"), "{table}");
+    let table = sandbox.succeed("run gen:torus,faces=500 --algo dijkstra --repeat 1");
+    assert!(table.contains("checked against mmp-fast"), "{table}");
+}
+
+#[test]
 fn colour_is_shown_on_demand() {
     let sandbox = Sandbox::with_square();
     assert!(

@@ -269,7 +269,7 @@ fn group(plan: &Plan) -> PlannedGroup {
     PlannedGroup {
         name: plan.group.name.clone(),
         models: plan.models.iter().map(model).collect(),
-        algorithms: plan.algorithms.iter().map(algorithm).collect(),
+        algorithms: plan.algorithms.iter().map(planned).collect(),
         sources: plan.sources.to_string(),
         sources_together: plan.sources_together,
         repeat: plan.sampling.most(),
@@ -297,7 +297,7 @@ fn model(model: &ModelRef) -> PlannedModel {
     }
 }
 
-fn algorithm(selection: &Selection) -> PlannedAlgorithm {
+pub(crate) fn planned(selection: &Selection) -> PlannedAlgorithm {
     let parameters = selection.algorithm().parameters.iter();
     let program = selection.program().into_iter().flat_map(|program| {
         [

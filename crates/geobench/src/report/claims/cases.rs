@@ -639,7 +639,7 @@ fn is_timed(figure: &Figure) -> bool {
 }
 
 /// Whether a planned algorithm has exactly the parameters of `selection`.
-fn is_same(selection: &Selection, planned: &PlannedAlgorithm) -> bool {
+pub(super) fn is_same(selection: &Selection, planned: &PlannedAlgorithm) -> bool {
     let parameters = selection.algorithm().parameters;
     let equal = |parameter: &crate::registry::Parameter| {
         let Some(recorded) = planned.parameters.get(parameter.name) else {

@@ -257,15 +257,14 @@ impl<'de> Deserialize<'de> for Operand {
             deserializer,
             |text| {
                 Ok(Self {
-                    algorithms: vec![select_one(text).map_err(|error| error.to_string())?],
+                    algorithms: vec![named(text)?],
                     figure: None,
                 })
             },
             |raw: Raw| {
                 let names = raw.algorithm.iter().chain(&raw.least);
-                let algorithms: Vec<Selection> = names
-                    .map(|name| select_one(name).map_err(|error| error.to_string()))
-                    .collect::<Result<_, _>>()?;
+                let algorithms: Vec<Selection> =
+                    names.map(|name| named(name)).collect::<Result<_, _>>()?;
                 if raw.algorithm.is_some() != raw.least.is_empty() {
                     return Err("give either `algorithm` or `least`, a list of some".to_owned());
                 }
@@ -456,6 +455,12 @@ impl Operand {
     pub(super) fn figure(&self, figure: &'static Figure) -> &'static Figure {
         self.figure.unwrap_or(figure)
     }
+}
+
+/// The algorithm of this name, on one thread unless the name says more, as the suites run it.
+fn named(name: &str) -> Result<Selection, String> {
+    let one = select_one(name).map_err(|error| error.to_string())?;
+    Ok(one.with_threads(1))
 }
 
 /// The labels of `selections`, separated by commas.

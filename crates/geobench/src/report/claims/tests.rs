@@ -4,19 +4,20 @@ use std::path::Path;
 
 use geobench_window::Counter;
 
-use super::cases::is_like;
+use super::cases::{is_like, is_same};
 use super::*;
 use crate::exec::mock::MockBackend;
 use crate::measure::statistics::time;
-use crate::run::mock::{plan, result, run_mock};
+use crate::plan;
 use crate::registry::Selection;
+use crate::run::mock::{self, result, run_mock};
 use crate::schema::{Cell, IsolationRecord, PlannedAlgorithm, SourceLabel, Status};
 use crate::table::Look;
 
 /// Results of these algorithms on models of 1,000, 4,000 and 16,000 faces and g = 1, 2 and 4. Time
 /// and counts of all cells are equal.
 fn made_up(algorithms: &str) -> ResultFile {
-    let plan = plan(&["small", "middle", "large"], algorithms, "0");
+    let plan = mock::plan(&["small", "middle", "large"], algorithms, "0");
     let mut made = result(run_mock(&plan, &MockBackend::default()));
     made.command = ["geobench", "run", "--config", "bench-configs/s.toml"]
         .map(str::to_owned)
@@ -823,9 +824,10 @@ fn claims_are_about_what_suites_run() {
                     .collect();
                 let able = groups.clone().filter(|group| {
                     let algorithms = group.settings.algorithms.iter().flatten();
-                    let labels: Vec<&str> = algorithms.map(Selection::label).collect();
+                    let run = |one: &Selection| one.clone().with_threads(1);
+                    let planned: Vec<_> = algorithms.map(|one| plan::planned(&run(one))).collect();
                     all.iter()
-                        .all(|selection| labels.contains(&selection.label()))
+                        .all(|selection| planned.iter().any(|one| is_same(selection, one)))
                 });
                 let able: Vec<_> = able.collect();
                 assert!(
@@ -854,7 +856,7 @@ fn claims_are_about_what_suites_run() {
 #[test]
 fn the_page_is_that_of_the_record() {
     let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../results");
-    let record = results.join("2026-11-22-papers").read_dir().unwrap();
+    let record = results.join("2026-11-25-papers").read_dir().unwrap();
     let paths = record.map(|entry| entry.unwrap().path());
     let inputs: Vec<Input> = paths
         .filter(|path| path.extension().is_some_and(|ending| ending == "json"))
@@ -868,7 +870,7 @@ fn the_page_is_that_of_the_record() {
         .render(&report, Look::default())
         .unwrap();
     let kept = std::fs::read_to_string(results.join("paper-claims.md")).unwrap();
-    let command = "geobench claims results/2026-11-22-papers -o results/paper-claims.md";
+    let command = "geobench claims results/2026-11-25-papers -o results/paper-claims.md";
     assert!(
         kept == page,
         "results/paper-claims.md is out of date: {command}"

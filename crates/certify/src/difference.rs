@@ -101,9 +101,12 @@ fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -
     let values = ends.map(|t| (f.at(t), g.at(t)));
     let differences = values.map(|(f, g)| (f - g).hi);
     let at_ends = differences[0].max(differences[1]);
+    if from >= to {
+        return at_ends;
+    }
     let peak = peak(f, g).max(at_ends);
     let close = CLOSE * (values[0].0.hi + values[0].1.hi);
-    if peak - at_ends <= close || from >= to {
+    if peak - at_ends <= close {
         return peak;
     }
     let ([f0, f1], [g0, g1]) = (ends.map(|t| f.slope(t)), ends.map(|t| g.slope(t)));
@@ -184,6 +187,15 @@ mod tests {
         let f = distance(0.3, -1.0, 0.25);
         assert!(greatest_difference(&f, &f, 0.0, 1.0) < 1e-14);
         assert!(greatest_difference(&f, &distance(0.3, 1.0, 0.25), 0.0, 1.0) < 1e-14);
+    }
+
+    #[test]
+    fn a_single_point_has_no_peak() {
+        // The images are far apart, and both distances are the same at 0.25.
+        let (f, g) = (distance(0.25, 3.0, 0.0), distance(0.25, 1.0, 2.0));
+        assert!(greatest_difference(&f, &g, 0.25, 0.25) < 1e-14);
+        let g = distance(3.25, 4.0, -2.0);
+        assert!(greatest_difference(&f, &g, 0.25, 0.25) < 1e-14);
     }
 
     #[test]

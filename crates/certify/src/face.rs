@@ -589,3 +589,60 @@ impl Across<'_> {
         parts
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Face 11996 of the scan igea from vertex 0, and two pieces of it. The ways that bend at the
+    /// end of the first piece reach the second up to its very end, and the straight ones begin there.
+    #[test]
+    fn pieces_that_meet_in_one_point_are_compared_there() {
+        let positions = vec![
+            [
+                0.028835000470280647,
+                0.025356000289320946,
+                -0.008697000332176685,
+            ],
+            [
+                0.02889700047671795,
+                0.025023000314831734,
+                -0.008716000244021416,
+            ],
+            [
+                0.0287299994379282,
+                0.025356000289320946,
+                -0.009185000322759151,
+            ],
+            [0.029, 0.0252, -0.0084],
+            [0.0287, 0.0257, -0.0089],
+        ];
+        // Beside faces of less number its sides 0 and 2 are turned.
+        let mesh = Mesh::new(positions, vec![[1, 0, 3], [0, 2, 4], [0, 1, 2]]).unwrap();
+        let far = Piece {
+            from: 1.4883927423876347e-15,
+            to: 8.178653061323015e-5,
+            image: [-0.03639741439737471, 0.0034468109485394187],
+            sigma: 0.05372740948147406,
+        };
+        let near = Piece {
+            from: 3.20819438888775e-5,
+            to: 3.218347146565396e-5,
+            image: [5.532985414092948e-6, 0.0003392099151418724],
+            sigma: 0.09028766495827824,
+        };
+        let field = EdgeField {
+            mesh: &mesh,
+            starts: vec![0, 1, 1, 1, 2, 2, 2, 2, 2, 2],
+            pieces: vec![far, near],
+            jumps: vec![0.0; 9],
+        };
+        let found = Checker::new(&field, 1e-9).violation(FaceId::new(2));
+        assert!(found < 1e-12, "{found:e}");
+        // Both are compared: the second may not be longer.
+        let mut field = field;
+        field.pieces[1].sigma += 1e-10;
+        let found = Checker::new(&field, 1e-9).violation(FaceId::new(2));
+        assert!(found > 0.9e-10 && found < 1.1e-10, "{found:e}");
+    }
+}

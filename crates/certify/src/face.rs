@@ -37,6 +37,8 @@ struct Oriented {
     near: Part,
     /// Its middle, and the distance there.
     middle: [f64; 2],
+    /// The distances at its ends.
+    at_ends: [f64; 2],
 }
 
 /// A distance on a part of a side, rounded, and the node that stands for it.
@@ -94,6 +96,7 @@ impl EdgeField<'_> {
                 distance,
                 near,
                 middle: [middle, near.distance.at(middle)],
+                at_ends: [near.from, near.to].map(|t| near.distance.at(t)),
             }
         });
         oriented.clear();
@@ -190,10 +193,7 @@ impl<'a> Checker<'a> {
             let h = face.half_edge(k);
             self.field.orient(h, shape.lengths[k as usize], pieces);
         }
-        let at_ends = sides.iter().flatten().map(|p| {
-            let d = &p.near.distance;
-            d.at(p.near.from).max(d.at(p.near.to))
-        });
+        let at_ends = sides.iter().flatten().flat_map(|p| p.at_ends);
         let around: f64 = shape.lengths.iter().map(|l| l.hi).sum();
         let margin = MARGIN * (at_ends.fold(0.0, f64::max) + around);
         let mut most = 0.0_f64;
@@ -216,12 +216,8 @@ impl<'a> Checker<'a> {
                     margin,
                     clear: self.clear,
                 };
-                for (i, piece) in sides[k].iter().enumerate() {
-                    let bends = [
-                        !is_concave(i.checked_sub(1).map(|i| &sides[k][i]), Some(piece), margin),
-                        !is_concave(Some(piece), sides[k].get(i + 1), margin),
-                    ];
-                    let found = across.excess(piece, bends, &sides[there], &mut self.ways);
+                for i in 0..sides[k].len() {
+                    let found = across.excess(&sides[k], i, &sides[there], &mut self.ways);
                     from_side = from_side.max(found);
                 }
             }
@@ -464,9 +460,23 @@ impl RoundedTurn {
             image: [x, y],
             sigma,
         } = reaches[k].distance;
+        let (x, width) = (t - x, piece.near.to - piece.near.from);
+        let square = x * x + y * y;
         // Both distances change by at most the way along the side.
-        let least = d - sigma + (piece.near.to - piece.near.from) + clear;
-        least <= 0.0 || (t - x) * (t - x) + y * y >= least * least
+        let least = d - sigma + width + clear;
+        if least <= 0.0 || square >= least * least {
+            return true;
+        }
+        let way = square.sqrt();
+        if way <= width {
+            // Rounding of the image would tell in the slope.
+            return false;
+        }
+        // Both are convex, since the way is and distances are: the one by `reaches` is above its
+        // tangent, and that of the piece is farthest above the tangent at one of its ends.
+        let (reach, rise) = (sigma + way, x / way * (width / 2.0));
+        let [first, last] = piece.at_ends;
+        (first + rise).max(last - rise) + clear <= reach
     }
 }
 
@@ -483,15 +493,16 @@ struct Across<'a> {
 }
 
 impl Across<'_> {
-    /// How far the distances of `there` are above those by `piece`, at most; ways that bend at its
-    /// ends count as `bends` says.
+    /// How far the distances of `there` are above those by piece `i` of the side `here`, at most.
+    /// Ways that bend at its ends do not count where the distance has a concave kink.
     fn excess(
         &self,
-        piece: &Oriented,
-        bends: [bool; 2],
+        here: &[Oriented],
+        i: usize,
         there: &[Oriented],
         ways: &mut Vec<Way>,
     ) -> f64 {
+        let piece = &here[i];
         let reaches = self.near.reaches(&piece.near);
         let mut exact = None;
         let mut most = 0.0_f64;
@@ -504,12 +515,18 @@ impl Across<'_> {
                 continue;
             }
             if upper > -self.margin {
-                let exact = exact.get_or_insert_with(|| self.turn.reaches(piece));
-                most = most.max(exact[1].excess(other));
-                for (reach, _) in [(&exact[0], bends[1]), (&exact[2], bends[0])]
-                    .iter()
-                    .filter(|(_, counts)| *counts)
-                {
+                let [right, straight, left] = exact.get_or_insert_with(|| {
+                    let bends = |left, right| !is_concave(left, right, self.margin);
+                    let before = i.checked_sub(1).map(|i| &here[i]);
+                    let bends = [bends(before, Some(piece)), bends(Some(piece), here.get(i + 1))];
+                    let [right, straight, left] = self.turn.reaches(piece);
+                    [
+                        Some(right).filter(|_| bends[1]),
+                        Some(straight),
+                        Some(left).filter(|_| bends[0]),
+                    ]
+                });
+                for reach in [right, straight, left].into_iter().flatten() {
                     most = most.max(reach.excess(other));
                 }
             }

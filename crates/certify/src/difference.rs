@@ -104,18 +104,28 @@ const BISECTIONS: u32 = 100;
 const CLOSE: f64 = 2e-15;
 
 fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -> f64 {
-    let ways = [from, to].map(|t| [f.way(t), g.way(t)]);
-    let values = ways.map(|[of_f, of_g]| [f.sigma + of_f[1], g.sigma + of_g[1]]);
-    let differences = values.map(|[f, g]| (f - g).hi);
-    let at_ends = differences[0].max(differences[1]);
-    if from >= to {
-        return at_ends;
+    let ways = |t| [f.way(t), g.way(t)];
+    let values = |[of_f, of_g]: [[Interval; 2]; 2]| [f.sigma + of_f[1], g.sigma + of_g[1]];
+    let first = ways(from);
+    let [f0, g0] = values(first);
+    let close = CLOSE * (f0.hi + g0.hi);
+    // Both change by at most the way along the line.
+    let change = (2.0 * (to - from).max(0.0)).next_up();
+    if change <= close / 8.0 {
+        return ((f0 - g0).hi + change).next_up();
     }
-    let peak = peak(f, g).max(at_ends);
-    let close = CLOSE * (values[0][0].hi + values[0][1].hi);
+    let peak = peak(f, g);
+    if peak.abs() <= close {
+        return peak;
+    }
+    let last = ways(to);
+    let [f1, g1] = values(last);
+    let differences = [(f0 - g0).hi, (f1 - g1).hi];
+    let at_ends = differences[0].max(differences[1]).min(peak);
     if peak - at_ends <= close {
         return peak;
     }
+    let ways = [first, last];
     let [[f0, g0], [f1, g1]] = ways.map(|ways| ways.map(slope));
     let (rises, falls) = (f0 - g0, f1 - g1);
     // There is one critical point at most: monotone, or with a minimum between.

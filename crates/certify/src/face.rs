@@ -495,13 +495,7 @@ struct Across<'a> {
 impl Across<'_> {
     /// How far the distances of `there` are above those by piece `i` of the side `here`, at most.
     /// Ways that bend at its ends do not count where the distance has a concave kink.
-    fn excess(
-        &self,
-        here: &[Oriented],
-        i: usize,
-        there: &[Oriented],
-        ways: &mut Vec<Way>,
-    ) -> f64 {
+    fn excess(&self, here: &[Oriented], i: usize, there: &[Oriented], ways: &mut Vec<Way>) -> f64 {
         let piece = &here[i];
         let reaches = self.near.reaches(&piece.near);
         let mut exact = None;
@@ -510,24 +504,31 @@ impl Across<'_> {
             if RoundedTurn::is_beyond(&reaches, other, self.clear + self.margin) {
                 continue;
             }
-            let upper = self.upper(&reaches, &other.near);
+            let found = self.differences(&reaches, &other.near);
+            let upper = found.into_iter().fold(f64::NEG_INFINITY, f64::max) + self.margin;
             if upper <= -self.clear {
                 continue;
             }
             if upper > -self.margin {
-                let [right, straight, left] = exact.get_or_insert_with(|| {
+                let exact = exact.get_or_insert_with(|| {
                     let bends = |left, right| !is_concave(left, right, self.margin);
                     let before = i.checked_sub(1).map(|i| &here[i]);
-                    let bends = [bends(before, Some(piece)), bends(Some(piece), here.get(i + 1))];
+                    let bends = [
+                        bends(before, Some(piece)),
+                        bends(Some(piece), here.get(i + 1)),
+                    ];
                     let [right, straight, left] = self.turn.reaches(piece);
                     [
-                        Some(right).filter(|_| bends[1]),
+                        bends[1].then_some(right),
                         Some(straight),
-                        Some(left).filter(|_| bends[0]),
+                        bends[0].then_some(left),
                     ]
                 });
-                for reach in [right, straight, left].into_iter().flatten() {
-                    most = most.max(reach.excess(other));
+                for (k, reach) in exact.iter().enumerate() {
+                    let Some(reach) = reach else { continue };
+                    if !self.is_below(found[k], reach, &reaches[k]) {
+                        most = most.max(reach.excess(other));
+                    }
                 }
             }
             self.connect(&piece.near, &other.near, upper, ways);
@@ -535,24 +536,38 @@ impl Across<'_> {
         most
     }
 
+    /// Whether a piece is nowhere above `reach`, as told by how far it is above `near`, the same
+    /// rounded, where that begins and ends as `reach` does.
+    fn is_below(&self, difference: f64, reach: &Reach, near: &Part) -> bool {
+        let off = (reach.from - near.from).abs() + (reach.to - near.to).abs();
+        let lies_beside = difference == f64::NEG_INFINITY;
+        !lies_beside && off <= self.margin / 8.0 && difference <= -2.0 * self.margin
+    }
+
     /// At least how far `other` is above the nearest of `reaches`.
     fn upper(&self, reaches: &[Part; 3], other: &Part) -> f64 {
-        let mut most = f64::NEG_INFINITY;
-        for reach in reaches {
+        let found = self.differences(reaches, other).into_iter();
+        found.fold(f64::NEG_INFINITY, f64::max) + self.margin
+    }
+
+    /// How far `other` is above each of `reaches`, but for rounding; minus infinity where it lies
+    /// beside.
+    fn differences(&self, reaches: &[Part; 3], other: &Part) -> [f64; 3] {
+        [0, 1, 2].map(|k| {
+            let reach = &reaches[k];
             let (from, to) = (reach.from.max(other.from), reach.to.min(other.to));
-            if from <= to {
-                let distance = &reach.distance;
-                let found = other.distance.excess(distance, from, to, self.near.tiny);
-                most = most.max(found);
+            if from > to {
+                return f64::NEG_INFINITY;
             }
-        }
-        most + self.margin
+            let distance = &reach.distance;
+            other.distance.excess(distance, from, to, self.near.tiny)
+        })
     }
 
     /// Adds the ways between the nodes of two pieces.
     fn connect(&self, piece: &Part, other: &Part, upper: f64, ways: &mut Vec<Way>) {
         let mut add = |from: &Part, to: &Part, upper: f64| {
-            if from.node != to.node && upper > -self.clear && ways.len() <= MOST_WAYS {
+            if upper > -self.clear && ways.len() <= MOST_WAYS {
                 ways.push(Way {
                     from: from.node as u32,
                     to: to.node as u32,
@@ -564,15 +579,22 @@ impl Across<'_> {
         let parts = self.split(0, piece);
         let others = self.split(1, other);
         if parts[1..].iter().chain(&others[1..]).all(Option::is_none) {
-            if let ([Some(part), ..], [Some(other), ..]) = (parts, others) {
+            if let ([Some(part), ..], [Some(other), ..]) = (parts, others)
+                && part.node != other.node
+            {
                 add(&part, &other, upper);
             }
             return;
         }
         for part in parts.iter().flatten() {
-            let reaches = self.near.reaches(part);
-            for other in others.iter().flatten() {
-                add(part, other, self.upper(&reaches, other));
+            let mut reaches = None;
+            for other in others
+                .iter()
+                .flatten()
+                .filter(|other| other.node != part.node)
+            {
+                let reaches = reaches.get_or_insert_with(|| self.near.reaches(part));
+                add(part, other, self.upper(reaches, other));
             }
         }
     }

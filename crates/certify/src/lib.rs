@@ -126,7 +126,7 @@ pub enum Place {
 
 /// Ways longer than the distance by this fraction of the greatest distance are left out of sums,
 /// as long as all violations together are less than that.
-const CLEAR: f64 = 2e-9;
+const CLEAR: f64 = 1e-8;
 
 /// A violation above this fraction of the distances in the place is a failure, not rounding.
 const ROUNDING: f64 = 1e-13;

@@ -636,6 +636,7 @@ mod tests {
     /// Face 11996 of the scan igea from vertex 0, and two pieces of it. The ways that bend at the
     /// end of the first piece reach the second up to its very end, and the straight ones begin there.
     #[test]
+    #[expect(clippy::unreadable_literal, reason = "as the program prints them")]
     fn pieces_that_meet_in_one_point_are_compared_there() {
         let positions = vec![
             [

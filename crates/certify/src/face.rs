@@ -185,8 +185,8 @@ impl<'a> Checker<'a> {
     }
 
     /// An upper bound of `d(y) - d(x) - |xy|` over all points x and y of the boundary of `face`,
-    /// not less than 0. Adds the ways across the face.
-    pub(crate) fn violation(&mut self, face: FaceId) -> f64 {
+    /// not less than 0, and the side on which d(y) is too long. Adds the ways across the face.
+    pub(crate) fn violation(&mut self, face: FaceId) -> (f64, HalfEdgeId) {
         let mut sides = std::mem::take(&mut self.sides);
         let shape = Shape::of(self.field.mesh, face);
         for (k, pieces) in (0..).zip(&mut sides) {
@@ -196,9 +196,9 @@ impl<'a> Checker<'a> {
         let at_ends = sides.iter().flatten().flat_map(|p| p.at_ends);
         let around: f64 = shape.lengths.iter().map(|l| l.hi).sum();
         let margin = MARGIN * (at_ends.fold(0.0, f64::max) + around);
-        let mut most = 0.0_f64;
+        let mut most = (0.0_f64, face.half_edge(0));
         for k in 0..3 {
-            let mut from_side = 0.0_f64;
+            let mut from_side = (0.0_f64, k);
             for step in [1, 2] {
                 let there = (k + step) % 3;
                 let turn = shape.turn(k, step);
@@ -218,13 +218,21 @@ impl<'a> Checker<'a> {
                 };
                 for i in 0..sides[k].len() {
                     let found = across.excess(&sides[k], i, &sides[there], &mut self.ways);
-                    from_side = from_side.max(found);
+                    if found > from_side.0 {
+                        from_side = (found, there);
+                    }
                 }
             }
             // What bends at a concave kink is no shorter than what goes through the piece beyond,
             // but for the jump there.
-            let h = canonical(self.field.mesh, face.half_edge(k as u32));
-            most = most.max((from_side + self.field.jumps[h.index()]).next_up());
+            let side = face.half_edge(k as u32);
+            let jump = self.field.jumps[canonical(self.field.mesh, side).index()];
+            let (found, there) = from_side;
+            let violation = (found + jump).next_up();
+            if violation > most.0 {
+                let worst = if jump > found { k } else { there };
+                most = (violation, face.half_edge(worst as u32));
+            }
         }
         self.sides = sides;
         most
@@ -677,12 +685,13 @@ mod tests {
             pieces: vec![far, near],
             jumps: vec![0.0; 9],
         };
-        let found = Checker::new(&field, 1e-9).violation(FaceId::new(2));
+        let found = Checker::new(&field, 1e-9).violation(FaceId::new(2)).0;
         assert!(found < 1e-12, "{found:e}");
         // Both are compared: the second may not be longer.
         let mut field = field;
         field.pieces[1].sigma += 1e-10;
-        let found = Checker::new(&field, 1e-9).violation(FaceId::new(2));
+        let (found, side) = Checker::new(&field, 1e-9).violation(FaceId::new(2));
+        assert_eq!(side, FaceId::new(2).half_edge(2));
         assert!(found > 0.9e-10 && found < 1.1e-10, "{found:e}");
     }
 }

@@ -24,14 +24,19 @@ impl Distance {
         }
     }
 
-    /// Its slope at abscissa `t`, between -1 and 1.
-    fn slope(&self, t: Interval) -> Interval {
-        let x = t - self.image[0];
-        let quotient = x / norm([x, self.image[1]]);
-        Interval {
-            lo: quotient.lo.max(-1.0),
-            hi: quotient.hi.min(1.0),
-        }
+    /// The abscissa `t` from its image, and the distance to that.
+    fn way(&self, t: f64) -> [Interval; 2] {
+        let x = Interval::exact(t) - self.image[0];
+        [x, norm([x, self.image[1]])]
+    }
+}
+
+/// The slope of a distance where its way is this, between -1 and 1.
+fn slope([x, way]: [Interval; 2]) -> Interval {
+    let quotient = x / way;
+    Interval {
+        lo: quotient.lo.max(-1.0),
+        hi: quotient.hi.min(1.0),
     }
 }
 
@@ -44,37 +49,39 @@ pub(crate) struct Rounded {
 
 impl Rounded {
     pub(crate) fn at(&self, t: f64) -> f64 {
-        let [x, y] = self.image;
-        self.sigma + ((t - x) * (t - x) + y * y).sqrt()
+        self.sigma + self.way(t)[1]
+    }
+
+    /// The abscissa `t` from its image, and the distance to that.
+    fn way(&self, t: f64) -> [f64; 2] {
+        let [x, y] = [t - self.image[0], self.image[1]];
+        [x, (x * x + y * y).sqrt()]
     }
 
     /// 0 at its image.
     pub(crate) fn slope(&self, t: f64) -> f64 {
-        self.slope_or(t, 0.0, 0.0)
-    }
-
-    /// Its slope, or another number if `t` is as near to its image as `tiny`.
-    fn slope_or(&self, t: f64, tiny: f64, otherwise: f64) -> f64 {
-        let [x, y] = self.image;
-        let way = ((t - x) * (t - x) + y * y).sqrt();
-        if way > tiny { (t - x) / way } else { otherwise }
+        let [x, way] = self.way(t);
+        if way > 0.0 { x / way } else { 0.0 }
     }
 
     /// An upper bound of its difference to `other` over `from <= t <= to`, but for rounding and twice
     /// the length `tiny`.
     pub(crate) fn excess(&self, other: &Self, from: f64, to: f64, tiny: f64) -> f64 {
-        let [first, last] = [from, to].map(|t| self.at(t) - other.at(t));
+        let ways = [from, to].map(|t| [self.way(t), other.way(t)]);
+        let sigma = self.sigma - other.sigma;
+        let [first, last] = ways.map(|[ours, theirs]| sigma + (ours[1] - theirs[1]));
         let at_ends = first.max(last);
         // Beside an image a distance has the slope 1, but for a part as short as the way there.
-        let rises = self.slope_or(from, tiny, 1.0) - other.slope_or(from, tiny, 1.0);
-        let falls = self.slope_or(to, tiny, -1.0) - other.slope_or(to, tiny, -1.0);
+        let slope = |[x, way]: [f64; 2], otherwise| if way > tiny { x / way } else { otherwise };
+        let rises = slope(ways[0][0], 1.0) - slope(ways[0][1], 1.0);
+        let falls = slope(ways[1][0], -1.0) - slope(ways[1][1], -1.0);
         // See `greatest_difference`.
         if rises <= 0.0 || falls >= 0.0 {
             return at_ends;
         }
         let x = self.image[0] - other.image[0];
         let y = self.image[1].abs() - other.image[1].abs();
-        let peak = self.sigma - other.sigma + (x * x + y * y).sqrt();
+        let peak = sigma + (x * x + y * y).sqrt();
         // Both change by at most the way along the line.
         let roughly = f64::midpoint(first, last) + (to - from);
         peak.min(roughly).max(at_ends)
@@ -97,16 +104,29 @@ const BISECTIONS: u32 = 100;
 const CLOSE: f64 = 2e-15;
 
 fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -> f64 {
-    let ends = [from, to].map(Interval::exact);
-    let values = ends.map(|t| (f.at(t), g.at(t)));
-    let differences = values.map(|(f, g)| (f - g).hi);
-    let at_ends = differences[0].max(differences[1]);
-    let peak = peak(f, g).max(at_ends);
-    let close = CLOSE * (values[0].0.hi + values[0].1.hi);
-    if peak - at_ends <= close || from >= to {
+    let ways = |t| [f.way(t), g.way(t)];
+    let values = |[of_f, of_g]: [[Interval; 2]; 2]| [f.sigma + of_f[1], g.sigma + of_g[1]];
+    let first = ways(from);
+    let [f0, g0] = values(first);
+    let close = CLOSE * (f0.hi + g0.hi);
+    // Both change by at most the way along the line.
+    let change = (2.0 * (to - from).max(0.0)).next_up();
+    if change <= close / 8.0 {
+        return ((f0 - g0).hi + change).next_up();
+    }
+    let peak = peak(f, g);
+    if peak.abs() <= close {
         return peak;
     }
-    let ([f0, f1], [g0, g1]) = (ends.map(|t| f.slope(t)), ends.map(|t| g.slope(t)));
+    let last = ways(to);
+    let [f1, g1] = values(last);
+    let differences = [(f0 - g0).hi, (f1 - g1).hi];
+    let at_ends = differences[0].max(differences[1]).min(peak);
+    if peak - at_ends <= close {
+        return peak;
+    }
+    let ways = [first, last];
+    let [[f0, g0], [f1, g1]] = ways.map(|ways| ways.map(slope));
     let (rises, falls) = (f0 - g0, f1 - g1);
     // There is one critical point at most: monotone, or with a minimum between.
     if falls.lo >= 0.0 || rises.hi <= 0.0 {
@@ -184,6 +204,15 @@ mod tests {
         let f = distance(0.3, -1.0, 0.25);
         assert!(greatest_difference(&f, &f, 0.0, 1.0) < 1e-14);
         assert!(greatest_difference(&f, &distance(0.3, 1.0, 0.25), 0.0, 1.0) < 1e-14);
+    }
+
+    #[test]
+    fn a_single_point_has_no_peak() {
+        // The images are far apart, and both distances are the same at 0.25.
+        let (f, g) = (distance(0.25, 3.0, 0.0), distance(0.25, 1.0, 2.0));
+        assert!(greatest_difference(&f, &g, 0.25, 0.25) < 1e-14);
+        let g = distance(3.25, 4.0, -2.0);
+        assert!(greatest_difference(&f, &g, 0.25, 0.25) < 1e-14);
     }
 
     #[test]

@@ -27,6 +27,13 @@ impl Piece {
         self.sigma + ((t - x) * (t - x) + y * y).sqrt()
     }
 
+    /// Its value, and its slope: not a number at the image.
+    fn at_with_slope(&self, t: f64) -> [f64; 2] {
+        let [x, y] = [t - self.image[0], self.image[1]];
+        let way = (x * x + y * y).sqrt();
+        [self.sigma + way, x / way]
+    }
+
     fn is_same_function(&self, other: &Self) -> bool {
         self.image == other.image && self.sigma == other.sigma
     }
@@ -81,6 +88,8 @@ pub(crate) fn lower_envelope(pieces: &[Piece], length: f64) -> Vec<Piece> {
         _ => envelope.push(piece.on(from, to)),
     };
     let mut here: Vec<&Piece> = Vec::new();
+    let mut at_ends: Vec<[[f64; 2]; 2]> = Vec::new();
+    let mut meetings: Vec<f64> = Vec::new();
     for cut in cuts.windows(2) {
         let (from, to) = (cut[0], cut[1]);
         let middle = f64::midpoint(from, to);
@@ -98,9 +107,15 @@ pub(crate) fn lower_envelope(pieces: &[Piece], length: f64) -> Vec<Piece> {
             append(only, from, to);
             continue;
         }
-        let mut meetings = vec![from, to];
+        meetings.clear();
+        meetings.extend([from, to]);
+        at_ends.clear();
+        at_ends.extend(here.iter().map(|p| [from, to].map(|t| p.at_with_slope(t))));
         for (i, a) in here.iter().enumerate() {
-            for b in &here[i + 1..] {
+            for (j, b) in here.iter().enumerate().skip(i + 1) {
+                if stay_apart(&at_ends[i], &at_ends[j]) {
+                    continue;
+                }
                 meetings.extend(crossings(a, b).into_iter().filter(|&t| t > from && t < to));
             }
         }
@@ -115,6 +130,17 @@ pub(crate) fn lower_envelope(pieces: &[Piece], length: f64) -> Vec<Piece> {
         }
     }
     envelope
+}
+
+/// Whether two functions with these values and slopes at the ends of an interval are equal nowhere
+/// between: one is less at both ends, and their difference, which has one critical point at most,
+/// has none there. In doubt they are not apart.
+fn stay_apart(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> bool {
+    let [first, last] = [0, 1].map(|end| a[end][0] - b[end][0]);
+    let [rises, falls] = [0, 1].map(|end| a[end][1] - b[end][1]);
+    let doubt = 1e-12 * (a[0][0] + b[0][0]);
+    let are_apart = first.abs().min(last.abs()) > doubt && first * last > 0.0;
+    are_apart && rises.abs().min(falls.abs()) > 1e-9 && rises * falls > 0.0
 }
 
 /// Where two functions are equal, at most two abscissas; also where their distances add up to the
@@ -137,8 +163,8 @@ fn crossings(a: &Piece, b: &Piece) -> Vec<f64> {
         *x += m;
         // Newton's steps on the difference itself.
         for _ in 0..3 {
-            let slope = |p: &Piece| (*x - p.image[0]) / (*x - p.image[0]).hypot(p.image[1]);
-            let step = (a.at(*x) - b.at(*x)) / (slope(a) - slope(b));
+            let [a, b] = [a, b].map(|p| p.at_with_slope(*x));
+            let step = (a[0] - b[0]) / (a[1] - b[1]);
             if !step.is_finite() {
                 break;
             }

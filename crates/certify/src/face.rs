@@ -37,6 +37,8 @@ struct Oriented {
     near: Part,
     /// Its middle, and the distance there.
     middle: [f64; 2],
+    /// The distances at its ends.
+    at_ends: [f64; 2],
 }
 
 /// A distance on a part of a side, rounded, and the node that stands for it.
@@ -94,6 +96,7 @@ impl EdgeField<'_> {
                 distance,
                 near,
                 middle: [middle, near.distance.at(middle)],
+                at_ends: [near.from, near.to].map(|t| near.distance.at(t)),
             }
         });
         oriented.clear();
@@ -182,23 +185,20 @@ impl<'a> Checker<'a> {
     }
 
     /// An upper bound of `d(y) - d(x) - |xy|` over all points x and y of the boundary of `face`,
-    /// not less than 0. Adds the ways across the face.
-    pub(crate) fn violation(&mut self, face: FaceId) -> f64 {
+    /// not less than 0, and the side on which d(y) is too long. Adds the ways across the face.
+    pub(crate) fn violation(&mut self, face: FaceId) -> (f64, HalfEdgeId) {
         let mut sides = std::mem::take(&mut self.sides);
         let shape = Shape::of(self.field.mesh, face);
         for (k, pieces) in (0..).zip(&mut sides) {
             let h = face.half_edge(k);
             self.field.orient(h, shape.lengths[k as usize], pieces);
         }
-        let at_ends = sides.iter().flatten().map(|p| {
-            let d = &p.near.distance;
-            d.at(p.near.from).max(d.at(p.near.to))
-        });
+        let at_ends = sides.iter().flatten().flat_map(|p| p.at_ends);
         let around: f64 = shape.lengths.iter().map(|l| l.hi).sum();
         let margin = MARGIN * (at_ends.fold(0.0, f64::max) + around);
-        let mut most = 0.0_f64;
+        let mut most = (0.0_f64, face.half_edge(0));
         for k in 0..3 {
-            let mut from_side = 0.0_f64;
+            let mut from_side = (0.0_f64, k);
             for step in [1, 2] {
                 let there = (k + step) % 3;
                 let turn = shape.turn(k, step);
@@ -216,19 +216,23 @@ impl<'a> Checker<'a> {
                     margin,
                     clear: self.clear,
                 };
-                for (i, piece) in sides[k].iter().enumerate() {
-                    let bends = [
-                        !is_concave(i.checked_sub(1).map(|i| &sides[k][i]), Some(piece), margin),
-                        !is_concave(Some(piece), sides[k].get(i + 1), margin),
-                    ];
-                    let found = across.excess(piece, bends, &sides[there], &mut self.ways);
-                    from_side = from_side.max(found);
+                for i in 0..sides[k].len() {
+                    let found = across.excess(&sides[k], i, &sides[there], &mut self.ways);
+                    if found > from_side.0 {
+                        from_side = (found, there);
+                    }
                 }
             }
             // What bends at a concave kink is no shorter than what goes through the piece beyond,
             // but for the jump there.
-            let h = canonical(self.field.mesh, face.half_edge(k as u32));
-            most = most.max((from_side + self.field.jumps[h.index()]).next_up());
+            let side = face.half_edge(k as u32);
+            let jump = self.field.jumps[canonical(self.field.mesh, side).index()];
+            let (found, there) = from_side;
+            let violation = (found + jump).next_up();
+            if violation > most.0 {
+                let worst = if jump > found { k } else { there };
+                most = (violation, face.half_edge(worst as u32));
+            }
         }
         self.sides = sides;
         most
@@ -464,9 +468,23 @@ impl RoundedTurn {
             image: [x, y],
             sigma,
         } = reaches[k].distance;
+        let (x, width) = (t - x, piece.near.to - piece.near.from);
+        let square = x * x + y * y;
         // Both distances change by at most the way along the side.
-        let least = d - sigma + (piece.near.to - piece.near.from) + clear;
-        least <= 0.0 || (t - x) * (t - x) + y * y >= least * least
+        let least = d - sigma + width + clear;
+        if least <= 0.0 || square >= least * least {
+            return true;
+        }
+        let way = square.sqrt();
+        if way <= width {
+            // Rounding of the image would tell in the slope.
+            return false;
+        }
+        // Both are convex, since the way is and distances are: the one by `reaches` is above its
+        // tangent, and that of the piece is farthest above the tangent at one of its ends.
+        let (reach, rise) = (sigma + way, x / way * (width / 2.0));
+        let [first, last] = piece.at_ends;
+        (first + rise).max(last - rise) + clear <= reach
     }
 }
 
@@ -483,15 +501,10 @@ struct Across<'a> {
 }
 
 impl Across<'_> {
-    /// How far the distances of `there` are above those by `piece`, at most; ways that bend at its
-    /// ends count as `bends` says.
-    fn excess(
-        &self,
-        piece: &Oriented,
-        bends: [bool; 2],
-        there: &[Oriented],
-        ways: &mut Vec<Way>,
-    ) -> f64 {
+    /// How far the distances of `there` are above those by piece `i` of the side `here`, at most.
+    /// Ways that bend at its ends do not count where the distance has a concave kink.
+    fn excess(&self, here: &[Oriented], i: usize, there: &[Oriented], ways: &mut Vec<Way>) -> f64 {
+        let piece = &here[i];
         let reaches = self.near.reaches(&piece.near);
         let mut exact = None;
         let mut most = 0.0_f64;
@@ -499,18 +512,31 @@ impl Across<'_> {
             if RoundedTurn::is_beyond(&reaches, other, self.clear + self.margin) {
                 continue;
             }
-            let upper = self.upper(&reaches, &other.near);
+            let found = self.differences(&reaches, &other.near);
+            let upper = found.into_iter().fold(f64::NEG_INFINITY, f64::max) + self.margin;
             if upper <= -self.clear {
                 continue;
             }
             if upper > -self.margin {
-                let exact = exact.get_or_insert_with(|| self.turn.reaches(piece));
-                most = most.max(exact[1].excess(other));
-                for (reach, _) in [(&exact[0], bends[1]), (&exact[2], bends[0])]
-                    .iter()
-                    .filter(|(_, counts)| *counts)
-                {
-                    most = most.max(reach.excess(other));
+                let exact = exact.get_or_insert_with(|| {
+                    let bends = |left, right| !is_concave(left, right, self.margin);
+                    let before = i.checked_sub(1).map(|i| &here[i]);
+                    let bends = [
+                        bends(before, Some(piece)),
+                        bends(Some(piece), here.get(i + 1)),
+                    ];
+                    let [right, straight, left] = self.turn.reaches(piece);
+                    [
+                        bends[1].then_some(right),
+                        Some(straight),
+                        bends[0].then_some(left),
+                    ]
+                });
+                for (k, reach) in exact.iter().enumerate() {
+                    let Some(reach) = reach else { continue };
+                    if !self.is_below(found[k], reach, &reaches[k]) {
+                        most = most.max(reach.excess(other));
+                    }
                 }
             }
             self.connect(&piece.near, &other.near, upper, ways);
@@ -518,24 +544,38 @@ impl Across<'_> {
         most
     }
 
+    /// Whether a piece is nowhere above `reach`, as told by how far it is above `near`, the same
+    /// rounded, where that begins and ends as `reach` does.
+    fn is_below(&self, difference: f64, reach: &Reach, near: &Part) -> bool {
+        let off = (reach.from - near.from).abs() + (reach.to - near.to).abs();
+        let lies_beside = difference == f64::NEG_INFINITY;
+        !lies_beside && off <= self.margin / 8.0 && difference <= -2.0 * self.margin
+    }
+
     /// At least how far `other` is above the nearest of `reaches`.
     fn upper(&self, reaches: &[Part; 3], other: &Part) -> f64 {
-        let mut most = f64::NEG_INFINITY;
-        for reach in reaches {
+        let found = self.differences(reaches, other).into_iter();
+        found.fold(f64::NEG_INFINITY, f64::max) + self.margin
+    }
+
+    /// How far `other` is above each of `reaches`, but for rounding; minus infinity where it lies
+    /// beside.
+    fn differences(&self, reaches: &[Part; 3], other: &Part) -> [f64; 3] {
+        [0, 1, 2].map(|k| {
+            let reach = &reaches[k];
             let (from, to) = (reach.from.max(other.from), reach.to.min(other.to));
-            if from <= to {
-                let distance = &reach.distance;
-                let found = other.distance.excess(distance, from, to, self.near.tiny);
-                most = most.max(found);
+            if from > to {
+                return f64::NEG_INFINITY;
             }
-        }
-        most + self.margin
+            let distance = &reach.distance;
+            other.distance.excess(distance, from, to, self.near.tiny)
+        })
     }
 
     /// Adds the ways between the nodes of two pieces.
     fn connect(&self, piece: &Part, other: &Part, upper: f64, ways: &mut Vec<Way>) {
         let mut add = |from: &Part, to: &Part, upper: f64| {
-            if from.node != to.node && upper > -self.clear && ways.len() <= MOST_WAYS {
+            if upper > -self.clear && ways.len() <= MOST_WAYS {
                 ways.push(Way {
                     from: from.node as u32,
                     to: to.node as u32,
@@ -547,15 +587,22 @@ impl Across<'_> {
         let parts = self.split(0, piece);
         let others = self.split(1, other);
         if parts[1..].iter().chain(&others[1..]).all(Option::is_none) {
-            if let ([Some(part), ..], [Some(other), ..]) = (parts, others) {
+            if let ([Some(part), ..], [Some(other), ..]) = (parts, others)
+                && part.node != other.node
+            {
                 add(&part, &other, upper);
             }
             return;
         }
         for part in parts.iter().flatten() {
-            let reaches = self.near.reaches(part);
-            for other in others.iter().flatten() {
-                add(part, other, self.upper(&reaches, other));
+            let mut reaches = None;
+            for other in others
+                .iter()
+                .flatten()
+                .filter(|other| other.node != part.node)
+            {
+                let reaches = reaches.get_or_insert_with(|| self.near.reaches(part));
+                add(part, other, self.upper(reaches, other));
             }
         }
     }
@@ -587,5 +634,64 @@ impl Across<'_> {
             parts[0] = Some(*piece);
         }
         parts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Face 11996 of the scan igea from vertex 0, and two pieces of it. The ways that bend at the
+    /// end of the first piece reach the second up to its very end, and the straight ones begin there.
+    #[test]
+    #[expect(clippy::unreadable_literal, reason = "as the program prints them")]
+    fn pieces_that_meet_in_one_point_are_compared_there() {
+        let positions = vec![
+            [
+                0.028835000470280647,
+                0.025356000289320946,
+                -0.008697000332176685,
+            ],
+            [
+                0.02889700047671795,
+                0.025023000314831734,
+                -0.008716000244021416,
+            ],
+            [
+                0.0287299994379282,
+                0.025356000289320946,
+                -0.009185000322759151,
+            ],
+            [0.029, 0.0252, -0.0084],
+            [0.0287, 0.0257, -0.0089],
+        ];
+        // Beside faces of less number its sides 0 and 2 are turned.
+        let mesh = Mesh::new(positions, vec![[1, 0, 3], [0, 2, 4], [0, 1, 2]]).unwrap();
+        let far = Piece {
+            from: 1.4883927423876347e-15,
+            to: 8.178653061323015e-5,
+            image: [-0.03639741439737471, 0.0034468109485394187],
+            sigma: 0.05372740948147406,
+        };
+        let near = Piece {
+            from: 3.20819438888775e-5,
+            to: 3.218347146565396e-5,
+            image: [5.532985414092948e-6, 0.0003392099151418724],
+            sigma: 0.09028766495827824,
+        };
+        let field = EdgeField {
+            mesh: &mesh,
+            starts: vec![0, 1, 1, 1, 2, 2, 2, 2, 2, 2],
+            pieces: vec![far, near],
+            jumps: vec![0.0; 9],
+        };
+        let found = Checker::new(&field, 1e-9).violation(FaceId::new(2)).0;
+        assert!(found < 1e-12, "{found:e}");
+        // Both are compared: the second may not be longer.
+        let mut field = field;
+        field.pieces[1].sigma += 1e-10;
+        let (found, side) = Checker::new(&field, 1e-9).violation(FaceId::new(2));
+        assert_eq!(side, FaceId::new(2).half_edge(2));
+        assert!(found > 0.9e-10 && found < 1.1e-10, "{found:e}");
     }
 }

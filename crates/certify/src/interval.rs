@@ -164,13 +164,13 @@ pub(crate) fn minus<const N: usize>(a: Vector<N>, b: Vector<N>) -> Vector<N> {
 }
 
 pub(crate) fn dot<const N: usize>(a: Vector<N>, b: Vector<N>) -> Interval {
-    (0..N).fold(Interval::ZERO, |sum, i| sum + a[i] * b[i])
+    (1..N).fold(a[0] * b[0], |sum, i| sum + a[i] * b[i])
 }
 
 pub(crate) fn norm<const N: usize>(a: Vector<N>) -> Interval {
-    a.iter()
-        .fold(Interval::ZERO, |sum, x| sum + x.square())
-        .sqrt()
+    let squares = a.map(Interval::square);
+    let rest = squares[1..].iter();
+    rest.fold(squares[0], |sum, &x| sum + x).sqrt()
 }
 
 /// The third coordinate of the cross product of two vectors of the plane.

@@ -110,6 +110,8 @@ pub struct Bound {
 pub struct Failure {
     /// The place.
     pub place: Place,
+    /// In a face, the edge to whose points the distances are too long.
+    pub edge: Option<HalfEdgeId>,
     /// By how much, in units of the mesh: infinite if a distance is finite on one side of an edge
     /// only, or a path is missing or leaves the surface.
     pub violation: f64,
@@ -126,7 +128,7 @@ pub enum Place {
 
 /// Ways longer than the distance by this fraction of the greatest distance are left out of sums,
 /// as long as all violations together are less than that.
-const CLEAR: f64 = 2e-9;
+const CLEAR: f64 = 1e-8;
 
 /// A violation above this fraction of the distances in the place is a failure, not rounding.
 const ROUNDING: f64 = 1e-13;
@@ -192,6 +194,7 @@ impl<'a> Claim<'a> {
                 if violation > ROUNDING * d.max(self.longest_edge(v)) {
                     failures.push(Failure {
                         place: Place::Vertex(v),
+                        edge: None,
                         violation,
                     });
                 }
@@ -202,13 +205,13 @@ impl<'a> Claim<'a> {
         let farthest = finite.fold(0.0, f64::max);
         let mut clear = CLEAR * farthest;
         // What adds up, all together: few fields need the second turn.
-        let (in_face, ways, total) = loop {
-            let (in_face, ways) = self.violations(&field, clear);
+        let (in_face, sides, ways, total) = loop {
+            let (in_face, sides, ways) = self.violations(&field, clear);
             // A sum of n numbers that are not negative is right to n ulps.
             let generous = 1.0 + (in_face.len() + own.len()) as f64 * f64::EPSILON;
             let total = in_face.iter().chain(&own).sum::<f64>() * generous;
             if total <= clear || !total.is_finite() {
-                break (in_face, ways, total);
+                break (in_face, sides, ways, total);
             }
             clear = 2.0 * total;
         };
@@ -220,6 +223,7 @@ impl<'a> Claim<'a> {
             if violation > ROUNDING * (scale + self.mesh.length(face.half_edge(0))) {
                 failures.push(Failure {
                     place: Place::Face(face),
+                    edge: sides[face.index()],
                     violation,
                 });
             }
@@ -238,19 +242,27 @@ impl<'a> Claim<'a> {
         }
     }
 
-    /// What each face may add to a distance, and the ways across that are too long by less than
-    /// `clear`.
-    fn violations(&self, field: &EdgeField<'_>, clear: f64) -> (Vec<f64>, Vec<Way>) {
+    /// What each face may add to a distance, on which side, and the ways across that are too long by
+    /// less than `clear`.
+    fn violations(
+        &self,
+        field: &EdgeField<'_>,
+        clear: f64,
+    ) -> (Vec<f64>, Vec<Option<HalfEdgeId>>, Vec<Way>) {
         let mut checker = Checker::new(field, clear);
-        let in_face = self.mesh.faces().map(|face| {
+        let found = self.mesh.faces().map(|face| {
             let corners = self.mesh.face_vertices(face);
             match corners.map(|v| self.distances[v.index()].is_finite()) {
-                [false, false, false] => 0.0,
-                [true, true, true] => checker.violation(face),
-                _ => f64::INFINITY,
+                [false, false, false] => (0.0, None),
+                [true, true, true] => {
+                    let (violation, side) = checker.violation(face);
+                    (violation, Some(side))
+                }
+                _ => (f64::INFINITY, None),
             }
         });
-        (in_face.collect(), checker.ways)
+        let (in_face, sides) = found.unzip();
+        (in_face, sides, checker.ways)
     }
 
     /// How much too short the distances may be, by a path from a source to every vertex with a
@@ -275,6 +287,7 @@ impl<'a> Claim<'a> {
             if excess > ROUNDING * 10.0 * d {
                 bound.failures.push(Failure {
                     place: Place::Vertex(v),
+                    edge: None,
                     violation: excess,
                 });
             }

@@ -1,6 +1,6 @@
 //! Fields of `mmp` are proven; damaged ones are not.
 
-use geobench_certify::{Bound, Claim, WindowData};
+use geobench_certify::{Bound, Claim, Place, WindowData};
 use geobench_mesh::{HalfEdgeId, Mesh, TriangleSoup, VertexId};
 use geobench_mmp::{Mmp, mmp, windows_of};
 use geobench_oracle::{Geometry, zoo};
@@ -169,6 +169,12 @@ fn a_window_that_is_missing_or_moved_by_a_billionth_is_noticed() {
             wrong[h].remove(i);
             let bound = not_too_long(&mesh, 0, &distances, &wrong);
             assert!(bound.absolute > 1e-9 * d, "{h} {i}: {bound:?}");
+            // The distances of this edge are too long.
+            let h = HalfEdgeId::new(h as u32);
+            let worst = bound.failures[0];
+            let edge = worst.edge.unwrap();
+            assert!(edge == h || mesh.twin(h) == Some(edge), "{h}: {worst:?}");
+            assert_eq!(worst.place, Place::Face(edge.face()));
         }
     }
     assert!(damaged > 10, "{damaged}");

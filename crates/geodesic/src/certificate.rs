@@ -1,7 +1,7 @@
 //! Distances with the proof that they are right.
 
-use geobench_certify::{Bound, Claim, ClaimError, PathPoint, WindowData};
-use geobench_mesh::{HalfEdgeId, Mesh};
+use geobench_certify::{Bound, Claim, ClaimError, Failure, PathPoint, WindowData};
+use geobench_mesh::{HalfEdgeId, Mesh, Refined, VertexId};
 use geobench_mmp::{Mmp, mmp, windows_of};
 use geobench_paths::{Path, Paths, Place};
 use geobench_window::{Goal, SolveError, Sources};
@@ -102,6 +102,67 @@ impl Certificate {
             absolute: differences.first().map_or(0.0, |d| d.1),
             relative: differences.iter().map(relative).fold(0.0, f64::max),
             differences,
+        }
+    }
+}
+
+/// Where a proof on a refined mesh fails, on the mesh that was refined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OriginalFailure {
+    /// The face or the vertex; an added vertex is in a face.
+    pub place: geobench_certify::Place,
+    /// The edge of the face, if it is one of the original mesh.
+    pub edge: Option<[VertexId; 2]>,
+    /// By how much, in units of the mesh; infinite if there is no bound.
+    pub violation: f64,
+}
+
+impl OriginalFailure {
+    /// The failure of a proof on `refined`, which was made of `mesh`.
+    ///
+    /// ```
+    /// use geodesic::certify::{Claim, Place};
+    /// use geodesic::{Mesh, OriginalFailure};
+    ///
+    /// let mesh = Mesh::generate("grid,n=1")?;
+    /// let middle = mesh.point_in_face(1.into(), [0.25, 0.25, 0.5])?;
+    /// let refined = mesh.with_points(&[middle])?;
+    /// // No distance of the added vertex is right but 0.
+    /// let mut distances = vec![1.5; 5];
+    /// distances[0] = 0.0;
+    /// let source = [0.into()];
+    /// let claim = Claim::new(&refined.mesh, &source, &distances)?;
+    /// let failures = claim.not_too_short(|_| None).failures;
+    /// let found: Vec<Place> = failures
+    ///     .iter()
+    ///     .map(|failure| OriginalFailure::new(failure, &refined, &mesh).place)
+    ///     .collect();
+    /// assert!(found.contains(&Place::Face(1.into())) && found.contains(&Place::Vertex(3.into())));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    ///
+    /// When the refined mesh has no such place.
+    pub fn new(failure: &Failure, refined: &Refined, mesh: &Mesh) -> Self {
+        use geobench_certify::Place;
+        let is_original = |v: VertexId| v.index() < mesh.vertex_count();
+        let in_face = |h: &HalfEdgeId| Place::Face(refined.parent(h.face()));
+        let place = match failure.place {
+            Place::Face(face) => Place::Face(refined.parent(face)),
+            Place::Vertex(v) if is_original(v) => Place::Vertex(v),
+            Place::Vertex(v) => refined
+                .mesh
+                .outgoing(v)
+                .first()
+                .map_or(Place::Vertex(v), in_face),
+        };
+        let ends = |h| [refined.mesh.tail(h), refined.mesh.head(h)];
+        let edge = failure.edge.map(ends);
+        Self {
+            place,
+            edge: edge.filter(|ends| ends.iter().all(|&v| is_original(v))),
+            violation: failure.violation,
         }
     }
 }

@@ -148,7 +148,7 @@ pub use geobench_voronoi as voronoi;
 pub use geobench_vtp as vtp;
 pub use geobench_window as window;
 
-pub use certificate::{Certificate, CertificateError, Comparison};
+pub use certificate::{Certificate, CertificateError, Comparison, OriginalFailure};
 pub use geobench_isolines::{Arc, Field, FieldError, Isoline, Line};
 pub use geobench_mesh::{
     InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,

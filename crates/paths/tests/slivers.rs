@@ -18,6 +18,24 @@ use serde_json::Value;
 /// no area, or coordinates differ by 17 orders of magnitude.
 const LOST: [&str; 3] = ["seed1036242", "seed1038756", "seed4323"];
 
+/// Meshes on which some path bends at a vertex, or at an edge (seed14788), by more than
+/// [`straight::check_bends`] allows, with a right length. Angles of faces with almost no area are
+/// rounded; whether that is all is not known.
+const BENT: [&str; 12] = [
+    "seed1013508",
+    "seed10228",
+    "seed1028028",
+    "seed1030558",
+    "seed1046179",
+    "seed14788",
+    "seed17008",
+    "seed20868",
+    "seed24868",
+    "seed36528",
+    "seed44439",
+    "seed4898",
+];
+
 fn slivers() -> Option<Vec<Value>> {
     let shared = std::env::var_os("GEOBENCH_SHARED").map_or_else(
         || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
@@ -30,7 +48,7 @@ fn slivers() -> Option<Vec<Value>> {
 }
 
 #[test]
-fn paths_beside_slivers_are_as_long_as_the_distances() {
+fn paths_beside_slivers_are_straight_and_as_long_as_the_distances() {
     let Some(cases) = slivers() else {
         return;
     };
@@ -40,6 +58,7 @@ fn paths_beside_slivers_are_as_long_as_the_distances() {
         let faces = serde_json::from_value(case["faces"].clone()).unwrap();
         let sources: Vec<u32> = serde_json::from_value(case["source"].clone()).unwrap();
         let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, faces)).unwrap();
+        let is_bent = BENT.iter().any(|&name| case["name"] == name);
         let solvers: [(&str, Box<dyn Solver>); 4] = [
             ("mmp", Box::new(mmp(&mesh))),
             ("ich", Box::new(ich(&mesh))),
@@ -53,7 +72,13 @@ fn paths_beside_slivers_are_as_long_as_the_distances() {
                 let wrong = match paths.to(v) {
                     Ok(Some(path)) => {
                         let found = straight::check_ends(&path, &sources, v)
-                            .and_then(|()| straight::check_length(&mesh, &path, d));
+                            .and_then(|()| straight::check_length(&mesh, &path, d))
+                            .and_then(|()| {
+                                if is_bent {
+                                    return Ok(());
+                                }
+                                straight::check_bends(&mesh, &path, d)
+                            });
                         found.err()
                     }
                     Ok(None) => (d < f64::INFINITY).then(|| "no path".to_owned()),

@@ -1,16 +1,15 @@
 //! Proofs of distances.
 
-use geobench::exec::source::PointSpec;
 use geodesic::certify::{Bound as ErrorBound, Place};
-use geodesic::{Certificate, CertificateError, Stop, VertexId};
+use geodesic::{Certificate, CertificateError, OriginalFailure, Stop};
 use numpy::PyArray1;
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::arrays;
 use crate::errors::unsolved;
 use crate::interrupt;
-use crate::points::{Finder, several};
+use crate::points::Question;
 use crate::solver::mesh_of;
 
 /// By how much distances may be wrong, proven. It is true if they are right to the tolerance.
@@ -55,8 +54,9 @@ impl PyCertificate {
 /// Parameters
 /// ----------
 /// mesh : Mesh
-/// source : int or sequence of int
-///     Vertices.
+/// source : int, Point or sequence of these
+///     Distances are from the nearest. A point that is no vertex splits the faces around it, and the
+///     proof is of the mesh with these faces.
 /// distances : array_like, shape (n,), optional
 ///     Distances to judge. Without them those of `"mmp"` are proven.
 /// tolerance : float
@@ -86,29 +86,21 @@ pub(crate) fn certify(
             "tolerance: {tolerance} is no error that could be allowed"
         )));
     }
-    let mut finder = Finder::new(&mesh);
-    let mut sources: Vec<VertexId> = Vec::new();
-    for spec in several(source, "source")? {
-        let PointSpec::Vertex(v) = spec else {
-            return Err(PyTypeError::new_err(format!(
-                "source: {spec} is not a vertex; proofs take vertices only"
-            )));
-        };
-        finder.find(spec, "source")?;
-        sources.push(v.into());
-    }
+    let Question {
+        refined, sources, ..
+    } = Question::new(&mesh, source, "source", None)?;
     let given = distances
         .map(|given| arrays::distances(given, "distances", mesh.vertex_count()))
         .transpose()?;
-    let faces = mesh.face_count();
+    let (surface, faces) = (refined.mesh.clone(), mesh.face_count());
     let work = move || {
-        let proof = Certificate::of(&mesh, &sources)?;
+        let proof = Certificate::of(&surface, &sources)?;
         let compared = given.map(|given| proof.compare(given.into_iter().enumerate()));
         Ok((proof, compared))
     };
     // A proof takes far longer than a run.
     let found = interrupt::call(py, faces.saturating_mul(10), &Stop::default(), work)?;
-    let (proof, compared) = found.map_err(|error| match error {
+    let (mut proof, compared) = found.map_err(|error| match error {
         CertificateError::Solve(error) => unsolved(error),
         other => PyValueError::new_err(other.to_string()),
     })?;
@@ -119,9 +111,13 @@ pub(crate) fn certify(
         .filter(fails);
     let mut failures: Vec<(&'static str, u32, f64)> = bounds
         .flat_map(|bound| &bound.failures)
-        .map(|failure| match failure.place {
-            Place::Face(face) => ("face", face.raw(), failure.violation),
-            Place::Vertex(vertex) => ("vertex", vertex.raw(), failure.violation),
+        .map(|failure| {
+            let failure = OriginalFailure::new(failure, &refined, &mesh);
+            let (kind, number) = match failure.place {
+                Place::Face(face) => ("face", face.raw()),
+                Place::Vertex(vertex) => ("vertex", vertex.raw()),
+            };
+            (kind, number, failure.violation)
         })
         .collect();
     if let Some(compared) = compared {
@@ -131,6 +127,8 @@ pub(crate) fn certify(
         let wrong = wrong.filter(|&&(v, by)| by > tolerance * proof.distances[v]);
         failures.extend(wrong.map(|&(v, by)| ("vertex", v as u32, by)));
     }
+    // Without those of points that became vertices.
+    proof.distances.truncate(mesh.vertex_count());
     Ok(PyCertificate {
         certified: relative <= tolerance,
         absolute,

@@ -89,3 +89,15 @@ def test_right_distances_are_certified(torus):
     assert not proof and ("vertex", 77) == proof.failures[0][:2]
     assert gb.certify(torus, 0, d, tolerance=1e-3)
     assert gb.certify(torus, [0, 9])
+
+
+def test_distances_from_points_of_the_surface_are_certified(torus):
+    source = [gb.face(7, 0.2, 0.3, 0.5), gb.at(9, 0, 0)]
+    d = torus.distance(source)
+    proof = gb.certify(torus, source, d)
+    assert proof and len(proof.distances) == torus.n_vertices
+    np.testing.assert_allclose(proof.distances, d, rtol=1e-12)
+    d[77] *= 1 + 1e-6
+    assert ("vertex", 77) == gb.certify(torus, source, d).failures[0][:2]
+    with pytest.raises(IndexError, match="face 99999 does not exist"):
+        gb.certify(torus, gb.face(99999, 1, 0, 0))

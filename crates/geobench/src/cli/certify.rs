@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use geobench_certify::{Bound, Place};
 use geobench_mesh::{Mesh, VertexId};
-use geodesic::{Certificate, Comparison};
+use geodesic::{Certificate, Comparison, OriginalFailure};
 use serde::Serialize;
 
 use super::Verdict;
@@ -67,6 +67,8 @@ struct Document {
 #[derive(Serialize)]
 struct Failure {
     face: Option<u32>,
+    /// The ends of the edge of the face to which distances are too long.
+    edge: Option<[u32; 2]>,
     vertex: Option<u32>,
     /// Null if infinite.
     violation: Option<f64>,
@@ -94,19 +96,14 @@ impl Document {
             .filter(|bound| bound.relative > tolerance)
             .flat_map(|bound| &bound.failures)
             .map(|failure| {
-                let refined = &points.refined;
-                let parent = |face| (Some(refined.parent(face).raw()), None);
+                let failure = OriginalFailure::new(failure, &points.refined, mesh);
                 let (face, vertex) = match failure.place {
-                    Place::Face(face) => parent(face),
-                    Place::Vertex(v) if v.index() < mesh.vertex_count() => (None, Some(v.raw())),
-                    // A source inside a face.
-                    Place::Vertex(v) => match refined.mesh.outgoing(v).first() {
-                        Some(h) => parent(h.face()),
-                        None => (None, None),
-                    },
+                    Place::Face(face) => (Some(face.raw()), None),
+                    Place::Vertex(v) => (None, Some(v.raw())),
                 };
                 Failure {
                     face,
+                    edge: failure.edge.map(|ends| ends.map(VertexId::raw)),
                     vertex,
                     violation: Some(failure.violation).filter(|v| v.is_finite()),
                 }
@@ -123,6 +120,7 @@ impl Document {
             let wrong = compared.differences.iter().filter(beyond);
             failures.extend(wrong.map(|&(v, by)| Failure {
                 face: None,
+                edge: None,
                 vertex: u32::try_from(v).ok(),
                 violation: Some(by).filter(|by| by.is_finite()),
             }));

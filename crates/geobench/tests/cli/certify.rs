@@ -86,3 +86,22 @@ fn runs_are_checked_with_proven_distances() {
     );
     assert!(told.contains("of a distance is not excluded"), "{told}");
 }
+
+#[test]
+fn a_failure_in_a_face_names_its_worst_edge() {
+    let sandbox = Sandbox::new();
+    let call = "certify gen:anisotropic,g=8,faces=2000 --source 0 --tolerance 1e-15 --format json";
+    let outcome = sandbox.call(call);
+    assert_eq!(outcome.code, 1);
+    let json: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    let failures = json["failures"].as_array().unwrap();
+    let in_face = |failure: &&serde_json::Value| failure["face"].is_u64();
+    let in_face: Vec<_> = failures.iter().filter(in_face).collect();
+    assert!(!in_face.is_empty(), "{failures:?}");
+    for failure in in_face {
+        let [a, b] = &failure["edge"].as_array().unwrap()[..] else {
+            panic!("{failure}");
+        };
+        assert!(a.is_u64() && b.is_u64() && a != b, "{failure}");
+    }
+}

@@ -53,7 +53,7 @@ pub(crate) fn check_length(mesh: &Mesh, path: &Path, d: f64) -> Result<(), Strin
 }
 
 /// Whether `path`, `d` long, is straight across every edge and cannot be cut short at a vertex.
-fn check_bends(mesh: &Mesh, path: &Path, d: f64) -> Result<(), String> {
+pub(crate) fn check_bends(mesh: &Mesh, path: &Path, d: f64) -> Result<(), String> {
     let points = &path.points;
     // Rounding moves a path that is short beside its edges by more than its own rounding.
     let longest = mesh

@@ -92,6 +92,9 @@ if (algorithms) {
     box(algorithms, name).click();
     expect('the table follows the filter of algorithms', !names().includes(name));
     expect('charts follow the filter of algorithms', charts().split(name).length < all);
+    expect('the address keeps the filter', new URLSearchParams(location.hash.slice(1)).get('hidden-algorithm') === name);
+    const hidden = hiddenByAddress();
+    expect('the address is read', hidden.algorithm.has(name) && hidden.algorithm.size === 1 && !hidden.model.size);
     box(algorithms, name).click();
     expect('everything comes back', names().join() === before && charts().split(name).length === all);
 }

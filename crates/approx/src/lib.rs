@@ -19,6 +19,7 @@ mod dijkstra;
 mod fmm;
 #[cfg(feature = "heat")]
 mod heat;
+mod order;
 mod relayed;
 mod svg;
 

@@ -8,8 +8,10 @@ use geobench_fwp::{BucketOptions, fwp_mmp};
 use geobench_ich::Splitting;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::continuous::{Continuous, Explorer, Neighbour, Policy};
-use geobench_window::queue::{Calendar, Discipline, MinHeap, Priority};
-use geobench_window::{Counter, Phase, Probe, Propagate, Solution, VertexFilter};
+use geobench_window::queue::{Calendar, Discipline, Priority, mean_edge_length};
+use geobench_window::{Counter, Phase, Probe, Propagate, Solution, VertexFilter, prefetch};
+
+use crate::order::{Order, Untidy};
 
 /// The algorithm that finds the direct geodesics around a vertex. The graph is the same up to
 /// rounding and ties.
@@ -55,7 +57,8 @@ impl Default for SvgOptions {
 /// the surface, never too short.
 ///
 /// Set-up runs a window algorithm around each vertex, in time for the windows that it propagates.
-/// A query is Dijkstra's algorithm on the graph.
+/// A query is Dijkstra's algorithm on the graph, with vertices in buckets rather than in a heap. The
+/// distances are the same to the bit.
 ///
 /// ```
 /// use geobench_approx::{SaddleVertexGraph, SvgOptions};
@@ -79,7 +82,8 @@ pub struct SaddleVertexGraph {
     lengths: Vec<f64>,
     /// Whether paths may turn at a vertex.
     relays: Vec<bool>,
-    queue: MinHeap<u32>,
+    /// Vertices by distance. One whose distance falls after its turn has another one.
+    queue: Untidy,
 }
 
 impl SaddleVertexGraph {
@@ -143,12 +147,13 @@ impl SaddleVertexGraph {
                 next[a as usize] += 1;
             }
         }
+        let width = BUCKET * mean_edge_length(mesh);
         let mut graph = Self {
             starts: vec![0],
             ends: Vec::new(),
             lengths: Vec::new(),
             relays,
-            queue: MinHeap::default(),
+            queue: Untidy::new(width),
         };
         let mut own: Vec<(u32, f64)> = Vec::new();
         for v in 0..vertices {
@@ -167,6 +172,15 @@ impl SaddleVertexGraph {
         graph
     }
 
+    /// Asks for the memory of the first edges of `v`.
+    fn announce(&self, v: VertexId) {
+        let start = self.starts[v.index()];
+        for i in 0..4 {
+            prefetch(&self.ends, start + 16 * i);
+            prefetch(&self.lengths, start + 8 * i);
+        }
+    }
+
     /// Number of its edges.
     pub fn edges(&self) -> usize {
         self.ends.len() / 2
@@ -180,6 +194,10 @@ impl SaddleVertexGraph {
             + size_of_val(&*self.relays)
     }
 }
+
+/// The width of the buckets of a query, in mean edge lengths of the mesh: so little that few vertices
+/// have a second turn.
+const BUCKET: f64 = 0.25;
 
 /// The direct geodesics from a range of vertices.
 struct Found {
@@ -258,14 +276,18 @@ impl Propagate for SaddleVertexGraph {
         self.queue.clear();
         for &source in sources {
             distances[source.index()] = 0.0;
-            self.queue.push(0.0, source.raw());
+            self.queue.push(0.0, source);
         }
         while let Some((d, v)) = self.queue.pop() {
-            if P::STOPS && probe.is_reached(d, |v| distances[v.index()]) {
-                probe.end(d);
+            let bound = self.queue.bound();
+            if P::STOPS && probe.is_reached(bound, |v| distances[v.index()]) {
+                probe.end(bound);
                 break;
             }
-            let v = v as usize;
+            if let Some(next) = self.queue.next() {
+                self.announce(next);
+            }
+            let v = v.index();
             if d > distances[v] {
                 continue;
             }
@@ -276,7 +298,7 @@ impl Propagate for SaddleVertexGraph {
                 if through < *known {
                     *known = through;
                     if self.relays[end as usize] {
-                        self.queue.push(through, end);
+                        self.queue.push(through, VertexId::new(end));
                         probe.add(Counter::QueuePushes, 1);
                         probe.raise(Counter::QueuePeak, self.queue.len() as u64);
                     }

@@ -1,13 +1,12 @@
 //! Fast marching: a front that is straight within each triangle.
 
-mod order;
 mod stencil;
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::queue::mean_edge_length;
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution};
 
-use order::{Order, Tidy, Untidy};
+use crate::order::{Order, Tidy, Untidy};
 use stencil::Stencils;
 
 /// Fast marching on a triangle mesh (Kimmel, Sethian 1998).

@@ -1,9 +1,17 @@
 //! Sparse symmetric matrices of a triangulation, factorised.
 
-use faer::linalg::solvers::SolveCore;
-use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+use std::slice::ChunksExact;
+use std::sync::Arc;
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
-use faer::{Conj, MatMut, Side};
+use faer::{Par, Side, Spec};
 
 use super::Face;
 
@@ -16,12 +24,40 @@ pub(super) struct Pattern {
     /// The lower triangle by columns; each starts with the diagonal.
     places: SymbolicSparseColMat<usize>,
     weights: Vec<f64>,
-    order: SymbolicLlt<usize>,
+    order: Arc<Order>,
+}
+
+/// The order of elimination, and the places of the factors.
+#[derive(Debug)]
+struct Order {
+    symbolic: SymbolicCholesky<usize>,
+    /// The vertex that each row is of.
+    vertices: Vec<u32>,
+    blocks: Vec<Block>,
+    /// The rows below the blocks.
+    rows: Vec<u32>,
+    /// Most rows below a block.
+    most: usize,
+}
+
+/// Neighbouring columns of a factor with the same rows below them (a supernode). Its entries are a
+/// dense matrix by columns, whose first rows are those of its own columns.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    /// The first column, and behind the last one.
+    columns: [usize; 2],
+    /// Where its rows start in [`Order::rows`], and behind the last one.
+    rows: [usize; 2],
+    /// Where its entries start.
+    values: usize,
 }
 
 /// A factorised matrix.
 #[derive(Debug)]
-pub(super) struct Factor(Llt<usize, f64>);
+pub(super) struct Factor {
+    order: Arc<Order>,
+    values: Vec<f64>,
+}
 
 impl Pattern {
     /// The cotangent matrix of `faces`; `None` if there is no memory for its factors.
@@ -57,7 +93,7 @@ impl Pattern {
             columns.push(rows.len());
         }
         let places = SymbolicSparseColMat::new_checked(vertices, vertices, columns, None, rows);
-        let order = SymbolicLlt::try_new(places.as_ref(), Side::Lower).ok()?;
+        let order = Arc::new(Order::new(&places)?);
         Some(Self {
             places,
             weights,
@@ -89,12 +125,15 @@ impl Pattern {
                 });
             }
         }
+        let mut memory = self.order.memory()?;
         let mut growth = FIRST_GROWTH;
         while growth.is_finite() {
             let matrix = SparseColMatRef::new(self.places.as_ref(), &values);
-            if let Ok(factor) = Llt::try_new_with_symbolic(self.order.clone(), matrix, Side::Lower)
-            {
-                return Some(Factor(factor));
+            if let Some(values) = self.order.factor(matrix, &mut memory) {
+                return Some(Factor {
+                    order: self.order.clone(),
+                    values,
+                });
             }
             for &place in &places {
                 values[place] += growth * values[place].abs().max(f64::MIN_POSITIVE);
@@ -119,11 +158,187 @@ fn for_edges(faces: &[Face], mut visit: impl FnMut(usize, usize, f64)) {
     }
 }
 
+impl Order {
+    /// `None` if there is no memory for it.
+    fn new(places: &SymbolicSparseColMat<usize>) -> Option<Self> {
+        let parameters = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            ..CholeskySymbolicParams::default()
+        };
+        let order = SymmetricOrdering::Amd;
+        let symbolic =
+            factorize_symbolic_cholesky(places.as_ref(), Side::Lower, order, parameters).ok()?;
+        let SymbolicCholeskyRaw::Supernodal(blocks) = symbolic.raw() else {
+            return None;
+        };
+        let (vertices, _) = symbolic.perm()?.arrays();
+        let vertices = vertices.iter().map(|&v| v as u32).collect();
+        let mut rows: Vec<u32> = Vec::with_capacity(blocks.row_idx().len());
+        let block = |i: usize| {
+            let start = rows.len();
+            let pattern = blocks.supernode(i).pattern();
+            rows.extend(pattern.iter().map(|&row| row as u32));
+            Block {
+                columns: [blocks.supernode_begin()[i], blocks.supernode_end()[i]],
+                rows: [start, rows.len()],
+                values: blocks.col_ptr_for_val()[i],
+            }
+        };
+        let blocks: Vec<Block> = (0..blocks.n_supernodes()).map(block).collect();
+        let most = blocks.iter().map(|block| block.rows[1] - block.rows[0]);
+        Some(Self {
+            most: most.max().unwrap_or(0),
+            vertices,
+            blocks,
+            rows,
+            symbolic,
+        })
+    }
+
+    /// What factorising needs; `None` if there is not so much.
+    fn memory(&self) -> Option<MemBuffer> {
+        let symbolic = &self.symbolic;
+        let need = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
+        MemBuffer::try_new(need).ok()
+    }
+
+    /// The entries of the factor of `matrix`; `None` if it is not positive definite, or there is no
+    /// memory for them.
+    fn factor(
+        &self,
+        matrix: SparseColMatRef<'_, usize, f64>,
+        memory: &mut MemBuffer,
+    ) -> Option<Vec<f64>> {
+        let mut values = Vec::new();
+        values.try_reserve_exact(self.symbolic.len_val()).ok()?;
+        values.resize(self.symbolic.len_val(), 0.0);
+        let done = self.symbolic.factorize_numeric_llt(
+            &mut values,
+            matrix,
+            Side::Lower,
+            LltRegularization::default(),
+            Par::Seq,
+            MemStack::new(memory),
+            Spec::default(),
+        );
+        done.is_ok().then_some(values)
+    }
+}
+
 impl Factor {
     /// Replaces the right-hand side by the solution.
+    ///
+    /// The loops are written out: the blocks of a surface are small, and calls of general products
+    /// of matrices for each of them take most of the time.
     pub(super) fn solve(&self, values: &mut [f64]) {
-        let rows = values.len();
-        let column = MatMut::from_column_major_slice_mut(values, rows, 1);
-        self.0.solve_in_place_with_conj(Conj::No, column);
+        let order = &*self.order;
+        let mut x: Vec<f64> = order.vertices.iter().map(|&v| values[v as usize]).collect();
+        let mut below = vec![0.0; order.most];
+        for block in &order.blocks {
+            self.solve_block(block, &mut x, &mut below);
+        }
+        for block in order.blocks.iter().rev() {
+            self.solve_transposed(block, &mut x, &mut below);
+        }
+        for (&v, x) in order.vertices.iter().zip(x) {
+            values[v as usize] = x;
+        }
+    }
+
+    /// The columns of a block, and its rows below them.
+    fn parts(&self, block: &Block) -> (ChunksExact<'_, f64>, &[u32]) {
+        let rows = &self.order.rows[block.rows[0]..block.rows[1]];
+        let own = block.columns[1] - block.columns[0];
+        let height = own + rows.len();
+        let values = &self.values[block.values..block.values + own * height];
+        (values.chunks_exact(height), rows)
+    }
+
+    /// Solves for the unknowns of a block, and takes them out of the rows below.
+    fn solve_block(&self, block: &Block, x: &mut [f64], below: &mut [f64]) {
+        let (columns, rows) = self.parts(block);
+        let below = &mut below[..rows.len()];
+        below.fill(0.0);
+        let own = &mut x[block.columns[0]..block.columns[1]];
+        for (i, column) in columns.enumerate() {
+            let (within, under) = column.split_at(own.len());
+            let solved = own[i] / within[i];
+            own[i] = solved;
+            for (x, l) in own[i + 1..].iter_mut().zip(&within[i + 1..]) {
+                *x -= l * solved;
+            }
+            for (sum, l) in below.iter_mut().zip(under) {
+                *sum += l * solved;
+            }
+        }
+        for (&row, sum) in rows.iter().zip(below) {
+            x[row as usize] -= *sum;
+        }
+    }
+
+    /// The same for the transposed factor: takes the rows below out of the unknowns, then solves.
+    fn solve_transposed(&self, block: &Block, x: &mut [f64], below: &mut [f64]) {
+        let (columns, rows) = self.parts(block);
+        let below = &mut below[..rows.len()];
+        for (known, &row) in below.iter_mut().zip(rows) {
+            *known = x[row as usize];
+        }
+        let own = &mut x[block.columns[0]..block.columns[1]];
+        for (i, column) in columns.enumerate().rev() {
+            let (within, under) = column.split_at(own.len());
+            let later = product(&within[i + 1..], &own[i + 1..]);
+            own[i] = (own[i] - later - product(under, below)) / within[i];
+        }
+    }
+}
+
+/// The sum of products, in four partial sums, which become vector instructions.
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest = a4.remainder().iter().zip(b4.remainder());
+    let rest: f64 = rest.map(|(a, b)| a * b).sum();
+    let mut sums = [0.0; 4];
+    for (a, b) in a4.zip(b4) {
+        for i in 0..4 {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use geobench_mesh::{Mesh, SplitMix64};
+
+    use super::*;
+    use crate::heat::intrinsic::Intrinsic;
+
+    #[test]
+    fn solutions_solve() {
+        for spec in [
+            "tetrahedron",
+            "grid,n=3",
+            "terrain,n=30,seed=2",
+            "sphere,subdiv=4",
+        ] {
+            let mesh = Mesh::generate(spec).unwrap();
+            let faces: Vec<Face> = Intrinsic::new(&mesh).faces().collect();
+            let n = mesh.vertex_count();
+            let pattern = Pattern::new(n, &faces).unwrap();
+            let factor = pattern.factor(|_, w| 1.0 + w, |_, _, w| w).unwrap();
+            let mut random = SplitMix64::new(7);
+            let right: Vec<f64> = (0..n).map(|_| random.unit() - 0.5).collect();
+            let mut found = right.clone();
+            factor.solve(&mut found);
+            let mut product: Vec<f64> = found.clone();
+            for_edges(&faces, |a, b, weight| {
+                let through = weight * (found[a] - found[b]);
+                product[a] += through;
+                product[b] -= through;
+            });
+            for (got, want) in product.iter().zip(&right) {
+                assert!((got - want).abs() < 1e-12, "{spec}: {got} {want}");
+            }
+        }
     }
 }

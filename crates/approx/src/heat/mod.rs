@@ -108,9 +108,10 @@ impl Face {
         }
         along /= most;
         rise /= most;
-        let gx = along / self.length;
-        let gy = (rise - gx * self.apex[0]) / self.apex[1];
-        let norm = gx.hypot(gy);
+        // The gradient, times the double of the area.
+        let gx = along * self.apex[1];
+        let gy = rise * self.length - along * self.apex[0];
+        let norm = (gx * gx + gy * gy).sqrt();
         if norm > 0.0 {
             [-gx / norm, -gy / norm]
         } else {
@@ -175,14 +176,10 @@ impl Heat {
         for face in &self.faces {
             let flow = face.flow(heat);
             let (l, [x, y]) = (face.length, face.apex);
-            let cotangents = face.cotangents();
-            let edges = [[l, 0.0], [x - l, y], [-x, -y]];
-            for k in 0..3 {
-                let [from, to] = [k, (k + 1) % 3].map(|i| face.vertices[i] as usize);
-                let opposite = cotangents[(k + 2) % 3];
-                let through = 0.5 * opposite * (edges[k][0] * flow[0] + edges[k][1] * flow[1]);
-                sinks[from] -= through;
-                sinks[to] += through;
+            // The gradients of the three functions that are 1 at a corner, times the area.
+            let gradients = [[-y, x - l], [y, -x], [0.0, l]];
+            for (v, [gx, gy]) in face.vertices.into_iter().zip(gradients) {
+                sinks[v as usize] += 0.5 * (gx * flow[0] + gy * flow[1]);
             }
         }
         sinks

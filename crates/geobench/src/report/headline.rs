@@ -7,7 +7,7 @@ use crate::table::figures::time;
 use crate::table::group::{Group, pairs};
 
 /// Largest relative difference of an answer that counts as exact.
-const EXACT: f64 = 1e-6;
+pub(super) const EXACT: f64 = 1e-6;
 
 /// Which algorithm is fastest on most models, and how much faster than the base of ratios, or than
 /// the next fastest if it is the base itself. `None` if no two algorithms have times on a model.

@@ -28,6 +28,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 mod tex;
+mod tradeoff;
 mod trend;
 
 use std::path::PathBuf;
@@ -299,6 +300,8 @@ fn of_group(group: &Group<'_>, setting: Setting<'_>) -> Vec<Block> {
     if !notes.is_empty() {
         blocks.push(Block::Notes(notes));
     }
+    let id = format!("{}-sources-table", setting.prefix);
+    blocks.extend(tradeoff::crossings(&id, group).map(Block::Table));
     let plots = plots::plots(group, setting);
     if !plots.is_empty() {
         blocks.push(Block::Plots(plots));

@@ -4,7 +4,7 @@ use super::chart::{
     Axis, Band, Bar, BarGroup, Bars, Chart, Dots, Lane, LinePoint, Lines, MOST_LANES, Point, Series,
 };
 use super::document::{Plot, slug};
-use super::{Setting, scaling};
+use super::{Setting, scaling, tradeoff};
 use crate::schema::{Cell, ModelRecord, Phases, Status, WavefrontRecord};
 use crate::table::figures::{Figure, figures, time};
 use crate::table::group::{Group, Value};
@@ -25,7 +25,8 @@ pub(crate) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
     }
     plots.extend(spread(group, setting));
     plots.extend(quantiles(group, setting));
-    plots.extend(errors(group, setting));
+    plots.extend(tradeoff::errors(group, setting));
+    plots.extend(tradeoff::sources(group, setting));
     plots
 }
 
@@ -318,68 +319,11 @@ fn quantiles(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
             },
             y,
             reference: None,
+            front: false,
             series: series
                 .into_iter()
                 .filter(|s| !s.points.is_empty())
                 .collect(),
-        }),
-    })
-}
-
-/// The least relative error that is drawn: half a unit in the last place of `f64`.
-const LEAST_ERROR: f64 = f64::EPSILON / 2.0;
-
-/// The largest relative difference from the reference against the time, a point for each cell.
-fn errors(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
-    let point = |cell: &&&Cell| {
-        let check = &cell.check;
-        if check.reference.as_deref() == Some(&cell.algorithm) {
-            return None;
-        }
-        Some(LinePoint {
-            x: cell.time.median.filter(|time| *time > 0.0)?,
-            value: check.max_rel?.max(LEAST_ERROR).into(),
-            deviation: None,
-            model: cell.model.clone(),
-        })
-    };
-    let series = |name: &&str| {
-        let cells = group.cells.iter().filter(|cell| cell.algorithm == **name);
-        let mut points: Vec<LinePoint> = cells.filter_map(|cell| point(&cell)).collect();
-        points.sort_by(|a, b| a.x.total_cmp(&b.x));
-        Series {
-            style: setting.style(name),
-            name: (*name).to_owned(),
-            algorithm: (*name).to_owned(),
-            joined: false,
-            hollow: false,
-            points,
-            fit: None,
-        }
-    };
-    let series: Vec<Series> = group
-        .algorithms
-        .iter()
-        .map(series)
-        .filter(|series| !series.points.is_empty())
-        .collect();
-    let points = || series.iter().flat_map(|series| &series.points);
-    points().next()?;
-    Some(Plot {
-        id: format!("{}-error", setting.prefix),
-        title: "Error against time".to_owned(),
-        caption: "Largest relative difference from the reference of the checks, and median time; \
-                  each point is a model and a source. Differences of less than 1.1e-16, the \
-                  rounding of one operation, are drawn there. Logarithmic scale."
-            .to_owned(),
-        chart: Chart::Lines(Lines {
-            x: Axis::fitting("Time (s)", points().map(|p| p.x)),
-            y: Axis {
-                label: "Largest relative difference".to_owned(),
-                log: true,
-            },
-            reference: None,
-            series,
         }),
     })
 }
@@ -447,6 +391,7 @@ fn wavefront(
                 log: false,
             },
             reference: None,
+            front: false,
             series,
         }),
     })

@@ -189,6 +189,7 @@ fn against_plots(
                 x: x.clone(),
                 y,
                 reference,
+                front: false,
                 series,
             }),
         })

@@ -316,6 +316,82 @@ fn models_that_differ_in_size_alone_make_lines() {
     );
 }
 
+/// Two exact algorithms and two approximate ones on one model, with these set-up times, solve times
+/// and errors.
+fn approximate() -> ResultFile {
+    let records = run_mock(
+        &plan(&["horse"], "mmp,vtp,heat,svg", "0"),
+        &MockBackend::default(),
+    );
+    let mut result = result(records);
+    for cell in &mut result.cells {
+        let (setup, solve, error) = match cell.algorithm.as_str() {
+            "mmp" => (0.0, 4.0, 0.0),
+            "vtp" => (0.5, 1.0, 1e-15),
+            "heat" => (3.0, 0.75, 0.04),
+            _ => (100.0, 0.125, 0.01),
+        };
+        cell.time.setup = Some(setup);
+        cell.time.median = Some(solve);
+        cell.time.ci95 = None;
+        cell.check.mean_rel = Some(error);
+        cell.check.max_rel = Some(2.0 * error);
+        cell.approximate = error > 1e-6;
+    }
+    result
+}
+
+#[test]
+fn errors_beside_times_have_a_front() {
+    let report = report_on(approximate(), &options());
+    let csv = file(&report, Form::Csv, "g1-mean-error.csv");
+    let front: Vec<&str> = csv.lines().filter(|l| l.contains("front")).collect();
+    // Heat is slower and worse than the graph; mmp slower than vtp and as exact.
+    assert_eq!(
+        front,
+        [
+            "Time (s),horse: front,0.125,0.01,,,",
+            "Time (s),horse: front,1,0.000001,,,"
+        ]
+    );
+    let svg = file(&report, Form::Svg, "g1-error.svg");
+    assert_eq!(svg.matches("class=\"front\"").count(), 1);
+    let html = page(&report);
+    assert!(html.contains("On the front: svg, vtp."), "{}", bare(&html));
+    // Without approximate algorithms it is about rounding.
+    let names: Vec<String> = files(&report_on(mixed(), &options()), Form::Svg)
+        .unwrap()
+        .into_iter()
+        .map(|(name, _)| name)
+        .collect();
+    assert!(
+        !names.contains(&"g1-mean-error.svg".to_owned()),
+        "{names:?}"
+    );
+}
+
+#[test]
+fn set_up_is_paid_once() {
+    let report = report_on(approximate(), &options());
+    let csv = file(&report, Form::Csv, "g1-sources-table.csv");
+    let rows: Vec<&str> = csv.lines().skip(1).collect();
+    // 3 + 0.75 k is less than 0.5 + k beyond 10; 100 + k / 8 beyond 113.7.
+    assert_eq!(
+        rows,
+        [
+            "horse,mmp,0,4.00,4.00,400,40000,never",
+            "horse,vtp,0.500,1.00,1.50,100,10000,",
+            "horse,heat,3.00,0.750,3.75,78.0,7503,from 11 on",
+            "horse,svg,100,0.125,100,112,1350,from 114 on",
+        ]
+    );
+    let csv = file(&report, Form::Csv, "g1-sources-0.csv");
+    assert!(csv.contains("Sources,heat meets vtp,10,10.5,"), "{csv}");
+    let html = page(&report);
+    let words = "heat from 11 sources on, svg from 114 sources on";
+    assert!(html.contains(words), "{}", bare(&html));
+}
+
 #[test]
 fn many_models_share_lanes() {
     let names: Vec<String> = (0..30).map(|i| format!("model {i}")).collect();

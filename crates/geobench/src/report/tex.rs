@@ -189,5 +189,13 @@ fn lines(chart: &Lines) -> String {
             );
         }
     }
+    for (_, front) in chart.fronts() {
+        let places: Vec<String> = front.iter().map(|[x, y]| format!("({x},{y})")).collect();
+        let _ = writeln!(
+            tex,
+            "\\addplot[const plot, dotted, mark=none, forget plot] coordinates {{ {} }};",
+            places.join(" ")
+        );
+    }
     tex + "\\end{axis}\n\\end{tikzpicture}\n"
 }

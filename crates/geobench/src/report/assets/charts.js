@@ -366,8 +366,37 @@ function drawLines(drawing, chart, shown) {
   const one = chart.reference === null ? null : y.place(chart.reference);
   if (one !== null) drawing.line("one", [from, one], [to, one]);
   drawing.axisBelow(x, chart.x.label, [top, bottom]);
+  if (chart.front) drawFronts(drawing, points, x, y, top);
   for (const s of series) drawSeries(drawing, chart, s, x, y);
   return bottom + 34;
+}
+
+/** Draws the Pareto front of each model: the points that no other one beats on both axes. */
+function drawFronts(drawing, points, x, y, top) {
+  const models = [...new Set(points.map(p => p.model))], names = [];
+  for (const model of models) {
+    let least = Infinity;
+    const corners = [];
+    const own = points.filter(p => p.model === model)
+      .sort((a, b) => a.x - b.x || a.value.value - b.value.value);
+    for (const { x: at, value: { value } } of own) {
+      if (value >= least) continue;
+      const place = x.clamped(at);
+      corners.push([place, corners.length ? y.clamped(least) : top], [place, y.clamped(value)]);
+      least = value;
+    }
+    if (!corners.length) continue;
+    corners.push([x.ends[1], y.clamped(least)]);
+    drawing.add("polyline", { class: "front", points: corners.map(at => at.join()).join(" ") });
+    if (models.length < 2) continue;
+    const name = fitted(model, WIDTH / 3), width = widthOf(name);
+    const left = Math.min(corners[0][0] + 4, WIDTH - 14 - width);
+    let line = top + 11;
+    const meets = other => other.line === line && left < other.to + 4 && left + width + 4 > other.from;
+    while (names.some(meets)) line += LINE;
+    names.push({ from: left, to: left + width, line });
+    drawing.text([left, line], "q", name);
+  }
 }
 
 function drawSeries(drawing, chart, series, x, y) {

@@ -1,5 +1,21 @@
 // Brings a report to life: filters by model and algorithm, which tables and charts follow.
 
+/** The names that the address hides, such as `#hidden-model=spot&hidden-algorithm=mmp`. */
+function hiddenByAddress() {
+  const words = new URLSearchParams(window.location.hash.slice(1));
+  const of = kind => new Set(words.getAll(`hidden-${kind}`));
+  return { model: of("model"), algorithm: of("algorithm") };
+}
+
+/** Changes the address, so that a bookmark or a link shows the same selection. */
+function keepInAddress(hidden) {
+  const words = new URLSearchParams();
+  for (const [kind, names] of Object.entries(hidden)) {
+    for (const name of names) words.append(`hidden-${kind}`, name);
+  }
+  window.history.replaceState(null, "", `#${words}`);
+}
+
 function explore() {
   document.body.append(tip.box, tip.voice);
   const tables = [...document.querySelectorAll("main table")].map(table => new LiveTable(table));
@@ -10,9 +26,9 @@ function explore() {
     else charts.push(new LiveChart(data.parentElement, content));
   }
   const names = kind => [...new Set(tables.filter(table => table.rowsAre === kind)
-    .flatMap(table => table.bodies).flatMap(({ rows }) => rows).map(row => row.cells[0].textContent))];
+    .flatMap(table => table.bodies).flatMap(({ rows }) => rows).map(nameOf))];
   const models = names("model"), algorithms = names("algorithm").filter(name => name !== "All");
-  const hidden = { model: new Set(), algorithm: new Set() };
+  const hidden = hiddenByAddress();
   const shown = {
     model: name => !hidden.model.has(name),
     algorithm: name => !hidden.algorithm.has(name),
@@ -23,9 +39,10 @@ function explore() {
   };
   const menu = (label, kind, all) => new Menu(label, all, names => {
     hidden[kind] = names;
+    keepInAddress(hidden);
     draw();
     tip.announce(`${all.length - names.size} of ${all.length} ${label.toLowerCase()} shown`);
-  }).node;
+  }, hidden[kind]).node;
   const filters = [];
   if (models.length > 1) filters.push(menu("Models", "model", models));
   if (algorithms.length > 1) filters.push(menu("Algorithms", "algorithm", algorithms));

@@ -5,6 +5,9 @@ function numberOf(text) {
   return parseFloat(text.trim().replace(/^~/, "").replace(/(\d),(?=\d{3})/g, "$1"));
 }
 
+/** The name that a row is about, without the mark of approximate algorithms. */
+const nameOf = row => row.cells[0].textContent.replace(/ \(approx\.\)$/, "");
+
 /** A table of the page. */
 class LiveTable {
   constructor(table) {
@@ -72,7 +75,7 @@ class LiveTable {
   filter(shown, models) {
     for (const { body, title, rows } of this.bodies) {
       for (const row of rows) {
-        const name = row.cells[0].textContent;
+        const name = nameOf(row);
         row.hidden = this.rowsAre === "algorithm" ? !shown.algorithm(name)
           : this.rowsAre === "model" ? !shown.model(name) : false;
       }
@@ -83,15 +86,15 @@ class LiveTable {
 
 /** A button that opens a list of names with check boxes. */
 class Menu {
-  constructor(label, names, changed) {
+  constructor(label, names, changed, hidden = new Set()) {
     this.label = label;
     this.names = names;
-    this.hidden = new Set();
+    this.hidden = hidden;
     this.changed = changed;
     this.summary = make("summary");
     this.boxes = names.map(name => {
       const box = make("input", { type: "checkbox", value: name });
-      box.checked = true;
+      box.checked = !hidden.has(name);
       return box;
     });
     const all = this.button("All", () => true), none = this.button("None", () => false);

@@ -4,10 +4,10 @@ use serde::Serialize;
 
 use super::axis::{Axis, Scale};
 use super::{
-    Datum, WIDTH, axis_below, draw_marker, draw_ticks, draw_whisker, legend, marker_class,
+    Datum, LINE, WIDTH, axis_below, draw_marker, draw_ticks, draw_whisker, legend, marker_class,
 };
-use crate::report::svg::{Svg, fitted, px};
-use crate::table::group::Value;
+use crate::report::svg::{Svg, fitted, px, width_of};
+use crate::table::group::{Value, distinct};
 
 /// Height of the field in which lines are drawn.
 const HEIGHT: f64 = 230.0;
@@ -22,6 +22,9 @@ pub(crate) struct Lines {
     pub(crate) y: Axis,
     /// A value marked by a line across the chart.
     pub(crate) reference: Option<f64>,
+    /// Whether the Pareto front of each model is drawn: what no other point of the model beats on
+    /// both axes. Less is better.
+    pub(crate) front: bool,
     pub(crate) series: Vec<Series>,
 }
 
@@ -99,10 +102,39 @@ impl Lines {
             svg.line("one", [x.start(), place], [x.end(), place]);
         }
         axis_below(svg, &x, &self.x.label, [top, bottom]);
+        let fronts = self.fronts();
+        let mut names = Names::default();
+        for (model, front) in &fronts {
+            let corners: Vec<[f64; 2]> = stairs(front)
+                .iter()
+                .map(|[at, value]| [x.clamped(*at), y.clamped(*value)])
+                .collect();
+            let (Some(first), Some(last)) = (corners.first(), corners.last()) else {
+                continue;
+            };
+            let ends = [[first[0], top], [x.end(), last[1]]];
+            let all = [ends[0]].into_iter().chain(corners.iter().copied());
+            polyline(svg, "front", all.chain([ends[1]]));
+            if fronts.len() > 1 {
+                let name = fitted(model, WIDTH / 3.0);
+                svg.text(names.place(&name, [first[0], top]), "q", &name);
+            }
+        }
         for series in &self.series {
             draw_series(svg, series, &x, &y);
         }
         bottom + 34.0
+    }
+
+    /// The Pareto front of each model, from left to right.
+    pub(crate) fn fronts(&self) -> Vec<(&str, Vec<[f64; 2]>)> {
+        let points = || self.series.iter().flat_map(|series| &series.points);
+        let models = distinct(points().filter(|_| self.front).map(|p| p.model.as_str()));
+        let front = |model: &str| {
+            let own = points().filter(|point| point.model == model);
+            front(own.map(|point| [point.x, point.value.value]))
+        };
+        models.into_iter().map(|m| (m, front(m))).collect()
     }
 
     pub(super) fn data(&self) -> Vec<Datum> {
@@ -135,8 +167,71 @@ impl Lines {
                 data.extend(ends);
             }
         }
+        for (model, front) in self.fronts() {
+            data.extend(front.into_iter().map(|[x, value]| Datum {
+                of: self.x.label.clone(),
+                series: format!("{model}: front"),
+                x: Some(x),
+                value: Some(value),
+                ..Datum::default()
+            }));
+        }
         data
     }
+}
+
+/// The points that no other one beats: one that is less on an axis and not more on the other. From
+/// left to right.
+pub(crate) fn front(points: impl IntoIterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
+    let mut points: Vec<[f64; 2]> = points.into_iter().collect();
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let mut least = f64::INFINITY;
+    points.retain(|point| {
+        let is_on = point[1] < least;
+        least = least.min(point[1]);
+        is_on
+    });
+    points
+}
+
+/// The corners of the line below which no point of a front lies.
+fn stairs(front: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let steps = front.windows(2).flat_map(|pair| {
+        let [from, to] = [pair[0], pair[1]];
+        [[to[0], from[1]], to]
+    });
+    front.first().copied().into_iter().chain(steps).collect()
+}
+
+/// Names beside the tops of lines, one below the other where there is no room.
+#[derive(Default)]
+struct Names(Vec<[f64; 3]>);
+
+impl Names {
+    /// The place of `name` beside a line whose top is at `at`.
+    fn place(&mut self, name: &str, [x, top]: [f64; 2]) -> [f64; 2] {
+        let width = width_of(name);
+        let left = (x + 4.0).min(WIDTH - 14.0 - width);
+        let mut y = top + 11.0;
+        let meets = |y: f64, [from, to, at]: &[f64; 3]| {
+            *at == y && left < to + 4.0 && left + width + 4.0 > *from
+        };
+        while self.0.iter().any(|other| meets(y, other)) {
+            y += LINE;
+        }
+        self.0.push([left, left + width, y]);
+        [left, y]
+    }
+}
+
+fn polyline(svg: &mut Svg, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+    let points: Vec<String> = points
+        .map(|[x, y]| format!("{},{}", px(x), px(y)))
+        .collect();
+    svg.leaf(
+        "polyline",
+        &[("class", class.to_owned()), ("points", points.join(" "))],
+    );
 }
 
 fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
@@ -153,17 +248,8 @@ fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
         svg.line(&format!("fit {class}"), from, to);
     }
     if series.joined && places.len() > 1 {
-        let points: Vec<String> = places
-            .iter()
-            .map(|([x, y], _)| format!("{},{}", px(*x), px(*y)))
-            .collect();
-        svg.leaf(
-            "polyline",
-            &[
-                ("class", format!("curve {class}")),
-                ("points", points.join(" ")),
-            ],
-        );
+        let points = places.iter().map(|(at, _)| *at);
+        polyline(svg, &format!("curve {class}"), points);
     }
     // Markers on every point would hide a long line.
     let every = if series.joined {
@@ -185,4 +271,28 @@ fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
         }
     }
     svg.close();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_front_is_what_nothing_beats() {
+        let points = [[3.0, 1.0], [1.0, 9.0], [2.0, 9.0], [2.0, 4.0], [4.0, 1.0]];
+        let on = front(points);
+        assert_eq!(on, [[1.0, 9.0], [2.0, 4.0], [3.0, 1.0]]);
+        assert_eq!(
+            stairs(&on),
+            [[1.0, 9.0], [2.0, 9.0], [2.0, 4.0], [3.0, 4.0], [3.0, 1.0]]
+        );
+        assert!(front([]).is_empty() && stairs(&[]).is_empty());
+    }
+
+    #[test]
+    fn names_of_lines_that_are_close_stand_below_each_other() {
+        let mut names = Names::default();
+        let [a, b, c] = [100.0, 110.0, 300.0].map(|x| names.place("horse", [x, 20.0]));
+        assert_eq!([a[1], b[1], c[1]], [31.0, 31.0 + LINE, 31.0]);
+    }
 }

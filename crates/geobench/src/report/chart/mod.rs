@@ -19,7 +19,7 @@ use axis::Scale;
 pub(crate) use axis::{Axis, nice};
 pub(crate) use bars::{Bar, Bars, Group as BarGroup, PARTS};
 pub(crate) use dots::{Band, Dots, Lane, MOST_LANES};
-pub(crate) use lines::{Fit, LinePoint, Lines, Series};
+pub(crate) use lines::{Fit, LinePoint, Lines, Series, front};
 
 /// Width of all charts, in pixels at their natural size: readable on a phone held upright.
 pub(crate) const WIDTH: f64 = 480.0;

@@ -1,10 +1,10 @@
-//! Orders in which vertices are accepted.
+//! Orders in which vertices have their turns.
 
 use geobench_mesh::VertexId;
 use geobench_window::queue::{Calendar, Event, EventKind, MinHeap};
 
 /// A queue of vertices by distance. A vertex is pushed anew when its distance falls.
-pub(super) trait Order {
+pub(crate) trait Order {
     /// Whether the least distance comes first.
     const IS_SORTED: bool;
 
@@ -22,7 +22,7 @@ pub(super) trait Order {
 }
 
 /// Least distance first.
-pub(super) type Tidy = MinHeap<VertexId>;
+pub(crate) type Tidy = MinHeap<VertexId>;
 
 impl Order for Tidy {
     const IS_SORTED: bool = true;
@@ -48,18 +48,34 @@ impl Order for Tidy {
 
 /// Buckets in order, and within a bucket first in, first out.
 #[derive(Clone, Debug)]
-pub(super) struct Untidy {
+pub(crate) struct Untidy {
     later: Calendar,
     /// The bucket under way, the next entry last.
     current: Vec<(f64, Event)>,
+    /// The least label of that bucket.
+    least: f64,
 }
 
 impl Untidy {
     /// With buckets of this width.
-    pub(super) fn new(width: f64) -> Self {
+    pub(crate) fn new(width: f64) -> Self {
         Self {
             later: Calendar::new(width),
             current: Vec::new(),
+            least: 0.0,
+        }
+    }
+
+    /// No entry has a lesser label, if none was pushed with a lesser one than that which came last.
+    pub(crate) const fn bound(&self) -> f64 {
+        self.least
+    }
+
+    /// The entry that comes next, if it is of the bucket under way.
+    pub(crate) fn next(&self) -> Option<VertexId> {
+        match self.current.last()?.1.kind() {
+            EventKind::Vertex(v) => Some(v),
+            EventKind::Window(..) => None,
         }
     }
 }
@@ -85,6 +101,8 @@ impl Order for Untidy {
             let bucket = self.later.advance()?;
             self.later.drain(bucket, &mut self.current);
             self.current.reverse();
+            let labels = self.current.iter().map(|(label, _)| *label);
+            self.least = labels.fold(f64::INFINITY, f64::min);
         }
     }
 
@@ -116,6 +134,8 @@ mod tests {
         // What belongs to a bucket that has passed comes next.
         queue.push(0.5, VertexId::new(4));
         queue.push(2.2, VertexId::new(5));
+        assert_eq!(queue.bound(), 2.1);
         assert_eq!(queue.pop(), Some((0.5, VertexId::new(4))));
+        assert_eq!((queue.bound(), queue.next()), (0.5, Some(VertexId::new(5))));
     }
 }

@@ -265,6 +265,15 @@ fn diagrams_of_random_meshes_are_right() {
     assert!(wrong.is_empty(), "{:?}: {first:?}", wrong.keys());
 }
 
+/// Windows crossed first in, first out for diagrams, and wound around these needles without an end.
+#[test]
+fn windows_of_diagrams_wound_around_needles() {
+    for seed in [14312, 22444, 80273, 94587] {
+        let wrong = nasty_complaints(seed..seed + 1);
+        assert!(wrong.is_empty(), "{:?}", wrong[&seed].first());
+    }
+}
+
 /// A square of 10 by 10 with points at random places.
 fn random_plane() -> Mesh {
     let mut random = SplitMix64::new(5);

@@ -160,12 +160,26 @@ impl FaceSites {
                     stored.window
                 };
                 let (image, gate) = (place(w.px, w.py), [place(w.b0, 0.0), place(w.b1, 0.0)]);
-                sites.push(Site {
-                    image,
-                    sigma: w.sigma,
-                    source: stored.source(),
-                    gate: Some(gate),
-                    to_gate: gate.map(|end| w.sigma + norm(sub(end, image))),
+                let to_gate = gate.map(|end| w.sigma + norm(sub(end, image)));
+                let source = stored.source();
+                let near = usize::from(to_gate[1] < to_gate[0]);
+                // Along the edge no path is straight but those through the nearer end.
+                sites.push(if w.py.abs() <= GRAZING * (to_gate[near] - w.sigma) {
+                    Site {
+                        image: gate[near],
+                        sigma: to_gate[near],
+                        source,
+                        gate: None,
+                        to_gate: [to_gate[near]; 2],
+                    }
+                } else {
+                    Site {
+                        image,
+                        sigma: w.sigma,
+                        source,
+                        gate: Some(gate),
+                        to_gate,
+                    }
                 });
             }
         }
@@ -308,6 +322,10 @@ impl FaceSites {
         ROUNDING * (d + self.size)
     }
 }
+
+/// Height of an image over the line of its gate, relative to its distance from the gate, below
+/// which it is taken to lie on that line.
+const GRAZING: f64 = 1e-14;
 
 /// By how much a path from a vertex of the face must be shorter than one through a gate to be taken
 /// for it, relative to its length; by how much a bent one.

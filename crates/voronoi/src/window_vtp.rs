@@ -72,9 +72,6 @@ pub struct WindowVtp {
     /// Windows of the area beside thin faces, by their distances. First in, first out, they would
     /// wind around a needle before the ones that beat them have come.
     thin: MinHeap<(HalfEdgeId, u32)>,
-    /// Whether windows beside thin faces cross nearest first in this run. Only distances are asked
-    /// for then: diagrams on needles are right in the other order only.
-    by_distance: bool,
 }
 
 impl WindowVtp {
@@ -95,7 +92,6 @@ impl WindowVtp {
             is_ready: vec![false; mesh.half_edge_count()],
             batch: Vec::new(),
             thin: MinHeap::default(),
-            by_distance: false,
         }
     }
 
@@ -147,7 +143,7 @@ impl WindowVtp {
     /// Whether the windows of `h` cross nearest first.
     #[inline]
     fn crosses_by_distance(&self, h: HalfEdgeId) -> bool {
-        self.by_distance && self.wave.thin.is_beside(h.index())
+        self.wave.thin.is_beside(h.index())
     }
 
     /// The distance at which the next vertex has its turn.
@@ -288,7 +284,6 @@ impl WindowVtp {
 impl FieldSolver for WindowVtp {
     fn field(&mut self, sources: &[VertexId]) -> Result<Field<'_>, SolveError> {
         crate::check_sources(self.wave.mesh.vertex_count(), sources)?;
-        self.by_distance = false;
         self.run(sources, &mut ());
         Ok(self.wave.field())
     }
@@ -304,7 +299,6 @@ impl Propagate for WindowVtp {
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
-        self.by_distance = true;
         self.run(sources, probe);
         Solution::new(self.wave.distances.clone())
     }

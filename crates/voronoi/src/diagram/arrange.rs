@@ -7,12 +7,14 @@
 //! all. Everything else is cut in two, the largest part first, until each part is as simple, or too
 //! small to matter. So the outcome is always a division of the face, whatever rounding does.
 
+use std::cell::RefCell;
+
 use geobench_window::queue::MinHeap;
 
 use super::curve::{Bisector, newton_across};
 use super::line::{Change, Line};
 use super::plane::{Point, between, cross, dot, norm, sub};
-use super::sites::FaceSites;
+use super::sites::{FaceSites, Nearest};
 
 /// A point of the diagram inside a face or on its sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -482,16 +484,14 @@ impl Arranger<'_> {
         let size = triangle.size();
         let start = centre(stops.iter().map(|stop| self.found.nodes[stop.node].at));
         let x = meeting_point(start, size, |x| {
-            three.map(|source| {
-                let nearest = self.sites.nearest_of(source, x);
-                (nearest.length, nearest.direction)
-            })
+            let nearest = self.sites.nearest(three, x);
+            nearest.each.map(|site| (site.length, site.direction(x)))
         })?;
         let least = self.sites.distance(x);
         let slack = self.sites.rounding(least);
         let all_meet = cells
             .iter()
-            .all(|&source| self.sites.nearest_of(source, x).length <= least + slack);
+            .all(|&source| self.sites.nearest([source], x).each[0].length <= least + slack);
         (all_meet && triangle.contains(x, self.slack(triangle))).then_some(x)
     }
 
@@ -523,6 +523,7 @@ impl Arranger<'_> {
                 triangle,
                 slack: self.slack(triangle),
                 sources,
+                near: RefCell::default(),
             };
             if way.is_straight(ends) {
                 parts.push(Part {
@@ -530,8 +531,7 @@ impl Arranger<'_> {
                     sites: None,
                 });
             } else {
-                let mut steps = 0;
-                way.trace(ends, &mut steps, &mut parts)?;
+                way.trace(ends, &mut 0, &mut parts)?;
             }
         }
         let mut node = from;
@@ -569,23 +569,25 @@ struct Way<'a> {
     triangle: &'a Triangle,
     slack: f64,
     sources: [u32; 2],
+    /// Room for the sites near a part of it.
+    near: RefCell<Vec<usize>>,
 }
 
 impl Way<'_> {
     /// The nearest sites of both cells, if `x` is on the border: equally far from both, with nothing
     /// nearer.
     fn pair(&self, x: Point) -> Option<[usize; 2]> {
-        let [a, b] = self.sources.map(|source| self.sites.nearest_of(source, x));
-        let least = self.sites.distance(x);
-        let slack = self.sites.rounding(least);
-        let is_border = a.length <= least + slack && b.length <= least + slack;
-        (is_border && self.triangle.contains(x, self.slack)).then_some([a.site, b.site])
+        let nearest = self.sites.nearest(self.sources, x);
+        let most = nearest.least + self.sites.rounding(nearest.least);
+        let is_border = nearest.each.iter().all(|site| site.length <= most);
+        (is_border && self.triangle.contains(x, self.slack))
+            .then(|| nearest.each.map(|site| site.site))
     }
 
-    /// Whether the straight paths of both sites are the shortest of all to `x`. They have to come
-    /// through the gates of their sites: where they do not, the path that does is longer.
-    fn holds(&self, pair: [usize; 2], x: Point) -> bool {
-        let least = self.sites.distance(x);
+    /// Whether the straight paths of both sites are the shortest to `x`, with `least` the length of
+    /// the shortest of all. They have to come through the gates of their sites: where they do not,
+    /// the path that does is longer.
+    fn holds(&self, pair: [usize; 2], x: Point, least: f64) -> bool {
         let slack = self.sites.rounding(least);
         pair.into_iter().all(|site| {
             let site = &self.sites.sites[site];
@@ -597,11 +599,11 @@ impl Way<'_> {
     fn beside(&self, [from, to]: [Point; 2], t: f64) -> Option<Point> {
         let start = between(from, to, t);
         newton_across(start, sub(to, from), |x| {
-            let [a, b] = self.sources.map(|source| self.sites.nearest_of(source, x));
+            let [a, b] = self.sites.nearest(self.sources, x).each;
             let value = a.length - b.length;
             value
                 .is_finite()
-                .then(|| (value, sub(a.direction, b.direction)))
+                .then(|| (value, sub(a.direction(x), b.direction(x))))
         })
     }
 
@@ -616,74 +618,143 @@ impl Way<'_> {
             .all(|t| self.pair(between(from, to, t)).is_some())
     }
 
-    /// Appends the parts of the border between `ends`.
-    fn trace(&self, ends: [Point; 2], steps: &mut u32, parts: &mut Vec<Part>) -> Option<()> {
-        let [from, to] = ends;
-        *steps += 1;
-        if *steps > MOST_STEPS {
-            return None;
+    /// Appends the parts of the border between `ends`, one bisector after the other. Where the next
+    /// one is in doubt, the rest is cut in two.
+    fn trace(
+        &self,
+        [mut at, to]: [Point; 2],
+        steps: &mut u32,
+        parts: &mut Vec<Part>,
+    ) -> Option<()> {
+        loop {
+            *steps += 1;
+            if *steps > MOST_STEPS {
+                return None;
+            }
+            let Some((end, pair)) = self.next_part([at, to]) else {
+                break;
+            };
+            append(parts, end, Some(pair));
+            if end == to {
+                return Some(());
+            }
+            at = end;
         }
-        let middle = self.beside(ends, 0.5)?;
-        let pair = self.pair(middle)?;
-        if self.is_whole(pair, ends) {
-            append(parts, to, Some(pair));
-            return Some(());
-        }
-        if norm(sub(to, from)) <= BESIDE_FACE * self.sites.size {
+        if norm(sub(to, at)) <= BESIDE_FACE * self.sites.size {
             append(parts, to, None);
             return Some(());
         }
-        if let Some((at, [first, second])) = self.breakpoint(ends, middle) {
-            append(parts, at, Some(first));
-            append(parts, to, Some(second));
-            return Some(());
-        }
-        self.trace([from, middle], steps, parts)?;
+        let middle = self.beside([at, to], 0.5)?;
+        self.pair(middle)?;
+        self.trace([at, middle], steps, parts)?;
         self.trace([middle, to], steps, parts)
     }
 
-    /// The point between `ends` at which the border changes from one bisector to another, and the
-    /// pairs of sites before and behind it, if there is but one such point and it is easy to find.
-    fn breakpoint(&self, ends: [Point; 2], middle: Point) -> Option<(Point, [[usize; 2]; 2])> {
-        let near_first = self.beside(ends, NEAR_END)?;
-        let near_last = self.beside(ends, 1.0 - NEAR_END)?;
-        let (first, last) = (self.pair(near_first)?, self.pair(near_last)?);
-        let three = match (first[0] == last[0], first[1] == last[1]) {
-            (false, true) => [first[1], first[0], last[0]],
-            (true, false) => [first[0], first[1], last[1]],
-            _ => return None,
+    /// The end of the first part between `ends` and its sites; `None` if that is in doubt.
+    fn next_part(&self, [from, to]: [Point; 2]) -> Option<(Point, [usize; 2])> {
+        let chord = sub(to, from);
+        let place = |x: Point| dot(sub(x, from), chord) / dot(chord, chord);
+        let touch = TOUCHING * self.sites.size;
+        let are_apart = |a: Point, b: Point| norm(sub(a, b)) > touch;
+        let mut ahead = AHEAD;
+        let (pair, mut end, mut most) = loop {
+            let start = self.sites.nearest(self.sources, between(from, to, ahead));
+            let pair = start.each.map(|site| site.site);
+            if pair.contains(&usize::MAX) {
+                return None;
+            }
+            // As far as both look through their gates.
+            let [a, b] = pair.map(|site| &self.sites.sites[site]);
+            let (mut end, mut most, mut entry) = (to, 1.0, 0.0);
+            for x in [a.exits(b), b.exits(a)].into_iter().flatten().flatten() {
+                let t = place(x);
+                if t <= 0.0 || t >= most || !are_apart(x, from) || !are_apart(x, to) {
+                    continue;
+                }
+                if t > ahead {
+                    (end, most) = (x, t);
+                } else {
+                    entry = f64::max(entry, t);
+                }
+            }
+            if entry == 0.0 {
+                break (pair, end, most);
+            }
+            // Others come first.
+            ahead = 0.5 * entry;
         };
-        let x = meeting_point(middle, self.triangle.size(), |x| {
-            three.map(|site| self.sites.sites[site].straight_path(x))
-        })?;
-        let is_between = self.is_whole(first, [ends[0], x]) && self.is_whole(last, [x, ends[1]]);
-        (is_between && self.triangle.contains(x, self.slack)).then_some((x, [first, last]))
+        // And as far as no other site is nearer.
+        for _ in 0..MOST_RIVALS {
+            if self.is_whole(pair, [from, end]) {
+                return Some((end, pair));
+            }
+            let nearest = self.sites.nearest(self.sources, end);
+            if self.holds(pair, end, nearest.least) {
+                // The rival is nearer before the end, or at the beginning.
+                return None;
+            }
+            let [first, second] = nearest.each;
+            let lead =
+                |k: usize, site: &Nearest| self.sites.sites[pair[k]].straight(end) - site.length;
+            let rival = if lead(0, &first) > lead(1, &second) {
+                first.site
+            } else {
+                second.site
+            };
+            let three = [pair[0], pair[1], rival];
+            let middle = between(from, end, 0.5);
+            end = meeting_point(middle, self.triangle.size(), |x| {
+                three.map(|site| self.sites.sites[site].straight_path(x))
+            })?;
+            let t = place(end);
+            if !(0.0 < t && t < most && are_apart(end, from)) {
+                return None;
+            }
+            most = t;
+        }
+        None
     }
 
     /// Whether the bisector of one pair of sites is the border all the way.
     fn is_whole(&self, pair: [usize; 2], ends: [Point; 2]) -> bool {
-        if !(self.holds(pair, ends[0]) && self.holds(pair, ends[1])) {
-            return false;
-        }
         let curve = Bisector::of(pair.map(|site| &self.sites.sites[site]));
         let Some(middle) = curve.beside(ends[0], ends[1], 0.5) else {
             return false;
         };
         // Nowhere does it turn back on itself, so that it can be followed along its chord.
-        let [near, far] = [sub(middle, ends[0]), sub(ends[1], middle)];
-        if dot(near, far) < 0.5 * norm(near) * norm(far) {
+        let [first, second] = [sub(middle, ends[0]), sub(ends[1], middle)];
+        let turns_back = dot(first, second) < 0.5 * norm(first) * norm(second);
+        let is_inside = |x: Point| self.triangle.contains(x, self.slack);
+        if turns_back || !is_inside(middle) || !is_inside(ends[1]) {
             return false;
         }
-        self.holds(pair, middle)
+        // A curve that turns one way is nowhere farther off its chord than twice as in the middle.
+        let beside = 2.0 * norm(sub(middle, between(ends[0], ends[1], 0.5)));
+        let mut near = self.near.borrow_mut();
+        self.sites.near_chord(pair[0], ends, beside, &mut near);
+        let holds = |x: Point| {
+            let lengths = near
+                .iter()
+                .map(|&site| self.sites.sites[site].path(x).length);
+            self.holds(pair, x, lengths.fold(f64::INFINITY, f64::min))
+        };
+        [ends[1], ends[0], middle].into_iter().all(holds)
             && [0.2, 0.8].into_iter().all(|t| {
                 let x = curve.beside(ends[0], ends[1], t);
-                x.is_some_and(|x| self.holds(pair, x))
+                x.is_some_and(holds)
             })
     }
 }
 
-/// How far from its ends a border is looked at for the sites there, as a share of its chord.
-const NEAR_END: f64 = 0.01;
+/// How far behind the beginning of a part its sites are looked for, as a share of the chord of the
+/// border.
+const AHEAD: f64 = 1e-3;
+
+/// Distance of points that are the same but for rounding, as a fraction of the face.
+const TOUCHING: f64 = 1e-12;
+
+/// Sites that are found to be nearer at the end of a part before it is given up.
+const MOST_RIVALS: u32 = 8;
 
 /// Appends a part that ends at `to`. Parts of the same bisector become one; what is too short to
 /// have one becomes part of its neighbour.

@@ -24,6 +24,17 @@ pub(crate) fn norm(a: Point) -> f64 {
     dot(a, a).sqrt()
 }
 
+/// The direction of `a`; none of the null vector.
+#[inline]
+pub(crate) fn unit(a: Point) -> Point {
+    let length = norm(a);
+    if length > 0.0 {
+        a.map(|c| c / length)
+    } else {
+        [0.0; 2]
+    }
+}
+
 /// The point at fraction `t` of the way from `a` to `b`.
 #[inline]
 pub(crate) fn between(a: Point, b: Point, t: f64) -> Point {

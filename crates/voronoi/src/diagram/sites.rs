@@ -4,7 +4,7 @@ use geobench_mesh::{FaceId, Mesh};
 use geobench_window::Window;
 
 use super::line::Line;
-use super::plane::{Point, between, cross, dot, norm, sub};
+use super::plane::{Point, along, between, cross, dot, norm, sub, unit};
 use crate::field::{Field, NO_SOURCE};
 use crate::store::{Stored, edge_of};
 
@@ -17,14 +17,16 @@ pub(crate) struct Site {
     /// The ends of the interval through which its paths come, the left one first as seen from the
     /// image; none for a vertex of the face.
     gate: Option<[Point; 2]>,
+    /// The lengths of the paths up to these ends.
+    to_gate: [f64; 2],
 }
 
 /// A path from a [`Site`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SitePath {
     pub(crate) length: f64,
-    /// The direction in which it arrives.
-    direction: Point,
+    /// Where it last turns: at the image, or at an end of the gate.
+    turn: Point,
     /// Whether it turns at an end of the gate.
     is_bent: bool,
 }
@@ -38,56 +40,45 @@ impl Site {
 
     /// The same with the direction in which the path arrives.
     pub(crate) fn straight_path(&self, x: Point) -> (f64, Point) {
-        let way = sub(x, self.image);
-        let length = norm(way);
-        let direction = if length > 0.0 {
-            way.map(|c| c / length)
-        } else {
-            [0.0; 2]
-        };
-        (self.sigma + length, direction)
+        (self.straight(x), unit(sub(x, self.image)))
     }
 
-    /// Where the path to `x` last turns: at the image, or at an end of the gate if the straight
-    /// path misses that.
-    #[inline]
-    fn last_turn(&self, x: Point) -> Point {
-        let Some([left, right]) = self.gate else {
-            return self.image;
-        };
-        let way = sub(x, self.image);
-        if cross(sub(left, self.image), way) > 0.0 {
-            left
-        } else if cross(sub(right, self.image), way) < 0.0 {
-            right
-        } else {
-            self.image
-        }
-    }
-
-    /// The shortest path to `x` through the gate. All of them are paths of the surface, and the
-    /// length changes without a jump.
+    /// The shortest path to `x` through the gate: straight, or around the end of the gate that the
+    /// straight path misses. All of them are paths of the surface, and the length is a convex
+    /// function of `x`.
     #[inline]
     pub(crate) fn path(&self, x: Point) -> SitePath {
-        let turn = self.last_turn(x);
-        let way = sub(x, turn);
-        let length = norm(way);
-        let direction = if length > 0.0 {
-            way.map(|c| c / length)
-        } else {
-            [0.0; 2]
-        };
-        let is_bent = turn != self.image;
-        let before = if is_bent {
-            norm(sub(turn, self.image))
-        } else {
-            0.0
-        };
+        let mut turn = self.image;
+        let mut before = self.sigma;
+        let mut is_bent = false;
+        if let Some([left, right]) = self.gate {
+            let way = sub(x, self.image);
+            if cross(sub(left, self.image), way) > 0.0 {
+                (turn, before, is_bent) = (left, self.to_gate[0], true);
+            } else if cross(sub(right, self.image), way) < 0.0 {
+                (turn, before, is_bent) = (right, self.to_gate[1], true);
+            }
+        }
         SitePath {
-            length: self.sigma + before + length,
-            direction,
+            length: before + norm(sub(x, turn)),
+            turn,
             is_bent,
         }
+    }
+
+    /// Where the bisector with `other` leaves the part of the plane that is seen through the gate,
+    /// on either side, if it does. Each ray from the image meets it at most once.
+    pub(crate) fn exits(&self, other: &Self) -> [Option<Point>; 2] {
+        let Some(gate) = self.gate else {
+            return [None; 2];
+        };
+        let c = sub(self.image, other.image);
+        let ahead = self.sigma - other.sigma;
+        gate.map(|end| {
+            let u = unit(sub(end, self.image));
+            let r = (ahead * ahead - dot(c, c)) / (2.0 * (dot(c, u) - ahead));
+            (r > 0.0 && r + ahead >= 0.0).then(|| along(self.image, r, u))
+        })
     }
 
     /// The straight paths to the points of the segment from `from` to `to`, of length `l`, as a
@@ -168,11 +159,27 @@ impl FaceSites {
                 } else {
                     stored.window
                 };
-                sites.push(Site {
-                    image: place(w.px, w.py),
-                    sigma: w.sigma,
-                    source: stored.source(),
-                    gate: Some([place(w.b0, 0.0), place(w.b1, 0.0)]),
+                let (image, gate) = (place(w.px, w.py), [place(w.b0, 0.0), place(w.b1, 0.0)]);
+                let to_gate = gate.map(|end| w.sigma + norm(sub(end, image)));
+                let source = stored.source();
+                let near = usize::from(to_gate[1] < to_gate[0]);
+                // Along the edge no path is straight but those through the nearer end.
+                sites.push(if w.py.abs() <= GRAZING * (to_gate[near] - w.sigma) {
+                    Site {
+                        image: gate[near],
+                        sigma: to_gate[near],
+                        source,
+                        gate: None,
+                        to_gate: [to_gate[near]; 2],
+                    }
+                } else {
+                    Site {
+                        image,
+                        sigma: w.sigma,
+                        source,
+                        gate: Some(gate),
+                        to_gate,
+                    }
                 });
             }
         }
@@ -184,6 +191,7 @@ impl FaceSites {
                     sigma,
                     source,
                     gate: None,
+                    to_gate: [sigma; 2],
                 });
             }
         }
@@ -205,23 +213,31 @@ impl FaceSites {
         let step = RANK * (self.distance(self.corners[0]) + self.size);
         for site in &mut ranked.sites {
             let rank = sources.partition_point(|&source| source < site.source);
-            site.sigma += rank as f64 * step;
+            let more = rank as f64 * step;
+            site.sigma += more;
+            site.to_gate = site.to_gate.map(|length| length + more);
         }
         ranked
     }
 
-    /// The site of `source` whose path to `x` is the shortest, the length of that path and its
-    /// direction there; the length is infinite without any.
+    /// The shortest of all paths to `x`, and the shortest of each of these sources.
     ///
-    /// Of equal ones a straight path through a gate counts more than one from a vertex of the face,
-    /// and that more than a bent one: windows that end in a vertex have bent paths through it, and
-    /// only the vertex has the bisector on which these end.
-    pub(crate) fn nearest_of(&self, source: u32, x: Point) -> Nearest {
-        let mut nearest = Nearest::NONE;
-        let mut least = f64::INFINITY;
+    /// Of equal ones of a source a straight path through a gate counts more than one from a vertex
+    /// of the face, and that more than a bent one: windows that end in a vertex have bent paths
+    /// through it, and only the vertex has the bisector on which these end.
+    pub(crate) fn nearest<const N: usize>(&self, sources: [u32; N], x: Point) -> NearestSites<N> {
+        let mut found = NearestSites {
+            least: f64::INFINITY,
+            each: [Nearest::NONE; N],
+        };
+        let mut least = [f64::INFINITY; N];
         for (i, site) in self.sites.iter().enumerate() {
-            if site.source == source {
-                let path = site.path(x);
+            let path = site.path(x);
+            found.least = found.least.min(path.length);
+            for k in 0..N {
+                if site.source != sources[k] {
+                    continue;
+                }
                 let handicap = if path.is_bent {
                     BENT
                 } else if site.gate.is_none() {
@@ -230,17 +246,52 @@ impl FaceSites {
                     0.0
                 };
                 let length = path.length * (1.0 + handicap);
-                if length < least {
-                    least = length;
-                    nearest = Nearest {
+                if length < least[k] {
+                    least[k] = length;
+                    found.each[k] = Nearest {
                         site: i,
                         length: path.length,
-                        direction: path.direction,
+                        turn: path.turn,
                     };
                 }
             }
         }
-        nearest
+        found
+    }
+
+    /// The sites that may have the shortest path to any point beside the chord between `ends`, at
+    /// most `beside` off it; one of them is site number `of`.
+    ///
+    /// Lengths are convex: on the chord that of `of` is at most what lies between its lengths at both
+    /// ends, and any other is at least what its length and its direction in the middle tell.
+    pub(crate) fn near_chord(
+        &self,
+        of: usize,
+        [from, to]: [Point; 2],
+        beside: f64,
+        near: &mut Vec<usize>,
+    ) {
+        near.clear();
+        let middle = between(from, to, 0.5);
+        let half = sub(to, middle);
+        let [most_from, most_to] = [from, to].map(|x| {
+            let length = self.sites[of].path(x).length;
+            // On each side of the chord both lengths change by at most as much.
+            length + 2.0 * beside + 2.0 * self.rounding(length)
+        });
+        for (i, site) in self.sites.iter().enumerate() {
+            let path = site.path(middle);
+            let way = sub(middle, path.turn);
+            let length = norm(way);
+            let change = if length > 0.0 {
+                dot(way, half) / length
+            } else {
+                0.0
+            };
+            if path.length - change <= most_from || path.length + change <= most_to {
+                near.push(i);
+            }
+        }
     }
 
     /// The cells along a segment of the face, with those at its ends.
@@ -272,6 +323,10 @@ impl FaceSites {
     }
 }
 
+/// Height of an image over the line of its gate, relative to its distance from the gate, below
+/// which it is taken to lie on that line.
+const GRAZING: f64 = 1e-14;
+
 /// By how much a path from a vertex of the face must be shorter than one through a gate to be taken
 /// for it, relative to its length; by how much a bent one.
 const FROM_VERTEX: f64 = 1e-15;
@@ -284,20 +339,34 @@ pub(crate) const ROUNDING: f64 = 2e-13;
 /// relative to their length: more than trimming and [`ROUNDING`] leave undecided.
 const RANK: f64 = 1e-12;
 
-/// See [`FaceSites::nearest_of`].
+/// A site and its shortest path to a point; see [`FaceSites::nearest`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearest {
     pub(crate) site: usize,
     pub(crate) length: f64,
-    pub(crate) direction: Point,
+    turn: Point,
 }
 
 impl Nearest {
     const NONE: Self = Self {
         site: usize::MAX,
         length: f64::INFINITY,
-        direction: [0.0; 2],
+        turn: [0.0; 2],
     };
+
+    /// The direction in which its path arrives at `x`, its end.
+    pub(crate) fn direction(&self, x: Point) -> Point {
+        unit(sub(x, self.turn))
+    }
+}
+
+/// See [`FaceSites::nearest`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NearestSites<const N: usize> {
+    /// The length of the shortest path.
+    pub(crate) least: f64,
+    /// The shortest path of each source, infinitely long if it has no site.
+    pub(crate) each: [Nearest; N],
 }
 
 /// The corners of `face` in the frame of its first half-edge.
@@ -318,6 +387,5 @@ fn directions(mesh: &Mesh, face: FaceId) -> [Point; 3] {
     } else {
         [second[0] - lengths[1], -second[1]]
     };
-    let unit = |p: Point| p.map(|c| c / norm(p));
     [[1.0, 0.0], unit([-first[0], first[1]]), unit(last)]
 }

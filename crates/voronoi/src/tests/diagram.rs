@@ -8,6 +8,10 @@ use geobench_vtp::VtpFast;
 use geobench_window::Solver;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
+#[allow(dead_code)] // Distances are not looked at.
+#[path = "../../../oracle/examples/fuzz/slivers.rs"]
+mod slivers;
+
 use super::{mesh_of, some_vertices, try_mesh_of};
 use crate::diagram::sites::FaceSites;
 use crate::removal::Traps;
@@ -263,6 +267,53 @@ fn diagrams_of_random_meshes_are_right() {
     let wrong = nasty_complaints(0..512);
     let first = wrong.iter().next();
     assert!(wrong.is_empty(), "{:?}: {first:?}", wrong.keys());
+}
+
+/// Slivers on which diagrams of so many sources are wrong.
+const WRONG_SLIVERS: [(&str, usize); 8] = [
+    ("seed1000345", 30),
+    ("seed1008499", 30),
+    ("seed1025624", 30),
+    ("seed1042685", 30),
+    ("seed23578", 30),
+    ("seed31328", 30),
+    ("seed39943", 30),
+    ("seed51583", 30),
+];
+
+/// The meshes that broke solvers, where they are at hand.
+#[test]
+fn diagrams_of_slivers_are_right_but_for_known_ones() {
+    let Ok(slivers) = slivers::read() else {
+        return;
+    };
+    let mut wrong = BTreeMap::new();
+    for (i, sliver) in (0..).zip(slivers) {
+        let model = Model::new(&sliver.name, sliver.vertices, sliver.faces);
+        let Some(mesh) = try_mesh_of(&model) else {
+            continue;
+        };
+        for count in [2, 5, 30] {
+            let found = check(&model.name, &mesh, &some_vertices(&mesh, count, i + 100));
+            if !found.is_empty() {
+                wrong.insert((sliver.name.clone(), count), found);
+            }
+        }
+    }
+    let known = WRONG_SLIVERS.map(|(name, count)| (name.to_owned(), count));
+    let new = wrong.iter().find(|(case, _)| !known.contains(case));
+    assert!(new.is_none(), "{new:?}");
+    // What is right again no longer belongs here.
+    assert!(wrong.keys().eq(&known), "{:?}", wrong.keys());
+}
+
+/// Windows crossed first in, first out for diagrams, and wound around these needles without an end.
+#[test]
+fn windows_of_diagrams_wound_around_needles() {
+    for seed in [14312, 22444, 80273, 94587] {
+        let wrong = nasty_complaints(seed..seed + 1);
+        assert!(wrong.is_empty(), "{:?}", wrong[&seed].first());
+    }
 }
 
 /// A square of 10 by 10 with points at random places.

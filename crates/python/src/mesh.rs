@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use geodesic::mesh::{MeshMeasures, Report, Severity};
-use geodesic::{Mesh, Place, TriangleSoup, VertexId, generate, io};
+use geodesic::{Mesh, Place, RemeshOptions, Stop, TriangleSoup, VertexId, generate, io};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -11,6 +11,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::errors::{invalid, unreadable};
+use crate::interrupt;
 use crate::isolines::{PyIsoline, isolines};
 use crate::path::{PyPath, triples};
 use crate::points::{Finder, single};
@@ -373,6 +374,41 @@ impl PyMesh {
         levels: Option<Vec<f64>>,
     ) -> PyResult<Vec<PyIsoline>> {
         isolines(py, &self.mesh, source, every, levels)
+    }
+
+    /// A new mesh of the same surface with evenly spread vertices: the dual of the geodesic Voronoi
+    /// diagram of points spread by farthest point sampling.
+    ///
+    /// Its components, genus and boundary loops are those of the mesh.
+    ///
+    /// Parameters
+    /// ----------
+    /// sites : int
+    ///     The number of vertices to make. There can be more: on a boundary, or where the dual
+    ///     would be no triangulation.
+    /// lloyd : int
+    ///     Steps of Lloyd's algorithm, each of which moves the points to the centres of their
+    ///     cells.
+    /// seed : int
+    ///     Draws the first point.
+    ///
+    /// Returns
+    /// -------
+    /// Mesh
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     There are fewer vertices than `sites`, the mesh has no positions, or so few points make
+    ///     no triangulation of the surface.
+    #[pyo3(signature = (sites, *, lloyd = 5, seed = 0))]
+    fn remesh(&self, py: Python<'_>, sites: usize, lloyd: usize, seed: u64) -> PyResult<Self> {
+        let mesh = self.mesh.clone();
+        let options = RemeshOptions { sites, lloyd, seed };
+        let work = move || geodesic::remesh(&mesh, &options);
+        let made = interrupt::long(py, &Stop::default(), work)?;
+        let made = made.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Self::new(py, made.soup(), self.name.clone(), "the new mesh")
     }
 
     /// Writes the mesh to an OBJ or a PLY file, by its ending, compressed if that is `.gz`.

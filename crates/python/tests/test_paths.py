@@ -70,6 +70,18 @@ def test_a_circle_has_its_length():
     assert isoline.length == pytest.approx(3 * np.pi, rel=1e-12)
 
 
+def test_remesh_keeps_the_surface(torus):
+    even = torus.remesh(100, lloyd=2)
+    assert even.n_vertices == 100
+    # A torus: as many faces as twice the vertices.
+    assert even.n_faces == 200
+    assert even.remesh(50, lloyd=0, seed=3).n_vertices >= 50
+    with pytest.raises(ValueError, match="sites are asked for"):
+        torus.remesh(10**6)
+    with pytest.raises(ValueError, match="no triangulation|topology"):
+        torus.remesh(1, lloyd=0)
+
+
 def test_voronoi_cells_share_the_surface(torus):
     sources = [3, 99, 1024, 700, 1300]
     diagram = torus.voronoi(sources)

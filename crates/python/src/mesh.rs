@@ -337,13 +337,13 @@ impl PyMesh {
             .paths(py, source, targets, "targets")
     }
 
-    /// The geodesic Voronoi diagram of vertices: which of them is the nearest, everywhere on the
+    /// The geodesic Voronoi diagram of points: which of them is the nearest, everywhere on the
     /// surface.
     ///
     /// Parameters
     /// ----------
-    /// sources : sequence of int
-    ///     Different vertices.
+    /// sources : sequence of int or Point
+    ///     Points at different places.
     fn voronoi(&self, py: Python<'_>, sources: &Bound<'_, PyAny>) -> PyResult<PyVoronoi> {
         PyVoronoi::new(py, &self.mesh, sources)
     }

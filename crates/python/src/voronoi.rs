@@ -4,22 +4,25 @@ use std::sync::Arc as Shared;
 
 use geobench::exec::source::PointSpec;
 use geodesic::voronoi::NO_SOURCE;
-use geodesic::{Diagram, FieldSolver, Mesh, Stop, TriangleSoup, VertexId, WindowVtp};
+use geodesic::{
+    Diagram, FieldSolver, Mesh, Refined, Stop, SurfacePoint, TriangleSoup, VertexId, WindowVtp,
+};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::errors::unsolved;
 use crate::interrupt;
 use crate::mesh::PyMesh;
 use crate::path::triples;
-use crate::points::{Finder, several};
+use crate::points::{Point, Question, several};
 
 /// A geodesic Voronoi diagram: which of several sources is the nearest, everywhere on a surface.
 #[pyclass(frozen, module = "geobench", name = "Voronoi")]
 pub(crate) struct PyVoronoi {
     diagram: Shared<Diagram>,
-    sources: Vec<VertexId>,
+    surface: Shared<Surface>,
     /// (n,) int64: for each vertex the index of its nearest source; -1 where no path leads.
     #[pyo3(get)]
     labels: Py<PyArray1<i64>>,
@@ -28,13 +31,31 @@ pub(crate) struct PyVoronoi {
     distances: Py<PyArray1<f64>>,
 }
 
+/// The mesh, and the one on which its sources are vertices.
+struct Surface {
+    mesh: Mesh,
+    refined: Refined,
+    sources: Vec<VertexId>,
+    points: Vec<SurfacePoint>,
+    /// As they were given.
+    specs: Vec<PointSpec>,
+}
+
+impl Surface {
+    /// The vertex that a source is, if it is one.
+    fn vertex(&self, source: usize) -> Option<u32> {
+        let vertex = self.sources[source];
+        (vertex.index() < self.mesh.vertex_count()).then(|| vertex.raw())
+    }
+}
+
 /// All points that are nearer to one source than to any other.
 #[pyclass(frozen, get_all, module = "geobench", name = "Cell")]
 pub(crate) struct PyCell {
     /// int: index of its source.
     source: usize,
-    /// int: the vertex that its source is.
-    vertex: u32,
+    /// int or None: the vertex that its source is; `None` for a point elsewhere.
+    vertex: Option<u32>,
     /// float: its area, in square units of the mesh.
     area: f64,
     /// float: the length of its border, that of the surface included.
@@ -50,9 +71,12 @@ pub(crate) struct PyCell {
 #[pymethods]
 impl PyCell {
     fn __repr__(&self) -> String {
+        let source = match self.vertex {
+            Some(vertex) => format!("vertex {vertex}"),
+            None => format!("source {}", self.source),
+        };
         format!(
-            "<geobench.Cell of vertex {}: area {}, {} neighbours>",
-            self.vertex,
+            "<geobench.Cell of {source}: area {}, {} neighbours>",
             self.area,
             self.neighbours.len()
         )
@@ -63,6 +87,7 @@ impl PyCell {
 #[pyclass(frozen, module = "geobench", name = "Arc")]
 pub(crate) struct PyArc {
     diagram: Shared<Diagram>,
+    surface: Shared<Surface>,
     place: usize,
 }
 
@@ -77,7 +102,7 @@ impl PyArc {
     /// int: the face.
     #[getter]
     fn face(&self) -> u32 {
-        self.arc().face.raw()
+        self.surface.refined.parent(self.arc().face).raw()
     }
 
     /// tuple of two ints: the cells on its left and on its right.
@@ -154,32 +179,44 @@ pub(crate) struct PyVoronoiVertex {
 
 impl PyVoronoi {
     pub(crate) fn new(py: Python<'_>, mesh: &Mesh, sources: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let mut finder = Finder::new(mesh);
-        let mut vertices: Vec<VertexId> = Vec::new();
-        for spec in several(sources, "sources")? {
-            let PointSpec::Vertex(v) = spec else {
-                return Err(PyTypeError::new_err(format!(
-                    "sources: {spec} is not a vertex; Voronoi diagrams take vertices only"
-                )));
-            };
-            finder.find(spec, "sources:")?;
-            if vertices.contains(&v.into()) {
+        let specs = several(sources, "sources")?;
+        let Question {
+            points,
+            refined,
+            sources,
+            ..
+        } = Question::new(mesh, sources, "sources", None)?;
+        for (i, v) in sources.iter().enumerate() {
+            if sources[..i].contains(v) {
+                let name = match specs[i] {
+                    PointSpec::Vertex(v) => format!("vertex {v}"),
+                    spec => spec.to_string(),
+                };
                 return Err(PyValueError::new_err(format!(
-                    "sources: vertex {v} occurs twice"
+                    "sources: {name} occurs twice"
                 )));
             }
-            vertices.push(v.into());
         }
-        let (mesh, sources) = (mesh.clone(), vertices.clone());
         let faces = mesh.face_count();
+        let surface = Shared::new(Surface {
+            mesh: mesh.clone(),
+            refined,
+            sources,
+            points,
+            specs,
+        });
+        let asked = Shared::clone(&surface);
         let work = move || {
-            let mut solver = WindowVtp::new(&mesh);
-            let field = solver.field(&sources)?;
-            let diagram = Diagram::new(&field, sources.len());
+            let mut solver = WindowVtp::new(&asked.refined.mesh);
+            let field = solver.field(&asked.sources)?;
+            let diagram = Diagram::new(&field, asked.sources.len());
             Ok((diagram, field.distances().to_vec()))
         };
         let made = interrupt::call(py, faces, &Stop::default(), work)?;
-        let (diagram, distances) = made.map_err(unsolved)?;
+        let (diagram, mut distances) = made.map_err(unsolved)?;
+        // Without those of points that became vertices.
+        let vertices = mesh.vertex_count();
+        distances.truncate(vertices);
         let label = |&label: &u32| {
             if label == NO_SOURCE {
                 -1
@@ -188,8 +225,9 @@ impl PyVoronoi {
             }
         };
         Ok(Self {
-            sources: vertices,
-            labels: PyArray1::from_iter(py, diagram.labels().iter().map(label)).unbind(),
+            surface,
+            labels: PyArray1::from_iter(py, diagram.labels()[..vertices].iter().map(label))
+                .unbind(),
             distances: PyArray1::from_vec(py, distances).unbind(),
             diagram: Shared::new(diagram),
         })
@@ -198,10 +236,16 @@ impl PyVoronoi {
 
 #[pymethods]
 impl PyVoronoi {
-    /// list of int: the vertices that are the sources.
+    /// list of int or Point: the sources; numbers of vertices where they are vertices.
     #[getter]
-    fn sources(&self) -> Vec<u32> {
-        self.sources.iter().map(|v| v.raw()).collect()
+    fn sources(&self, py: Python<'_>) -> PyResult<Vec<Py<PyAny>>> {
+        let specs = self.surface.specs.iter().enumerate();
+        specs
+            .map(|(i, spec)| match self.surface.vertex(i) {
+                Some(vertex) => vertex.into_py_any(py),
+                None => Point(*spec).into_py_any(py),
+            })
+            .collect()
     }
 
     /// list of Cell: one for each source, in their order.
@@ -211,7 +255,7 @@ impl PyVoronoi {
         cells
             .map(|(source, cell)| PyCell {
                 source,
-                vertex: self.sources[source].raw(),
+                vertex: self.surface.vertex(source),
                 area: cell.area,
                 perimeter: cell.perimeter,
                 neighbours: cell.neighbours.clone(),
@@ -228,6 +272,7 @@ impl PyVoronoi {
         places
             .map(|place| PyArc {
                 diagram: Shared::clone(&self.diagram),
+                surface: Shared::clone(&self.surface),
                 place,
             })
             .collect()
@@ -236,15 +281,18 @@ impl PyVoronoi {
     /// list of VoronoiVertex: where three cells or more meet.
     #[getter]
     fn vertices(&self) -> Vec<PyVoronoiVertex> {
-        let diagram = &self.diagram;
+        let (diagram, surface) = (&self.diagram, &self.surface);
+        let refined = &surface.refined;
         let vertices = diagram.vertices().iter();
         vertices
             .map(|vertex| {
                 let node = diagram.nodes()[vertex.node as usize];
+                let weights = diagram.barycentric(node.face, node.place);
+                let weights = refined.in_parent(&surface.mesh, &surface.points, node.face, weights);
                 PyVoronoiVertex {
                     position: diagram.position(node.face, node.place).map(Into::into),
-                    face: node.face.raw(),
-                    barycentric: diagram.barycentric(node.face, node.place).into(),
+                    face: refined.parent(node.face).raw(),
+                    barycentric: weights.into(),
                     sources: vertex.cells.clone(),
                     distance: vertex.distance,
                 }
@@ -282,7 +330,12 @@ impl PyVoronoi {
                 named.join("; ")
             )));
         }
-        let corners = self.sources.iter().map(|v| positions[v.index()]).collect();
+        let corners = self
+            .surface
+            .sources
+            .iter()
+            .map(|v| positions[v.index()])
+            .collect();
         let soup = TriangleSoup::new(corners, dual.triangles.clone());
         PyMesh::new(py, soup, "dual".to_owned(), "the dual")
     }
@@ -290,7 +343,7 @@ impl PyVoronoi {
     fn __repr__(&self) -> String {
         format!(
             "<geobench.Voronoi: {} cells, {} arcs>",
-            self.sources.len(),
+            self.surface.sources.len(),
             self.diagram.arcs().len()
         )
     }

@@ -67,7 +67,9 @@ struct Figure {
     least: f64,
 }
 
-/// The figures whose trends are shown, with the least changes that are reported.
+/// The figures whose trends are shown, with the least changes that are reported. Code that does not
+/// change takes up to 1.5 % more or fewer instructions from commit to commit, because of changes
+/// elsewhere in the program, so that less than 2 % is none.
 const FIGURES: [Figure; 5] = [
     Figure {
         name: "time",
@@ -75,7 +77,7 @@ const FIGURES: [Figure; 5] = [
     },
     Figure {
         name: "instructions",
-        least: 0.005,
+        least: 0.02,
     },
     Figure {
         name: "heap_peak_bytes",

@@ -213,13 +213,13 @@ impl Cost<'_> {
         let at = more / less;
         if self.total(1.0) < other.total(1.0) {
             return if less < 0.0 {
-                Crossing::Until(at.ceil() as u64 - 1)
+                Crossing::Until((at.ceil() as u64).saturating_sub(1))
             } else {
                 Crossing::Always
             };
         }
         if less > 0.0 && at.is_finite() {
-            let sources = at.floor() as u64 + 1;
+            let sources = (at.floor() as u64).saturating_add(1);
             return Crossing::From { sources, at };
         }
         Crossing::Never

@@ -630,6 +630,10 @@ pub(super) struct VoronoiOptions {
     #[arg(long, value_name = "FILE")]
     pub(super) dual: Option<PathBuf>,
 
+    /// File to write as well, .obj, .ply or .vtk: the borders between cells as polylines
+    #[arg(long, value_name = "FILE")]
+    pub(super) borders: Option<PathBuf>,
+
     /// File to write as well, .csv or .npy: the place of the nearest source of each vertex in the
     /// list of sources
     #[arg(long, value_name = "FILE")]

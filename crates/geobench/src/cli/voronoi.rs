@@ -19,7 +19,7 @@ use crate::exec::model;
 use crate::registry;
 use crate::report::{Paint, Scene};
 use crate::schema::SourceLabel;
-use crate::table::diagram_formats::{self, DiagramFile, DiagramFormat, LabelFormat};
+use crate::table::diagram_formats::{self, BorderFormat, DiagramFile, DiagramFormat, LabelFormat};
 use crate::table::output::OutputFile;
 
 /// Obstacles that an error message names.
@@ -28,6 +28,10 @@ const NAMED: usize = 4;
 pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let format = DiagramFormat::of_path(&options.output)?;
     let output = OutputFile::prepare(&options.output)?;
+    let borders = match &options.borders {
+        Some(path) => Some((BorderFormat::of_path(path)?, OutputFile::prepare(path)?)),
+        None => None,
+    };
     let labels = match &options.labels {
         Some(path) => Some((LabelFormat::of_path(path)?, OutputFile::prepare(path)?)),
         None => None,
@@ -72,6 +76,10 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     } else {
         format.render(&file)?
     };
+    let borders = match borders {
+        Some((format, output)) => Some((format.render(&file)?, output)),
+        None => None,
+    };
     let labels = labels.map(|(format, output)| (format.render(&file), output));
     let mut summary = points.notes.join("\n");
     if !summary.is_empty() {
@@ -95,7 +103,7 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         None => None,
     };
     output.write(&contents)?;
-    if let Some((contents, output)) = labels {
+    for (contents, output) in [borders, labels].into_iter().flatten() {
         output.write(&contents)?;
     }
     if let (Some(soup), Some((_, ending, output))) = (dual, dual_file) {

@@ -10,6 +10,7 @@ use geobench_mesh::{FaceId, Mesh, Refined, SurfacePoint};
 use geobench_voronoi::{Arc, Diagram, NO_SOURCE};
 use serde::Serialize;
 
+use super::polylines::Polylines;
 use super::{UnknownEnding, of_ending};
 use crate::schema::SourceLabel;
 
@@ -177,10 +178,55 @@ impl DiagramFormat {
     pub fn render(self, file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
         Ok(match self {
             Self::Json => json(file)?,
-            Self::Obj => obj(&file.borders()?).into_bytes(),
+            Self::Obj => BorderFormat::Obj.render(file)?,
             Self::Ply => ply(file)?,
-            Self::Vtk | Self::Svg | Self::Png => vtk(file, &file.borders()?).into_bytes(),
+            Self::Vtk | Self::Svg | Self::Png => BorderFormat::Vtk.render(file)?,
         })
+    }
+}
+
+/// A form in which the borders between cells can be written, as polylines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BorderFormat {
+    /// Wavefront OBJ: a line for each arc.
+    Obj,
+    /// PLY (text): vertices and edges.
+    Ply,
+    /// Legacy VTK (text): a line for each arc, with the cells on both sides.
+    Vtk,
+}
+
+impl BorderFormat {
+    /// The form for the ending of `path`, in any letter case.
+    ///
+    /// # Errors
+    ///
+    /// When no form has this ending.
+    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
+        let endings = [("obj", Self::Obj), ("ply", Self::Ply), ("vtk", Self::Vtk)];
+        of_ending(path, "borders", &endings)
+    }
+
+    /// The contents of a file in this form.
+    ///
+    /// # Errors
+    ///
+    /// When the mesh has no coordinates.
+    pub fn render(self, file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
+        let lines = file.borders()?;
+        let text = match self {
+            Self::Obj => obj(&lines),
+            Self::Ply => {
+                let lines = Polylines {
+                    title: file.title("borders between the cells"),
+                    lines,
+                    ..Polylines::default()
+                };
+                lines.ply()
+            }
+            Self::Vtk => vtk(file, &lines),
+        };
+        Ok(text.into_bytes())
     }
 }
 
@@ -339,6 +385,15 @@ pub(crate) fn long_lines(diagram: &Diagram) -> Option<Vec<Vec<[f64; 3]>>> {
 }
 
 impl DiagramFile<'_> {
+    /// A comment that says what a file holds.
+    fn title(&self, what: &str) -> String {
+        let count = self.sources.len();
+        format!(
+            "{what} of {count} sources on {} by {}",
+            self.model, self.algorithm
+        )
+    }
+
     fn borders(&self) -> anyhow::Result<Vec<Vec<[f64; 3]>>> {
         polylines(self.diagram).with_context(|| without_coordinates(self))
     }
@@ -431,12 +486,7 @@ fn ply(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
         let corners = part.triangles().into_iter();
         triangles.extend(corners.map(|corners| corners.map(|corner| (first + corner) as u32)));
     }
-    let comment = format!(
-        "cells of {} sources on {} by {}",
-        file.sources.len(),
-        file.model,
-        file.algorithm
-    );
+    let comment = file.title("cells");
     let mut bytes = Vec::new();
     PlyWriter::new(&positions, &triangles)
         .comment(&comment)

@@ -65,6 +65,37 @@ fn every_form_is_written() {
     sandbox.succeed("info v.ply");
 }
 
+/// The coloured model and the borders had the same ending, so that one could not have both.
+#[test]
+fn borders_are_written_beside_the_model_as_polylines() {
+    let sandbox = Sandbox::new();
+    let common = "voronoi gen:torus,faces=500 --source random:8 --quiet";
+    sandbox.succeed(&format!("{common} -o v.ply --borders b.ply"));
+    sandbox.succeed("info v.ply");
+    let text = sandbox.read("b.ply");
+    let (header, body) = text.split_once("end_header\n").unwrap();
+    let count = |element: &str| -> usize {
+        let found = header.lines().find_map(|line| line.strip_prefix(element));
+        found.unwrap().trim().parse().unwrap()
+    };
+    let [vertices, edges] = ["element vertex", "element edge"].map(count);
+    assert_eq!(body.lines().count(), vertices + edges);
+    let numbers = body.lines().skip(vertices).flat_map(str::split_whitespace);
+    assert!(
+        numbers
+            .map(|n| n.parse::<usize>().unwrap())
+            .all(|n| n < vertices)
+    );
+    // The other forms hold the same points, and the same as the main file.
+    sandbox.succeed(&format!("{common} -o v.obj --borders b.obj"));
+    assert_eq!(sandbox.read("v.obj"), sandbox.read("b.obj"));
+    let points = sandbox.read("b.obj");
+    let points = points.lines().filter_map(|line| line.strip_prefix("v "));
+    assert!(points.eq(body.lines().take(vertices)));
+    sandbox.succeed(&format!("{common} -o v.json --borders b.vtk"));
+    assert!(sandbox.read("b.vtk").contains("SCALARS left int 1"));
+}
+
 #[test]
 fn the_dual_is_a_mesh_of_the_sources() {
     let sandbox = Sandbox::new();
@@ -151,6 +182,7 @@ fn unusable_arguments_are_named() {
         ("--source 0 --algo vtp -o v.json", "use window-vtp"),
         ("--source 0 -o v.json --dual d.txt", "d.txt"),
         ("--source 0 -o v.json --labels l.txt", "l.txt"),
+        ("--source 0 -o v.json --borders b.stl", "b.stl"),
     ] {
         let error = sandbox.refuse(&format!("voronoi gen:cube,n=1 {arguments}"));
         assert!(error.contains(part), "{error}");

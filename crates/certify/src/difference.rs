@@ -106,17 +106,19 @@ const CLOSE: f64 = 2e-15;
 fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -> f64 {
     let ways = |t| [f.way(t), g.way(t)];
     let values = |[of_f, of_g]: [[Interval; 2]; 2]| [f.sigma + of_f[1], g.sigma + of_g[1]];
-    let first = ways(from);
-    let [f0, g0] = values(first);
-    let close = CLOSE * (f0.hi + g0.hi);
+    // It only decides how good a bound has to be: rounding does not matter.
+    let close = CLOSE * (f.rounded().at(from) + g.rounded().at(from));
     // Both change by at most the way along the line.
     let change = (2.0 * (to - from).max(0.0)).next_up();
-    if change <= close / 8.0 {
-        return ((f0 - g0).hi + change).next_up();
-    }
+    let is_point = change <= close / 8.0;
     let peak = peak(f, g);
-    if peak.abs() <= close {
+    if !is_point && peak.abs() <= close {
         return peak;
+    }
+    let first = ways(from);
+    let [f0, g0] = values(first);
+    if is_point {
+        return ((f0 - g0).hi + change).next_up();
     }
     let last = ways(to);
     let [f1, g1] = values(last);

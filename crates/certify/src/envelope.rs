@@ -144,8 +144,8 @@ fn stay_apart(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> bool {
 }
 
 /// Where two functions are equal, at most two abscissas; also where their distances add up to the
-/// difference of their sigmas, which does no harm to an envelope.
-fn crossings(a: &Piece, b: &Piece) -> Vec<f64> {
+/// difference of their sigmas, which does no harm to an envelope. Not numbers where there are fewer.
+fn crossings(a: &Piece, b: &Piece) -> [f64; 2] {
     // With X the abscissa from the middle m of both images: ra² - rb² = k X + c, and
     // ra - rb = d gives 2 rb d = k X + c - d².
     let d = b.sigma - a.sigma;
@@ -171,21 +171,18 @@ fn crossings(a: &Piece, b: &Piece) -> Vec<f64> {
             *x -= step;
         }
     }
-    roots.retain(|x| x.is_finite());
     roots
 }
 
-fn quadratic_roots(a: f64, b: f64, c: f64) -> Vec<f64> {
+/// Not finite where there are fewer.
+fn quadratic_roots(a: f64, b: f64, c: f64) -> [f64; 2] {
     let discriminant = b * b - 4.0 * a * c;
     if discriminant < 0.0 {
         // A double root that rounding has lost.
-        return vec![-b / (2.0 * a)];
+        return [-b / (2.0 * a), f64::NAN];
     }
     let q = -0.5 * (b + discriminant.sqrt().copysign(b));
     [q / a, c / q]
-        .into_iter()
-        .filter(|x| x.is_finite())
-        .collect()
 }
 
 #[cfg(test)]

@@ -41,6 +41,60 @@ struct Oriented {
     at_ends: [f64; 2],
 }
 
+/// Pieces of a side in a row, which are sorted out together.
+#[derive(Clone, Copy)]
+struct Block {
+    first: usize,
+    end: usize,
+    /// The middle of the part of the side that they cover, and half its length.
+    middle: f64,
+    half: f64,
+    /// The greatest distance on them: a piece is convex and has its greatest at an end.
+    top: f64,
+}
+
+/// Pieces in a block.
+const BLOCK: usize = 6;
+
+impl Block {
+    fn of(pieces: &[Oriented], first: usize, end: usize) -> Self {
+        let own = &pieces[first..end];
+        let (mut from, mut to, mut top) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+        for piece in own {
+            from = from.min(piece.near.from);
+            to = to.max(piece.near.to);
+            top = top.max(piece.at_ends[0]).max(piece.at_ends[1]);
+        }
+        Self {
+            first,
+            end,
+            middle: f64::midpoint(from, to),
+            half: (to - from) / 2.0,
+            top,
+        }
+    }
+}
+
+/// A side of a face.
+#[derive(Default)]
+struct Side {
+    pieces: Vec<Oriented>,
+    blocks: Vec<Block>,
+    /// All pieces.
+    whole: Option<Block>,
+}
+
+impl Side {
+    fn group(&mut self) {
+        let pieces = &self.pieces;
+        self.blocks.clear();
+        let firsts = (0..pieces.len()).step_by(BLOCK);
+        let blocks = firsts.map(|i| Block::of(pieces, i, (i + BLOCK).min(pieces.len())));
+        self.blocks.extend(blocks);
+        self.whole = (!pieces.is_empty()).then(|| Block::of(pieces, 0, pieces.len()));
+    }
+}
+
 /// A distance on a part of a side, rounded, and the node that stands for it.
 #[derive(Clone, Copy)]
 struct Part {
@@ -161,7 +215,7 @@ pub(crate) struct Checker<'a> {
     clear: f64,
     /// The ways that are left, up to [`MOST_WAYS`] and those of one face more.
     pub(crate) ways: Vec<Way>,
-    sides: [Vec<Oriented>; 3],
+    sides: [Side; 3],
 }
 
 impl<'a> Checker<'a> {
@@ -180,7 +234,7 @@ impl<'a> Checker<'a> {
             radii,
             clear,
             ways: Vec::new(),
-            sides: [const { Vec::new() }; 3],
+            sides: std::array::from_fn(|_| Side::default()),
         }
     }
 
@@ -189,11 +243,14 @@ impl<'a> Checker<'a> {
     pub(crate) fn violation(&mut self, face: FaceId) -> (f64, HalfEdgeId) {
         let mut sides = std::mem::take(&mut self.sides);
         let shape = Shape::of(self.field.mesh, face);
-        for (k, pieces) in (0..).zip(&mut sides) {
+        for (k, side) in (0..).zip(&mut sides) {
             let h = face.half_edge(k);
-            self.field.orient(h, shape.lengths[k as usize], pieces);
+            let length = shape.lengths[k as usize];
+            self.field.orient(h, length, &mut side.pieces);
+            side.group();
         }
-        let at_ends = sides.iter().flatten().flat_map(|p| p.at_ends);
+        let pieces = sides.iter().flat_map(|side| &side.pieces);
+        let at_ends = pieces.flat_map(|p| p.at_ends);
         let around: f64 = shape.lengths.iter().map(|l| l.hi).sum();
         let margin = MARGIN * (at_ends.fold(0.0, f64::max) + around);
         let mut most = (0.0_f64, face.half_edge(0));
@@ -216,8 +273,9 @@ impl<'a> Checker<'a> {
                     margin,
                     clear: self.clear,
                 };
-                for i in 0..sides[k].len() {
-                    let found = across.excess(&sides[k], i, &sides[there], &mut self.ways);
+                for i in 0..sides[k].pieces.len() {
+                    let here = &sides[k].pieces;
+                    let found = across.excess(here, i, &sides[there], &mut self.ways);
                     if found > from_side.0 {
                         from_side = (found, there);
                     }
@@ -329,25 +387,27 @@ impl Turn {
 
     /// The least distances over the points of `piece` to the points of the other side: by the ways
     /// that bend at its ends, and between them by the straight ones.
-    fn reaches(&self, piece: &Oriented) -> [Reach; 3] {
+    /// `bends` says whether ways bend at the beginning and at the end of the piece.
+    fn reaches(&self, piece: &Oriented, bends: [bool; 2]) -> [Option<Reach>; 3] {
         let [x, y] = piece.distance.image;
         let image = self.map([x, -y]);
-        let bend = |t: Interval| Distance {
-            image: self.map([t, Interval::ZERO]),
-            sigma: piece.distance.at(t),
+        let [left, right] = [piece.from, piece.to].map(|t| self.map([t, Interval::ZERO]));
+        let bend = |t: Interval, image: Vector<2>, from: f64, to: f64| {
+            let sigma = piece.distance.at(t);
+            Reach::new(Distance { image, sigma }, from, to)
         };
-        let (left, right) = (bend(piece.from), bend(piece.to));
         let straight = Distance {
             image,
             sigma: piece.distance.sigma,
         };
         // Straight ways are never longer than those that bend: in doubt they are the bound.
-        let last = self.boundary(image, left.image).hi;
-        let first = self.boundary(image, right.image).lo;
+        let last = self.boundary(image, left).hi;
+        let first = self.boundary(image, right).lo;
+        let end = self.length.hi;
         [
-            Reach::new(right, 0.0, first),
-            Reach::new(straight, first, last),
-            Reach::new(left, last, self.length.hi),
+            bends[1].then(|| bend(piece.to, right, 0.0, first)),
+            Some(Reach::new(straight, first, last)),
+            bends[0].then(|| bend(piece.from, left, last, end)),
         ]
     }
 
@@ -413,15 +473,16 @@ impl RoundedTurn {
         [x * c + y * s + self.offset, c * y - s * x]
     }
 
-    /// As [`Turn::reaches`].
-    fn reaches(&self, part: &Part) -> [Part; 3] {
+    /// As [`Turn::reaches`], by the distances at the ends of `part`.
+    fn reaches(&self, part: &Part, at_ends: [f64; 2]) -> [Part; 3] {
         let Rounded { image: [x, y], .. } = part.distance;
         let image = self.map([x, -y]);
-        let bend = |t: f64| Rounded {
+        let bend = |t: f64, sigma: f64| Rounded {
             image: self.map([t, 0.0]),
-            sigma: part.distance.at(t),
+            sigma,
         };
-        let (left, right) = (bend(part.from), bend(part.to));
+        let [left, right] =
+            [(part.from, at_ends[0]), (part.to, at_ends[1])].map(|(t, d)| bend(t, d));
         let straight = Rounded {
             image,
             sigma: part.distance.sigma,
@@ -457,6 +518,22 @@ impl RoundedTurn {
         } else {
             self.length
         }
+    }
+
+    /// Whether the distance by `reaches` is more than those of all pieces of a block by `clear`.
+    ///
+    /// It is the least `d(x) + |xy|` over points x, so it changes by at most the way along the side:
+    /// nowhere on the block it is less than in the middle by more than half the block.
+    fn is_block_beyond(reaches: &[Part; 3], block: &Block, clear: f64) -> bool {
+        let t = block.middle;
+        let k = usize::from(t > reaches[0].to) + usize::from(t > reaches[1].to);
+        let Rounded {
+            image: [x, y],
+            sigma,
+        } = reaches[k].distance;
+        let x = t - x;
+        let least = block.top - sigma + block.half + clear;
+        least <= 0.0 || x * x + y * y >= least * least
     }
 
     /// Whether the distance by `reaches` is more than that of `piece` by `clear` everywhere, as told
@@ -503,13 +580,28 @@ struct Across<'a> {
 impl Across<'_> {
     /// How far the distances of `there` are above those by piece `i` of the side `here`, at most.
     /// Ways that bend at its ends do not count where the distance has a concave kink.
-    fn excess(&self, here: &[Oriented], i: usize, there: &[Oriented], ways: &mut Vec<Way>) -> f64 {
+    fn excess(&self, here: &[Oriented], i: usize, there: &Side, ways: &mut Vec<Way>) -> f64 {
         let piece = &here[i];
-        let reaches = self.near.reaches(&piece.near);
+        let clear = self.clear + self.margin;
+        let Some(whole) = &there.whole else {
+            return 0.0;
+        };
+        // A distance changes by at most the way: no point of the piece is nearer than this.
+        let width = piece.near.to - piece.near.from;
+        if piece.at_ends[0].max(piece.at_ends[1]) - width >= whole.top + clear {
+            return 0.0;
+        }
+        let reaches = self.near.reaches(&piece.near, piece.at_ends);
+        let is_near = |block: &&Block| !RoundedTurn::is_block_beyond(&reaches, block, clear);
+        if !is_near(&whole) {
+            return 0.0;
+        }
         let mut exact = None;
         let mut most = 0.0_f64;
-        for other in there {
-            if RoundedTurn::is_beyond(&reaches, other, self.clear + self.margin) {
+        let blocks = &there.blocks;
+        let blocks = blocks.iter().filter(is_near);
+        for other in blocks.flat_map(|block| &there.pieces[block.first..block.end]) {
+            if RoundedTurn::is_beyond(&reaches, other, clear) {
                 continue;
             }
             let found = self.differences(&reaches, &other.near);
@@ -525,12 +617,7 @@ impl Across<'_> {
                         bends(before, Some(piece)),
                         bends(Some(piece), here.get(i + 1)),
                     ];
-                    let [right, straight, left] = self.turn.reaches(piece);
-                    [
-                        bends[1].then_some(right),
-                        Some(straight),
-                        bends[0].then_some(left),
-                    ]
+                    self.turn.reaches(piece, bends)
                 });
                 for (k, reach) in exact.iter().enumerate() {
                     let Some(reach) = reach else { continue };
@@ -601,7 +688,10 @@ impl Across<'_> {
                 .flatten()
                 .filter(|other| other.node != part.node)
             {
-                let reaches = reaches.get_or_insert_with(|| self.near.reaches(part));
+                let reaches = reaches.get_or_insert_with(|| {
+                    let at_ends = [part.from, part.to].map(|t| part.distance.at(t));
+                    self.near.reaches(part, at_ends)
+                });
                 add(part, other, self.upper(reaches, other));
             }
         }

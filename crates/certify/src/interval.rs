@@ -51,15 +51,12 @@ impl Interval {
     }
 
     pub(crate) fn square(self) -> Self {
-        let (a, b) = (self.lo * self.lo, self.hi * self.hi);
-        let least = if self.lo <= 0.0 && self.hi >= 0.0 {
-            0.0
-        } else {
-            below(a.min(b)).max(0.0)
-        };
+        let Self { lo, hi } = self.abs();
+        let (a, b) = (lo * lo, hi * hi);
+        // Below nothing but 0, or what is rounded to it, there is a negative number.
         Self {
-            lo: least,
-            hi: above(a.max(b)),
+            lo: if below(a) > 0.0 { below(a) } else { 0.0 },
+            hi: above(b),
         }
     }
 

@@ -5,9 +5,9 @@
 //! cargo run --release -p geobench-geodesic --example certificates -- --table record.json
 //! ```
 //!
-//! `scripts/certificates` keeps the record and puts the table into `results/certificates.md`.
+//! `scripts/certificates` keeps the record and puts the table into `results/certificates.md`;
+//! the test `certificates` compares both.
 
-use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::path::Path;
 use std::process::ExitCode;
@@ -17,47 +17,13 @@ use geobench_mesh::{Mesh, TriangleSoup};
 use geobench_oracle::{Geometry, zoo};
 use geodesic::certify::{Bound, Place};
 use geodesic::{Certificate, Solver};
-use serde::{Deserialize, Serialize};
 
 #[expect(dead_code, reason = "the proof does not need the right distances")]
-#[path = "../../oracle/examples/fuzz/slivers.rs"]
+#[path = "../../../oracle/examples/fuzz/slivers.rs"]
 mod slivers;
+mod table;
 
-/// The largest error that passes, as a fraction of each distance.
-const TOLERANCE: f64 = 1e-9;
-
-#[derive(Serialize, Deserialize)]
-struct Record {
-    schema: String,
-    tolerance: f64,
-    certificates: Vec<Line>,
-}
-
-/// One certificate.
-#[derive(Serialize, Deserialize)]
-struct Line {
-    /// `models`, `zoo` or `slivers`.
-    set: String,
-    name: String,
-    vertices: usize,
-    faces: usize,
-    source: Vec<u32>,
-    pieces: usize,
-    certified: bool,
-    /// The greatest distance of a vertex.
-    farthest: f64,
-    /// By how much a distance may be wrong; null if nothing is proven.
-    absolute: Option<f64>,
-    /// The same as a fraction of the distance, together and in each direction.
-    relative: Option<f64>,
-    too_long: Option<f64>,
-    too_short: Option<f64>,
-    /// The worst place, if it is not certified.
-    worst: Option<String>,
-    /// Seconds of mmp, and of mmp with its proof.
-    solve_seconds: f64,
-    seconds: f64,
-}
+use table::{Line, Record, TOLERANCE, table};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -151,69 +117,4 @@ fn certify(
         solve_seconds,
         seconds,
     })
-}
-
-fn table(record: &Record) -> String {
-    let shown = |x: Option<f64>| x.map_or("none".to_owned(), |x| format!("{x:.1e}"));
-    let mut text = String::from(
-        "| model | faces | pieces | too long | too short | time / mmp |\n|---|--:|--:|--:|--:|--:|\n",
-    );
-    let lines = || record.certificates.iter();
-    for line in lines().filter(|line| line.set == "models") {
-        let _ = writeln!(
-            text,
-            "| {} | {} | {} | {} | {} | {:.1} |",
-            line.name,
-            line.faces,
-            line.pieces,
-            shown(line.too_long),
-            shown(line.too_short),
-            line.seconds / line.solve_seconds,
-        );
-    }
-    text.push_str(
-        "\n| set | meshes | certified | to 1e-9 of the farthest distance | median error | largest certified |\n|---|--:|--:|--:|--:|--:|\n",
-    );
-    for set in ["models", "zoo", "slivers"] {
-        let all: Vec<&Line> = lines().filter(|line| line.set == set).collect();
-        let bound = |line: &&Line| line.relative.unwrap_or(f64::INFINITY);
-        let mut errors: Vec<f64> = all.iter().map(bound).collect();
-        errors.sort_by(f64::total_cmp);
-        let good: Vec<&&Line> = all.iter().filter(|line| line.certified).collect();
-        let largest = good.iter().map(|line| bound(line)).fold(0.0, f64::max);
-        let median = errors.get(errors.len() / 2).copied();
-        let close = all.iter().filter(|line| {
-            let absolute = line.absolute.unwrap_or(f64::INFINITY);
-            absolute <= TOLERANCE * line.farthest
-        });
-        let _ = writeln!(
-            text,
-            "| {set} | {} | {} | {} | {} | {largest:.1e} |",
-            all.len(),
-            good.len(),
-            close.count(),
-            shown(median),
-        );
-    }
-    let rest: Vec<&Line> = lines().filter(|line| !line.certified).collect();
-    if !rest.is_empty() {
-        text.push_str(
-            "\n| not certified | too long | too short | worst place |\n|---|--:|--:|---|\n",
-        );
-    }
-    for line in rest {
-        let _ = writeln!(
-            text,
-            "| {} ({}) | {} | {} | {} |",
-            line.name,
-            line.set,
-            shown(line.too_long),
-            shown(line.too_short),
-            line.worst.as_deref().unwrap_or(""),
-        );
-    }
-    if text.contains("<details>") {
-        text.push_str("\n</details>\n");
-    }
-    text
 }

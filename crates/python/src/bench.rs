@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use geobench::exec::Listener;
+use geobench::exec::goal::GoalSpec;
 use geobench::exec::in_process::ThisProcess;
 use geobench::exec::limits::Limits;
 use geobench::exec::model::{self, ModelRef};
@@ -131,6 +132,7 @@ pub(crate) fn run_to_json(
         algorithms: selected,
         sources,
         sources_together,
+        goal: GoalSpec::default(),
         sampling: repeat.map_or(Sampling::UntilPrecise(Precision::USUAL), Sampling::Fixed),
         warmup,
         reference,

@@ -15,9 +15,11 @@ use super::history::{RecordOptions, TrendOptions};
 use super::info::InfoOptions;
 use super::isolation::{DecompressionOptions, IsolationOptions, ReadingOptions};
 use super::merge::MergeOptions;
+use super::points::wanted_targets;
 use super::pool::PoolOptions;
 use super::shell::{CompletionsOptions, ManOptions};
 use crate::UsageError;
+use crate::exec::goal::GoalSpec;
 use crate::exec::source::{SourceSpec, TargetSpec};
 use crate::measure::instructions;
 use crate::plan::sampling::{Seconds, Share};
@@ -146,6 +148,9 @@ pub(super) struct RunOptions {
     #[command(flatten)]
     pub(super) source: SourceOptions,
 
+    #[command(flatten)]
+    pub(super) goal: GoalOptions,
+
     /// Timed runs of each cell [default: 5 to 100, as many as --precision needs]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_RUNS)))]
     pub(super) repeat: Option<u32>,
@@ -263,6 +268,35 @@ pub(super) struct SourceOptions {
     pub(super) sources_together: bool,
 }
 
+/// What runs are to find.
+#[derive(Args, Debug)]
+pub(super) struct GoalOptions {
+    /// Only the distances of these points, in the forms of --source; may be repeated. Runs end as
+    /// soon as they are final, and only they are compared [default: all vertices]
+    #[arg(long, value_name = "DST", allow_negative_numbers = true)]
+    pub(super) target: Vec<TargetSpec>,
+
+    /// The same from a file with one DST in a line
+    #[arg(long, value_name = "FILE")]
+    pub(super) targets: Option<PathBuf>,
+
+    /// Only distances up to R, in the units of the model. Runs end there
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = radius)]
+    pub(super) radius: Option<f64>,
+}
+
+impl GoalOptions {
+    /// Reads the file of targets.
+    pub(super) fn goal(&self) -> anyhow::Result<GoalSpec> {
+        let wanted = wanted_targets(&self.target, self.targets.as_deref())?;
+        let targets = wanted.map(|all| TargetSpec::of_all(all.into_iter().map(|(one, _)| one)));
+        Ok(GoalSpec {
+            targets,
+            radius: self.radius,
+        })
+    }
+}
+
 impl SourceOptions {
     /// All sources, if any are named.
     pub(super) fn sources(&self) -> Result<Option<SourceSpec>, UsageError> {
@@ -358,6 +392,9 @@ pub(super) struct VerifyOptions {
         allow_negative_numbers = true
     )]
     pub(super) source: Vec<SourceSpec>,
+
+    #[command(flatten)]
+    pub(super) goal: GoalOptions,
 
     /// Largest relative difference that passes
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
@@ -736,6 +773,12 @@ pub(super) struct CountOneSolveOptions {
     pub(super) model: String,
     pub(super) algorithm: String,
     pub(super) source: SourceSpec,
+    /// The targets; all vertices without any
+    #[arg(long, allow_negative_numbers = true)]
+    pub(super) target: Option<TargetSpec>,
+    /// The largest distance asked for
+    #[arg(long)]
+    pub(super) radius: Option<f64>,
     /// The widest instructions to use
     #[arg(long)]
     pub(super) simd: Option<String>,

@@ -1,11 +1,9 @@
 //! `geobench distance`.
 
 use std::ffi::OsString;
-use std::fs;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::bail;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::{Goal, Solver, precision};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
@@ -13,7 +11,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::Verdict;
 use super::args::DistanceOptions;
-use super::points::{Points, WantedTarget};
+use super::points::{Points, wanted_targets};
 use super::terminal;
 use crate::exec::expected::file_word;
 use crate::exec::model;
@@ -36,7 +34,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     };
     let output = OutputFile::prepare(&options.output)?;
     let model = model::only(&options.model)?;
-    let wanted = wanted_targets(options)?;
+    let wanted = wanted_targets(&options.target, options.targets.as_deref())?;
     if let (Form::Field(format), Some(_)) = (&form, &wanted)
         && format.is_mesh()
     {
@@ -94,38 +92,6 @@ fn within<R: Send>(pool: Option<&ThreadPool>, work: impl FnOnce() -> R + Send) -
 enum Form {
     Field(FieldFormat),
     Matrix(MatrixFormat),
-}
-
-/// The targets of the options and of the file; `None` for all vertices.
-fn wanted_targets(options: &DistanceOptions) -> anyhow::Result<Option<Vec<WantedTarget>>> {
-    let mut all: Vec<_> = options.target.iter().map(|t| (t.clone(), None)).collect();
-    if let Some(path) = &options.targets {
-        let shown = path.display();
-        let mut text = String::new();
-        if path == Path::new("-") {
-            std::io::stdin()
-                .read_to_string(&mut text)
-                .context("the targets cannot be read from standard input")?;
-        } else {
-            text = fs::read_to_string(path).map_err(|error| anyhow!("{shown}: {error}"))?;
-        }
-        let before = all.len();
-        for (number, line) in (1..).zip(text.lines()) {
-            let line = line.trim();
-            if line.is_empty() || line.starts_with('#') {
-                continue;
-            }
-            let place = format!("{shown}, line {number}");
-            let target = line.parse().map_err(|error| anyhow!("{place}: {error}"))?;
-            all.push((target, Some(place)));
-        }
-        if all.len() == before {
-            bail!("{shown}: there is no target in it; write one in each line");
-        }
-    } else if all.is_empty() {
-        return Ok(None);
-    }
-    Ok(Some(all))
 }
 
 /// One distance field and its file.

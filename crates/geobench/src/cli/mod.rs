@@ -32,12 +32,13 @@ use std::process::ExitCode;
 use clap::Parser;
 use clap::error::ErrorKind;
 
-use args::{Arguments, Command};
+use args::{Arguments, Command, CountOneSolveOptions};
 use terminal::Terminal;
 
+use crate::exec::goal::GoalSpec;
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::standard_input;
-use crate::exec::source::{Locator, SourceSpec};
+use crate::exec::source::Locator;
 use crate::exec::{interrupt, isolate, model};
 use crate::measure::instructions;
 use crate::table;
@@ -111,10 +112,7 @@ fn command() -> ExitCode {
         Command::Trend(options) => history::trend(&options, terminal),
         Command::Completions(options) => shell::completions(&options),
         Command::Man(options) => shell::man(&options),
-        Command::CountOneSolve(o) => {
-            count_one_solve(&o.model, &o.algorithm, &o.source, o.simd.as_deref())
-                .map(|()| Verdict::Passed)
-        }
+        Command::CountOneSolve(o) => count_one_solve(&o).map(|()| Verdict::Passed),
     };
     standard_input::remove();
     match done {
@@ -132,19 +130,22 @@ fn command() -> ExitCode {
 }
 
 /// The one solve whose instructions callgrind counts.
-fn count_one_solve(
-    model: &str,
-    algorithm: &str,
-    source: &SourceSpec,
-    widest: Option<&str>,
-) -> anyhow::Result<()> {
-    let selection = instructions::announce(algorithm, widest)?;
-    let mesh = model::only(model)?.mesh_within(DecompressionLimit::default())?;
-    let points = source.points(mesh.vertex_count())?.into_iter();
+fn count_one_solve(options: &CountOneSolveOptions) -> anyhow::Result<()> {
+    let selection = instructions::announce(&options.algorithm, options.simd.as_deref())?;
+    let mesh = model::only(&options.model)?.mesh_within(DecompressionLimit::default())?;
+    let sources = options.source.points(mesh.vertex_count())?;
+    let goal = GoalSpec {
+        targets: options.target.clone(),
+        radius: options.radius,
+    };
+    let targets = goal.points(mesh.vertex_count())?;
     let mut locator = Locator::new(&mesh);
-    let points = points.map(|point| locator.locate(point).map(|found| found.point));
+    let points = sources.iter().chain(targets.iter().flatten());
+    let points = points.map(|&point| locator.locate(point).map(|found| found.point));
     let refined = mesh.with_points(&points.collect::<Result<Vec<_>, _>>()?)?;
-    instructions::solve_once(&selection, &refined.mesh, &refined.vertices)
+    let (from, to) = refined.vertices.split_at(sources.len());
+    let goal = goal.of_solver(targets.is_some().then_some(to));
+    instructions::solve_once(&selection, &refined.mesh, from, &goal)
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {

@@ -1,13 +1,44 @@
 //! Sources and targets of a command, found on a mesh.
 
-use anyhow::Context;
+use std::io::Read;
+use std::path::Path;
+use std::{fs, io};
+
+use anyhow::{Context, anyhow};
 use geobench_mesh::{Mesh, Refined, SurfacePoint, VertexId};
 
+use crate::exec::goal::targets_in;
 use crate::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
 use crate::schema::SourceLabel;
 
 /// A target, and its line if it is from a file.
 pub(super) type WantedTarget = (TargetSpec, Option<String>);
+
+/// The targets of the options and of a file, `-` for standard input; `None` for all vertices.
+///
+/// # Errors
+///
+/// When the file cannot be read, or a line in it is not a target.
+pub(super) fn wanted_targets(
+    targets: &[TargetSpec],
+    file: Option<&Path>,
+) -> anyhow::Result<Option<Vec<WantedTarget>>> {
+    let mut all: Vec<WantedTarget> = targets.iter().map(|t| (t.clone(), None)).collect();
+    if let Some(path) = file {
+        let mut text = String::new();
+        if path == Path::new("-") {
+            io::stdin()
+                .read_to_string(&mut text)
+                .context("the targets cannot be read from standard input")?;
+        } else {
+            text =
+                fs::read_to_string(path).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+        }
+        let read = targets_in(path, &text)?.into_iter();
+        all.extend(read.map(|(target, place)| (target, Some(place))));
+    }
+    Ok((!all.is_empty()).then_some(all))
+}
 
 /// Sources and targets as vertices of a refined mesh.
 pub(super) struct Points {

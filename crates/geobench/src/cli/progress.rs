@@ -186,6 +186,7 @@ mod tests {
             model: "horse",
             algorithm: &plan.algorithms[place],
             source,
+            goal: &plan.goal,
             pass,
             solves: 1,
         }

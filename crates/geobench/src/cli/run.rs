@@ -11,6 +11,7 @@ use super::Verdict;
 use super::args::RunOptions;
 use super::progress::Progress;
 use super::terminal::{self, Terminal};
+use crate::exec::goal::GoalSpec;
 use crate::exec::limits::{Limits, Timeout};
 use crate::exec::{InstructionCounter, Listener, Step, interrupt};
 use crate::history::join::{self, Joined};
@@ -64,6 +65,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         format,
         terminal,
         instructions: options.extras.instructions,
+        goal: GoalSpec::default(),
         quiet: options.quiet,
         outputs,
         result: empty(plan, session, sessions),
@@ -188,11 +190,15 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         .models
         .iter()
         .map(|m| Spanned::new(0..0, WantedModel::new(m)));
+    let goal = options.goal.goal()?;
     let asked = Settings {
         models: (!options.models.is_empty()).then(|| models.collect()),
         algorithms: options.algo.clone().map(|algorithms| algorithms.0),
         sources: options.source.sources()?,
         sources_together: options.source.sources_together.then_some(true),
+        targets: goal.targets,
+        targets_file: None,
+        radius: goal.radius,
         repeat: options.repeat,
         precision: options.precision,
         min_time: options.min_time,
@@ -355,6 +361,18 @@ fn earlier(path: &Path, plans: &[Plan]) -> anyhow::Result<(String, ResultFile)> 
         bail!("{name}: a part of a benchmark; join the parts with `geobench merge` first");
     }
     for plan in plans {
+        let of_group = |cell: &&Cell| cell.group == plan.group.name;
+        let goal = plan.goal.label();
+        let mut cells = file.cells.iter().filter(of_group);
+        if let Some(cell) = cells.find(|cell| cell.goal != goal) {
+            let word = |goal: Option<String>| goal.unwrap_or_else(|| "to all vertices".to_owned());
+            bail!(
+                "{name}: its runs are {}, and this one {}; give the same --target and --radius or \
+                 name another file",
+                word(cell.goal.clone()),
+                word(goal)
+            );
+        }
         for algorithm in &plan.algorithms {
             let label = algorithm.label();
             let of_same = |cell: &&Cell| cell.group == plan.group.name && cell.algorithm == label;
@@ -411,6 +429,8 @@ pub(super) struct Reporter {
     pub(super) terminal: Terminal,
     /// Whether to count instructions.
     pub(super) instructions: bool,
+    /// What the runs of the group are to find.
+    pub(super) goal: GoalSpec,
     /// Whether to print failures only.
     pub(super) quiet: bool,
     pub(super) outputs: Vec<(Format, OutputFile)>,
@@ -425,6 +445,7 @@ impl Reporter {
         let Limits {
             timeout, memory, ..
         } = plan.limits;
+        self.goal.clone_from(&plan.goal);
         self.result.groups.push(GroupRecord {
             timeout: timeout.0.map(|time| time.as_secs_f64()),
             memory_limit: memory.0,
@@ -534,8 +555,9 @@ impl Listener for Reporter {
             .counting_instructions(&model.name, &cell.algorithm);
         let source = cell.source.as_ref()?.to_string();
         let simd = cell.simd.as_ref().and_then(|simd| simd.parse().ok());
+        let goal = self.goal.clone();
         Some(Box::new(move |model, cell| {
-            instructions::count(&model.path, &cell.algorithm, &source, simd)
+            instructions::count(&model.path, &cell.algorithm, &source, &goal, simd)
         }))
     }
 

@@ -6,12 +6,13 @@ use super::Verdict;
 use super::args::VerifyOptions;
 use super::terminal;
 use crate::exec::expected::{Expected, Field, stored_sources};
+use crate::exec::goal::{Asked, GoalSpec};
 use crate::exec::interrupt;
 use crate::exec::model::{self, ModelRef};
 use crate::exec::source::{PointSpec, SourceSpec};
 use crate::exec::{Backend, Pass, Session, Step};
 use crate::measure::number::scientific;
-use crate::plan::suite;
+use crate::plan::{self, suite};
 use crate::registry::{self, Selection};
 use crate::run::agreement::{self, Clusters, Vote};
 use crate::run::check::{self, Deviation};
@@ -47,6 +48,12 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
         .map(|algorithm| algorithm.with_simd(options.simd))
         .collect();
     options.isolation.check(1)?;
+    let goal = options.goal.goal()?;
+    let algorithms = if goal.is_everything() {
+        algorithms
+    } else {
+        able_to_end_early(algorithms, options)?
+    };
     let crowding = options.isolation.crowding(&algorithms, 1);
     if let Some(crowding) = crowding.filter(|_| !options.quiet) {
         terminal::warning(&crowding);
@@ -63,6 +70,7 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
             Ok(mut session) => LoadedModelCheck {
                 options,
                 algorithms: &algorithms,
+                goal: &goal,
                 model,
                 record: &session.model().clone(),
             }
@@ -94,6 +102,29 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     })
 }
 
+/// Those of the algorithms that end early.
+///
+/// # Errors
+///
+/// When one that does not is named.
+fn able_to_end_early(
+    mut algorithms: Vec<Selection>,
+    options: &VerifyOptions,
+) -> anyhow::Result<Vec<Selection>> {
+    if options.algo.is_some() {
+        plan::check_ends_early(&algorithms)?;
+    }
+    let left_out = algorithms.extract_if(.., |one| !one.ends_early());
+    let names: Vec<String> = left_out.map(|one| one.label().to_owned()).collect();
+    if !names.is_empty() && !options.quiet {
+        terminal::print(&format!(
+            "left out, for they go to the end whatever is asked for: {}\n",
+            names.join(", ")
+        ))?;
+    }
+    Ok(algorithms)
+}
+
 #[derive(Default)]
 struct Tally {
     answers: usize,
@@ -105,6 +136,7 @@ struct Tally {
 struct LoadedModelCheck<'a> {
     options: &'a VerifyOptions,
     algorithms: &'a [Selection],
+    goal: &'a GoalSpec,
     model: &'a ModelRef,
     record: &'a ModelRecord,
 }
@@ -180,6 +212,8 @@ impl LoadedModelCheck<'_> {
     ) -> anyhow::Result<()> {
         let vertices = self.record.vertices.unwrap_or(0) as usize;
         let stored = self.stored(source, vertices, tally);
+        let asked = Asked::new(self.goal, vertices);
+        let count = asked.count(vertices);
         let spec = SourceSpec::from(source);
         let mut reference: Option<Vec<f64>> = None;
         let mut clusters = Clusters::default();
@@ -197,6 +231,7 @@ impl LoadedModelCheck<'_> {
                 model: &self.record.name,
                 algorithm,
                 source: &spec,
+                goal: self.goal,
                 pass: Pass::Warmup,
                 solves: 1,
             };
@@ -216,9 +251,13 @@ impl LoadedModelCheck<'_> {
                     let mut vote = Vote::of_reference(algorithm.label(), false);
                     let mut agrees = algorithm.label() == REFERENCE;
                     if let Some(reference) = &reference {
-                        match check::compare(&found, reference, tolerance) {
-                            Ok(comparison) => {
-                                verdict.judge(REFERENCE, &comparison);
+                        match check::check_length(&found, reference.len()) {
+                            Ok(()) => {
+                                let expected = reference.iter().copied().enumerate();
+                                let is_approximate = verdict.is_approximate;
+                                let comparison =
+                                    asked.compare(&found, expected, tolerance, is_approximate);
+                                verdict.judge(REFERENCE, &comparison, &asked);
                                 vote.compared(&comparison);
                                 agrees = comparison.agrees();
                             }
@@ -231,15 +270,16 @@ impl LoadedModelCheck<'_> {
                         }
                         votes.push(vote);
                     }
-                    if let Some(field) = stored.as_ref().filter(|_| found.len() == vertices) {
-                        let expected = field.distances.iter().copied();
-                        let comparison = check::compare_some(&found, expected, tolerance);
+                    if let Some(field) = stored.as_ref().filter(|_| found.len() == count) {
+                        let expected = asked.of_stored(&field.distances);
+                        let is_approximate = verdict.is_approximate;
+                        let comparison = asked.compare(&found, expected, tolerance, is_approximate);
                         let mut name = field.path.display().to_string();
-                        if comparison.compared < vertices {
-                            name =
-                                format!("{name} at {} of {vertices} vertices", comparison.compared);
+                        if comparison.compared < count {
+                            let noun = asked.noun();
+                            name = format!("{name} at {} of {count} {noun}", comparison.compared);
                         }
-                        verdict.judge(&name, &comparison);
+                        verdict.judge(&name, &comparison, &asked);
                     }
                     if algorithm.label() == REFERENCE {
                         reference = Some(found);
@@ -260,10 +300,15 @@ impl LoadedModelCheck<'_> {
             }
         }
         if let (Some(reference), Some(field)) = (&reference, &stored)
-            && reference.len() == vertices
+            && reference.len() == count
         {
             let name = field.path.display().to_string();
-            votes.push(self.vote_of(&name, &field.distances, reference, &clusters));
+            votes.push(self.vote_of(
+                &name,
+                &asked.of_stored(&field.distances),
+                reference,
+                &clusters,
+            ));
         }
         if let Some(summary) = agreement::summary(&votes) {
             let name = &self.record.name;
@@ -294,6 +339,7 @@ impl LoadedModelCheck<'_> {
             model: &self.record.name,
             algorithm: &certificate,
             source,
+            goal: self.goal,
             pass: Pass::Warmup,
             solves: 1,
         });
@@ -361,7 +407,7 @@ impl Judgement {
         self.remarks.push(why.to_owned());
     }
 
-    fn judge(&mut self, reference: &str, comparison: &Deviation) {
+    fn judge(&mut self, reference: &str, comparison: &Deviation, asked: &Asked) {
         match &comparison.worst {
             Some(_) if self.is_approximate && comparison.max_rel.is_finite() => {
                 self.remarks.push(format!(
@@ -370,8 +416,11 @@ impl Judgement {
                 ));
             }
             Some(worst) => self.wrong(&format!(
-                "differs from {reference}: {worst}; {} of {} vertices differ",
-                comparison.disagreeing, comparison.compared
+                "differs from {reference}: {}; {} of {} {} differ",
+                asked.describe(worst),
+                comparison.disagreeing,
+                comparison.compared,
+                asked.noun()
             )),
             None => self.remarks.push(format!(
                 "agrees with {reference}, largest relative difference {}",

@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_voronoi::Diagram;
-use geobench_window::{PhaseSampler, Solver};
+use geobench_window::{PhaseSampler, Solution, SolveError, Solver};
 
+use crate::exec::goal::GoalSpec;
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
 use crate::exec::source::{LocatedPoint, Locator, SourceSpec};
@@ -63,30 +64,51 @@ struct PreparedSource {
     mesh: Mesh,
     is_refined: bool,
     vertices: Vec<VertexId>,
+    /// What is asked for, and the vertices of its targets.
+    goal: GoalSpec,
+    targets: Option<Vec<VertexId>>,
     note: Option<String>,
 }
 
 impl PreparedSource {
-    fn new(mesh: &Mesh, source: &SourceSpec) -> anyhow::Result<Self> {
+    fn new(mesh: &Mesh, source: &SourceSpec, goal: &GoalSpec) -> anyhow::Result<Self> {
         let mut locator = Locator::new(mesh);
-        let points = source.points(mesh.vertex_count())?.into_iter();
-        let found = points.map(|point| locator.locate(point));
+        let points = source.points(mesh.vertex_count())?;
+        let sources = points.len();
+        let targets = goal.points(mesh.vertex_count())?;
+        let points = points.iter().chain(targets.iter().flatten());
+        let found = points.map(|&point| locator.locate(point));
         let found = found.collect::<Result<Vec<_>, _>>()?;
         let points: Vec<_> = found.iter().map(|found| found.point).collect();
         let notes: Vec<String> = found.iter().filter_map(LocatedPoint::note).collect();
         let refined = mesh.with_points(&points)?;
+        let (from, to) = refined.vertices.split_at(sources);
         Ok(Self {
             label: source.label(),
+            goal: goal.clone(),
+            targets: targets.map(|_| to.to_vec()),
+            vertices: from.to_vec(),
             is_refined: refined.mesh.vertex_count() > mesh.vertex_count(),
             mesh: refined.mesh,
-            vertices: refined.vertices,
             note: (!notes.is_empty()).then(|| notes.join("; ")),
         })
     }
 
-    /// An answer for the vertices of the model alone.
+    /// Solves for what is asked for.
+    fn solve(&self, solver: &mut dyn Solver) -> Result<Solution, SolveError> {
+        if self.goal.is_everything() {
+            return solver.solve(&self.vertices);
+        }
+        let goal = self.goal.of_solver(self.targets.as_deref());
+        solver.solve_until(&self.vertices, &goal)
+    }
+
+    /// An answer for the targets, or for the vertices of the model alone.
     fn observation(&self, mut distances: Vec<f64>, model: &Mesh) -> Observation {
-        distances.truncate(model.vertex_count());
+        match &self.targets {
+            Some(targets) => distances = targets.iter().map(|v| distances[v.index()]).collect(),
+            None => distances.truncate(model.vertex_count()),
+        }
         Observation {
             distances,
             note: self.note.clone(),
@@ -142,11 +164,12 @@ impl InProcess {
     /// The source of a run. Solvers are dropped where the mesh is another one for it.
     fn source(&mut self, step: &Step<'_>) -> anyhow::Result<PreparedSource> {
         let label = step.source.label();
-        if let Some(known) = self.source.as_ref().filter(|known| known.label == label) {
+        let is_known = |known: &&PreparedSource| known.label == label && known.goal == *step.goal;
+        if let Some(known) = self.source.as_ref().filter(is_known) {
             return Ok(known.clone());
         }
         let was_refined = self.source.take().is_some_and(|known| known.is_refined);
-        let found = PreparedSource::new(&self.mesh, step.source)?;
+        let found = PreparedSource::new(&self.mesh, step.source, step.goal)?;
         if was_refined || found.is_refined {
             self.solvers.clear();
         }
@@ -176,7 +199,7 @@ impl InProcess {
         let (mut elapsed, mut solves) = (Duration::ZERO, 0);
         loop {
             let start = Instant::now();
-            let solution = ready.solver.solve(&source.vertices);
+            let solution = source.solve(&mut *ready.solver);
             elapsed += start.elapsed();
             solves += 1;
             let answer = solution?.distances;
@@ -206,6 +229,16 @@ impl InProcess {
         let source = self.source(step)?;
         // Memory of the solver of the timed runs does not count, nor does that of the sampler.
         self.dismiss(step.algorithm.label());
+        if !step.goal.is_everything() {
+            // Phases are sampled in whole runs only.
+            let measure = PeakMemory::start();
+            let result = source.solve(&mut *step.algorithm.build(&source.mesh));
+            let peaks = measure.stop();
+            return Ok(Observation {
+                peaks,
+                ..source.observation(result?.distances, &self.mesh)
+            });
+        }
         let mut sampler = PhaseSampler::start().context("no thread for sampling phases")?;
         let start = Instant::now();
         let measure = PeakMemory::start();
@@ -233,9 +266,18 @@ impl InProcess {
     fn count(&mut self, step: &Step<'_>) -> anyhow::Result<Observation> {
         let source = self.source(step)?;
         self.dismiss(step.algorithm.label());
-        let (solution, mut counters) =
-            step.algorithm.build(&source.mesh).count(&source.vertices)?;
+        let goal = step.goal.of_solver(source.targets.as_deref());
+        let mut solver = step.algorithm.build(&source.mesh);
+        let (solution, mut counters) = solver.count_until(&source.vertices, &goal)?;
+        drop(solver);
         let wavefront = std::mem::take(&mut counters.wavefront);
+        if !step.goal.is_everything() {
+            return Ok(Observation {
+                counters: Some(counters),
+                wavefront: wavefront.into_iter().map(Into::into).collect(),
+                ..source.observation(solution.distances, &self.mesh)
+            });
+        }
         let is_approximate = step.algorithm.is_approximate();
         let (extraction_seconds, labels) = extract(step, &source, &self.mesh)?.unzip();
         Ok(Observation {
@@ -302,6 +344,11 @@ mod tests {
     use crate::measure::memory::Peaks;
     use crate::registry::{Algorithm, Selection, Values};
 
+    static EVERYTHING: GoalSpec = GoalSpec {
+        targets: None,
+        radius: None,
+    };
+
     static PANICS: Algorithm = Algorithm {
         name: "panics",
         family: "test",
@@ -338,6 +385,7 @@ mod tests {
             model: "triangle",
             algorithm,
             source,
+            goal: &EVERYTHING,
             pass,
             solves: 1,
         }
@@ -367,6 +415,30 @@ mod tests {
                     refused.message,
                     "edge:0-9,0.5: vertex 9 does not exist: the mesh has 3 vertices, numbered from 0"
                 );
+            }
+        });
+    }
+
+    #[test]
+    fn an_answer_holds_the_targets_in_their_order_or_what_lies_within_the_radius() {
+        let mmp = registry::select_one("mmp").unwrap();
+        on_a_triangle(|session| {
+            let mut run = |targets: &str, radius, pass| {
+                let goal = GoalSpec {
+                    targets: (!targets.is_empty()).then(|| targets.parse().unwrap()),
+                    radius,
+                };
+                let source = source("1");
+                let step = Step {
+                    goal: &goal,
+                    ..step(&mmp, &source, pass)
+                };
+                session.execute(&step).unwrap().distances
+            };
+            for pass in [Pass::Warmup, Pass::Time, Pass::Profile, Pass::Count] {
+                assert_eq!(run("2,edge:0-1,0.5,2", None, pass), [5.0, 1.5]);
+                assert_eq!(run("", Some(3.0), pass), [3.0, 0.0, f64::INFINITY]);
+                assert_eq!(run("2,0", Some(4.0), pass), [f64::INFINITY, 3.0]);
             }
         });
     }

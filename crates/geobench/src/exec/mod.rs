@@ -6,6 +6,7 @@
 
 pub mod affinity;
 pub mod expected;
+pub mod goal;
 pub mod in_process;
 #[cfg(feature = "command-line")]
 pub mod interrupt;
@@ -22,6 +23,7 @@ pub mod source;
 use geobench_window::Counters;
 use serde::{Deserialize, Serialize};
 
+use crate::exec::goal::GoalSpec;
 use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
 use crate::measure::memory::Peaks;
@@ -53,6 +55,9 @@ pub struct Step<'a> {
     pub algorithm: &'a Selection,
     /// The source, or several together.
     pub source: &'a SourceSpec,
+    /// What it is to find. The answer holds the distances of its targets in their order, or of all
+    /// vertices, infinite beyond its radius.
+    pub goal: &'a GoalSpec,
     /// Its purpose.
     pub pass: Pass,
     /// Solves of a timed run, whose mean is its time; 1 in other runs. Outside programs solve once.

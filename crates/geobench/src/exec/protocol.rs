@@ -14,7 +14,7 @@ use crate::schema::{ModelRecord, Phases, SourceLabel, WavefrontRecord};
 pub(crate) const SOLVE: &str = "solve";
 
 /// Request to a child of this program.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Request {
     /// The algorithm with its parameters.
     pub(crate) algorithm: String,
@@ -22,6 +22,12 @@ pub(crate) struct Request {
     pub(crate) simd: String,
     /// The source, or several together.
     pub(crate) source: SourceLabel,
+    /// The targets; all vertices without any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) targets: Option<String>,
+    /// The largest distance asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) radius: Option<f64>,
     /// The purpose of the run.
     pub(crate) pass: Pass,
     /// Solves of a timed run.

@@ -442,6 +442,35 @@ impl TargetSpec {
     pub fn points(&self, vertices: usize) -> Result<Vec<PointSpec>, UsageError> {
         self.0.points_as("target", vertices)
     }
+
+    /// The same, each once.
+    ///
+    /// # Errors
+    ///
+    /// As [`points`](Self::points).
+    pub(crate) fn different(&self, vertices: usize) -> Result<Vec<PointSpec>, UsageError> {
+        let mut points = self.points(vertices)?;
+        let mut seen = HashSet::new();
+        points.retain(|point| seen.insert(point.to_string()));
+        Ok(points)
+    }
+
+    /// All of these together.
+    pub fn of_all(specs: impl IntoIterator<Item = Self>) -> Self {
+        let forms = specs.into_iter().flat_map(|Self(SourceSpec(forms))| forms);
+        Self(SourceSpec(forms.collect()))
+    }
+
+    /// Number of targets; every `all` counts as one.
+    pub fn count(&self) -> usize {
+        self.0.count()
+    }
+}
+
+impl fmt::Display for TargetSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
 }
 
 impl FromStr for TargetSpec {

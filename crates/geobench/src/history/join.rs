@@ -146,6 +146,31 @@ fn check_machine(
     Ok(())
 }
 
+/// Refuses files whose runs of one group were to find different things: their times do not compare.
+fn check_goals(
+    whole: &ResultFile,
+    first: &str,
+    name: &str,
+    file: &ResultFile,
+) -> anyhow::Result<()> {
+    for cell in &file.cells {
+        let mut known = whole.cells.iter().filter(|known| known.group == cell.group);
+        if let Some(other) = known.find(|known| known.goal != cell.goal) {
+            let goal = |cell: &Cell| {
+                let all = || "to all vertices".to_owned();
+                cell.goal.clone().unwrap_or_else(all)
+            };
+            bail!(
+                "{name}: its runs are {}, and those of {first} {}, so that their times do not \
+                 compare; give the same --target and --radius, or keep the files apart",
+                goal(cell),
+                goal(other)
+            );
+        }
+    }
+    Ok(())
+}
+
 /// Which file has a cell that is in both.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Of {
@@ -162,6 +187,7 @@ fn add(
     wins: Of,
 ) -> anyhow::Result<usize> {
     let whole = &mut joined.file;
+    check_goals(whole, first, name, &file)?;
     rename_models(whole, first, name, &mut file)?;
     joined.notes.extend(differences(whole, first, name, &file));
     if whole.tool != file.tool {

@@ -70,7 +70,9 @@ fn difference(joined: &ResultFile, cells: &[Vec<Cell>], round: &ResultFile) -> O
             .source
             .as_ref()
             .map_or_else(|| "unknown".to_owned(), ToString::to_string);
-        format!("{}, {}, source {source}", c.model, c.algorithm)
+        let goal = c.goal.as_ref();
+        let goal = goal.map_or_else(String::new, |goal| format!(", {goal}"));
+        format!("{}, {}, source {source}{goal}", c.model, c.algorithm)
     };
     cells.iter().zip(&round.cells).find_map(|(all, cell)| {
         let same = key(&all[0]) == key(cell) && all[0].group == cell.group;

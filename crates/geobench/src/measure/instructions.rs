@@ -15,8 +15,9 @@ use std::process::{Command, ExitStatus, Stdio};
 use anyhow::{Context, bail};
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::simd::Instructions;
-use geobench_window::{Solution, SolveError, Solver};
+use geobench_window::{Goal, Solution, SolveError, Solver};
 
+use crate::exec::goal::GoalSpec;
 use crate::registry::{self, Selection};
 use crate::schema::InstructionCount;
 
@@ -59,11 +60,12 @@ pub fn count(
     model: &str,
     algorithm: &str,
     source: &str,
+    goal: &GoalSpec,
     simd: Option<Instructions>,
 ) -> anyhow::Result<InstructionCount> {
     let mut widest = simd;
     loop {
-        match count_with(model, algorithm, source, widest)? {
+        match count_with(model, algorithm, source, goal, widest)? {
             Attempt::Counted(found) => return Ok(found),
             Attempt::Illegal(used) => {
                 widest = used.narrower();
@@ -90,6 +92,7 @@ fn count_with(
     model: &str,
     algorithm: &str,
     source: &str,
+    goal: &GoalSpec,
     widest: Option<Instructions>,
 ) -> anyhow::Result<Attempt> {
     let program = std::env::current_exe().context(FAILED)?;
@@ -102,6 +105,8 @@ fn count_with(
         .arg(out_file)
         .arg(program)
         .args([COMMAND, model, algorithm, source])
+        .args((goal.targets.iter()).map(|targets| format!("--target={targets}")))
+        .args(goal.radius.map(|radius| format!("--radius={radius}")))
         .args(widest.map(|widest| format!("--simd={widest}")))
         .stdin(Stdio::null())
         .output()
@@ -171,9 +176,14 @@ pub fn announce(algorithm: &str, widest: Option<&str>) -> anyhow::Result<Selecti
 /// # Errors
 ///
 /// When the source does not exist.
-pub fn solve_once(selection: &Selection, mesh: &Mesh, sources: &[VertexId]) -> anyhow::Result<()> {
+pub fn solve_once(
+    selection: &Selection,
+    mesh: &Mesh,
+    sources: &[VertexId],
+    goal: &Goal,
+) -> anyhow::Result<()> {
     let mut solver = selection.build(mesh);
-    let solution = counted_solve(&mut *solver, sources)?;
+    let solution = counted_solve(&mut *solver, sources, goal)?;
     std::hint::black_box(solution);
     Ok(())
 }
@@ -181,8 +191,12 @@ pub fn solve_once(selection: &Selection, mesh: &Mesh, sources: &[VertexId]) -> a
 /// The solve that callgrind counts, found by the name of this function: it must not be inlined or
 /// recursive.
 #[inline(never)]
-fn counted_solve(solver: &mut dyn Solver, sources: &[VertexId]) -> Result<Solution, SolveError> {
-    std::hint::black_box(solver).solve(sources)
+fn counted_solve(
+    solver: &mut dyn Solver,
+    sources: &[VertexId],
+    goal: &Goal,
+) -> Result<Solution, SolveError> {
+    std::hint::black_box(solver).solve_until(sources, goal)
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use serde::{Deserialize, Deserializer};
 
 use crate::UsageError;
 use crate::exec::expected::Expected;
+use crate::exec::goal::GoalSpec;
 use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
@@ -35,6 +36,8 @@ pub struct Plan {
     pub sources: SourceSpec,
     /// Whether each run starts from all sources together.
     pub sources_together: bool,
+    /// What each run is to find.
+    pub goal: GoalSpec,
     /// The timed runs of each cell.
     pub sampling: Sampling,
     /// Untimed runs of each cell before those.
@@ -155,6 +158,18 @@ impl Plan {
         }
     }
 
+    /// Refuses algorithms that would go to their end whatever is asked for.
+    ///
+    /// # Errors
+    ///
+    /// Names them, if targets or a radius are asked for.
+    pub fn check_goal(&self) -> Result<(), UsageError> {
+        match &self.goal {
+            goal if goal.is_everything() => Ok(()),
+            _ => check_ends_early(&self.algorithms),
+        }
+    }
+
     /// Looks up the outside programs among the algorithms.
     ///
     /// # Errors
@@ -256,6 +271,29 @@ impl Plan {
     }
 }
 
+/// Refuses algorithms that would go to their end whatever is asked for.
+///
+/// # Errors
+///
+/// Names them.
+pub(crate) fn check_ends_early(algorithms: &[Selection]) -> Result<(), UsageError> {
+    let others = algorithms.iter().filter(|one| !one.ends_early());
+    let others: Vec<&str> = others.map(Selection::label).collect();
+    let Some(first) = others.first() else {
+        return Ok(());
+    };
+    if first.starts_with("ext:") {
+        return Err(UsageError(format!(
+            "{first} is an outside program, which is asked for all distances; leave it out, or              leave out targets and radius"
+        )));
+    }
+    let verb = if others.len() == 1 { "goes" } else { "go" };
+    Err(UsageError(format!(
+        "{} {verb} to the end whatever is asked for; leave out of --algo what cannot end early, or          leave out targets and radius",
+        others.join(", ")
+    )))
+}
+
 /// The record of `plans`, one for each group. Reads the files of all models to hash them.
 pub fn record(plans: &[Plan], isolation: IsolationRecord) -> PlanRecord {
     PlanRecord {
@@ -272,6 +310,8 @@ fn group(plan: &Plan) -> PlannedGroup {
         algorithms: plan.algorithms.iter().map(planned).collect(),
         sources: plan.sources.to_string(),
         sources_together: plan.sources_together,
+        targets: plan.goal.targets.as_ref().map(ToString::to_string),
+        radius: plan.goal.radius,
         repeat: plan.sampling.most(),
         precision: plan.sampling.precision(),
         warmup: plan.warmup,

@@ -98,6 +98,21 @@ impl Selection {
         !self.is_approximate() && !drops_windows
     }
 
+    /// Whether a run ends once the distances that are asked for are final. Others go to their end,
+    /// and outside programs are asked for all distances.
+    pub fn ends_early(&self) -> bool {
+        const TO_THE_END: [&str; 7] = [
+            "certificate",
+            "fmm-untidy",
+            "heat",
+            "lct11",
+            "pvtp",
+            "window-vtp",
+            "xls14",
+        ];
+        self.outside_name().is_none() && !TO_THE_END.contains(&self.algorithm.name)
+    }
+
     /// The greatest relative error of its distances, if that is proven and not that of rounding.
     pub fn error_bound(&self) -> Option<f64> {
         super::graphs::error_bound(self.algorithm.name, &self.values)

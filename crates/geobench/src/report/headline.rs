@@ -100,7 +100,9 @@ fn factor(group: &Group<'_>, over: &str, under: &str) -> Option<(f64, Option<[f6
     let ratios: Vec<Vec<f64>> = solved(over)
         .into_iter()
         .filter_map(|cell| {
-            let same = |other: &&&Cell| other.model == cell.model && other.source == cell.source;
+            let identity =
+                |cell: &Cell| (cell.model.clone(), cell.source.clone(), cell.goal.clone());
+            let same = |other: &&&Cell| identity(other) == identity(cell);
             let (above, below) = pairs(cell, below.iter().find(same)?);
             let ratios = above.iter().zip(below).map(|(a, b)| a / b);
             let ratios: Vec<f64> = ratios.filter(|r| r.is_finite() && *r > 0.0).collect();

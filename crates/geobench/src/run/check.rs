@@ -46,14 +46,20 @@ impl Deviation {
     }
 }
 
+impl Disagreement {
+    /// In words, at a place of this name.
+    pub(crate) fn at(&self, place: &str) -> String {
+        let (abs, rel) = difference(self.found, self.expected);
+        format!(
+            "{place} is at {} instead of {} (difference {abs:.3e}, relative {rel:.3e})",
+            self.found, self.expected
+        )
+    }
+}
+
 impl fmt::Display for Disagreement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (abs, rel) = difference(self.found, self.expected);
-        write!(
-            f,
-            "vertex {} is at {} instead of {} (difference {abs:.3e}, relative {rel:.3e})",
-            self.vertex, self.found, self.expected
-        )
+        f.write_str(&self.at(&format!("vertex {}", self.vertex)))
     }
 }
 
@@ -70,7 +76,7 @@ pub fn compare(found: &[f64], expected: &[f64], tolerance: f64) -> anyhow::Resul
 }
 
 /// Checks that there are `expected` distances.
-pub(super) fn check_length(found: &[f64], expected: usize) -> anyhow::Result<()> {
+pub(crate) fn check_length(found: &[f64], expected: usize) -> anyhow::Result<()> {
     let found = found.len();
     ensure!(
         found == expected,

@@ -4,6 +4,7 @@ use geobench_window::simd::Instructions;
 
 use super::{Records, run};
 use crate::exec::Listener;
+use crate::exec::goal::GoalSpec;
 use crate::exec::limits::Limits;
 use crate::exec::mock::MockBackend;
 use crate::exec::model::ModelRef;
@@ -31,6 +32,7 @@ pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
         algorithms,
         sources: sources.parse().unwrap(),
         sources_together: false,
+        goal: GoalSpec::default(),
         sampling: Sampling::Fixed(5),
         warmup: 1,
         tolerance: 1e-9,

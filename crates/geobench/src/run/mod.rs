@@ -363,6 +363,7 @@ impl Benchmark<'_, '_> {
             .map(|(source, algorithm)| Cell {
                 group: plan.group.name.clone(),
                 source,
+                goal: plan.goal.label(),
                 status: Status::Refused,
                 message: Some(message.to_owned()),
                 threads: algorithm.threads(),

@@ -1,6 +1,7 @@
 //! The reference answer of a group, and comparison with it.
 
 use crate::exec::Failure;
+use crate::exec::goal::Asked;
 use crate::run::agreement::{self, Clusters};
 use crate::run::check::{self, Deviation};
 use crate::schema::{Check, Status};
@@ -14,6 +15,8 @@ pub(super) struct ReferenceCheck {
     pub(super) unchecked: Option<String>,
     /// Answers that differ from the expected one.
     pub(super) clusters: Clusters,
+    /// What answers hold.
+    pub(super) asked: Asked,
 }
 
 /// A reference answer and its name.
@@ -44,7 +47,7 @@ impl ReferenceCheck {
         tolerance: f64,
         is_approximate: bool,
     ) -> (Check, Option<Failure>) {
-        let (mut check, failure) = self.compare(distances, tolerance);
+        let (mut check, failure) = self.compare(distances, tolerance, is_approximate);
         let is_wanted = self.answer.is_some() || self.unchecked.is_some();
         if is_wanted && !is_approximate {
             check.cluster = Some(match (&self.answer, &failure) {
@@ -55,7 +58,12 @@ impl ReferenceCheck {
         (check, failure)
     }
 
-    fn compare(&self, distances: &[f64], tolerance: f64) -> (Check, Option<Failure>) {
+    fn compare(
+        &self,
+        distances: &[f64],
+        tolerance: f64,
+        is_approximate: bool,
+    ) -> (Check, Option<Failure>) {
         let wrong = |message: String| Failure {
             status: Status::Wrong,
             message,
@@ -65,7 +73,8 @@ impl ReferenceCheck {
                 if let Err(error) = check::check_length(distances, answer.vertices) {
                     return (Check::default(), Some(wrong(error.to_string())));
                 }
-                check::compare_some(distances, answer.distances.iter().copied(), tolerance)
+                let expected = answer.distances.iter().copied();
+                (self.asked).compare(distances, expected, tolerance, is_approximate)
             }
             // No reference; NaN is wrong all the same.
             None => check::compare_some(
@@ -79,15 +88,24 @@ impl ReferenceCheck {
             ),
         };
         let name = self.answer.as_ref().map(|answer| answer.name.as_str());
-        let failure = comparison.worst.filter(|_| !comparison.agrees()).map(|worst| {
-            wrong(format!(
-                "differs from {}: {worst}; {} of {} vertices differ by more than {tolerance:e} relative",
-                name.unwrap_or("no reference"),
-                comparison.disagreeing,
-                comparison.compared
-            ))
-        });
-        (record(name, &comparison), failure)
+        let failure = comparison
+            .worst
+            .filter(|_| !comparison.agrees())
+            .map(|worst| {
+                wrong(format!(
+                    "differs from {}: {}; {} of {} {} differ by more than {tolerance:e} relative",
+                    name.unwrap_or("no reference"),
+                    self.asked.describe(&worst),
+                    comparison.disagreeing,
+                    comparison.compared,
+                    self.asked.noun()
+                ))
+            });
+        let mut check = record(name, &comparison);
+        let worst = check.worst_vertex.and(comparison.worst);
+        let vertex = worst.and_then(|worst| self.asked.vertex(worst.vertex));
+        check.worst_vertex = vertex.map(|vertex| vertex as u64);
+        (check, failure)
     }
 }
 

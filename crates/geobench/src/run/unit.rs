@@ -6,6 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use geobench_window::precision;
 
+use crate::exec::goal::Asked;
 use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
 use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
@@ -123,7 +124,7 @@ impl<'p> Unit<'p> {
     ) -> anyhow::Result<()> {
         self.begin(log);
         if !self.is_complete() {
-            let checks = Checks::default();
+            let checks = self.plan.checks();
             let mut context = RunContext {
                 session,
                 log,
@@ -202,7 +203,9 @@ impl<'p> Unit<'p> {
                     outcome.place.or_else(in_round)
                 });
                 let places = placed.collect();
-                cell.finish(id, places, self.plan.plan.group.wavefront)
+                let mut cell = cell.finish(id, places, self.plan.plan.group.wavefront);
+                cell.goal = self.plan.plan.goal.label();
+                cell
             })
             .collect();
         let unchanged: Vec<(usize, Option<String>)> = cells
@@ -229,7 +232,7 @@ impl<'p> UnitPlan<'p> {
         open: &(dyn Fn() -> Result<Box<dyn Session + 's>, Refusal> + Sync),
         log: &RunLog<'_>,
     ) -> anyhow::Result<()> {
-        let checks = Checks::default();
+        let checks = self.checks();
         let mut session = match first.map_or_else(open, Ok) {
             Ok(session) => session,
             Err(refusal) => return self.refuse(cells, &refusal, log),
@@ -289,6 +292,18 @@ impl<'p> UnitPlan<'p> {
             self.keep(cell, Pass::Warmup, 0, outcome, log)?;
         }
         Ok(())
+    }
+
+    /// What answers are compared with, before the first.
+    fn checks(&self) -> Checks {
+        let vertices = self.model.vertices.unwrap_or(0) as usize;
+        Checks {
+            reference: Mutex::new(ReferenceCheck {
+                asked: Asked::new(&self.plan.goal, vertices),
+                ..ReferenceCheck::default()
+            }),
+            nearest: Mutex::default(),
+        }
     }
 
     /// Makes the runs that come before those of the cells. Returns the place of the cell whose
@@ -356,11 +371,19 @@ impl<'p> UnitPlan<'p> {
                 let vertices = self.model.vertices.unwrap_or(0) as usize;
                 match files.find(Path::new(&self.model.path), &self.source.label(), vertices) {
                     Ok(field) => {
-                        context.check().answer = Some(Answer {
-                            name: field.path.display().to_string(),
-                            distances: field.distances,
-                            vertices,
-                        });
+                        let name = field.path.display().to_string();
+                        let mut check = context.check();
+                        let distances = check.asked.of_stored(&field.distances);
+                        if distances.is_empty() {
+                            check.unchecked = Some(format!("{name} has no distance of a target"));
+                        } else {
+                            let vertices = check.asked.count(vertices);
+                            check.answer = Some(Answer {
+                                name,
+                                distances,
+                                vertices,
+                            });
+                        }
                     }
                     Err(error) => context.check().unchecked = Some(error.to_string()),
                 }
@@ -595,6 +618,7 @@ impl<'p> UnitPlan<'p> {
             model: &self.model.name,
             algorithm,
             source: &self.source,
+            goal: &self.plan.goal,
             pass,
             solves,
         }
@@ -623,7 +647,6 @@ struct RunContext<'s, 'l> {
 }
 
 /// What the answers of the cells are compared with; cells that run at the same time share it.
-#[derive(Default)]
 struct Checks {
     /// The reference, and the answers that differ from it.
     reference: Mutex<ReferenceCheck>,

@@ -293,6 +293,10 @@ pub struct Cell {
     /// surface and for several sources together; null where the model was refused before its
     /// vertices were known.
     pub source: Option<SourceLabel>,
+    /// What its runs were to find, such as `to 17,3` or `within 2.5`: the run ends early, and only
+    /// this is compared with the reference. Absent for the distances of all vertices.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal: Option<String>,
     /// Threads that the algorithm used.
     pub threads: usize,
     /// The widest vector instructions that its timed runs could use, `avx512`, `avx2` or `scalar`;

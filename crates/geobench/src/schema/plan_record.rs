@@ -34,6 +34,12 @@ pub struct PlannedGroup {
     /// Whether each run starts from all sources together.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub sources_together: bool,
+    /// The targets, as on the command line; null for all vertices.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub targets: Option<String>,
+    /// The largest distance asked for, in the units of the models; null for no limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius: Option<f64>,
     /// Timed runs of each cell; with a precision the most.
     pub repeat: usize,
     /// When a cell has enough timed runs; null if their number is fixed, and in files of older

@@ -55,10 +55,11 @@ pub(super) fn results(result: &ResultFile) -> Table {
 
 /// A row for each sample, with the cell, the model and the machine that it belongs to.
 pub(super) fn samples(result: &ResultFile) -> Table {
-    const COLUMNS: [&str; 8] = [
+    const COLUMNS: [&str; 9] = [
         "model",
         "algorithm",
         "source",
+        "goal",
         "threads",
         "group",
         "sample",
@@ -76,6 +77,7 @@ pub(super) fn samples(result: &ResultFile) -> Table {
                     cell.model.clone(),
                     cell.algorithm.clone(),
                     text(cell.source.as_ref()),
+                    text(cell.goal.as_ref()),
                     cell.threads.to_string(),
                     text(cell.group.as_ref()),
                     i.to_string(),
@@ -129,6 +131,7 @@ fn columns(cell: &Cell) -> Vec<(String, String)> {
         ("model", cell.model.clone()),
         ("algorithm", cell.algorithm.clone()),
         ("source", text(cell.source.as_ref())),
+        ("goal", text(cell.goal.as_ref())),
         ("threads", cell.threads.to_string()),
         ("approximate", cell.approximate.to_string()),
         ("status", cell.status.name().to_owned()),

@@ -168,14 +168,26 @@ fn absent(cells: &[&Cell]) -> Entry {
     }
 }
 
+/// What the runs of a cell were to find, after its source; empty if it is everything.
+fn goal(cell: &Cell) -> String {
+    let goal = cell.goal.as_ref();
+    goal.map_or_else(String::new, |goal| format!(" {goal}"))
+}
+
 /// The sources of an algorithm's cells, in words.
 fn sources(cells: Option<&Vec<&Cell>>) -> String {
     match cells.map_or(&[][..], Vec::as_slice) {
-        [cell] => match &cell.source {
-            Some(source) => format!("source {source}"),
-            None => "one source".to_owned(),
-        },
-        cells => format!("median of {} sources", cells.len()),
+        [cell] => {
+            let source = match &cell.source {
+                Some(source) => format!("source {source}"),
+                None => "one source".to_owned(),
+            };
+            source + &goal(cell)
+        }
+        cells => {
+            let goal = cells.first().map_or_else(String::new, |cell| goal(cell));
+            format!("median of {} sources{goal}", cells.len())
+        }
     }
 }
 

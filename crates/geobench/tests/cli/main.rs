@@ -9,6 +9,7 @@ mod distance;
 mod errors;
 mod gate;
 mod generate;
+mod goal;
 mod history;
 mod info;
 mod instructions;

@@ -121,7 +121,7 @@ fn different_runs_on_one_machine_are_joined_and_what_differs_is_said() {
     let csv = sandbox.read("s.csv");
     assert_eq!(csv.lines().count(), 1 + 3 * 2);
     assert!(csv.starts_with(
-        "model,algorithm,source,threads,group,sample,place,solves,seconds,vertices,faces,edges,machine\n"
+        "model,algorithm,source,goal,threads,group,sample,place,solves,seconds,vertices,faces,edges,machine\n"
     ));
 
     sandbox.write(

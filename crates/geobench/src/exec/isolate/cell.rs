@@ -7,6 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use sha2::{Digest, Sha256};
 
 use super::system;
+use crate::exec::goal::GoalSpec;
 use crate::exec::in_process::InProcess;
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
@@ -74,10 +75,16 @@ fn serve(model: &str, mut session: InProcess) -> io::Result<()> {
         system::raise_oom_score(true);
         let algorithm = registry::select_one(&request.algorithm).map_err(io::Error::other)?;
         let algorithm = algorithm.at_most(request.simd.parse().map_err(io::Error::other)?);
+        let targets = request.targets.as_deref().map(str::parse).transpose();
+        let goal = GoalSpec {
+            targets: targets.map_err(io::Error::other)?,
+            radius: request.radius,
+        };
         let step = Step {
             model,
             algorithm: &algorithm,
             source: &SourceSpec::from(&request.source),
+            goal: &goal,
             pass: request.pass,
             solves: request.solves,
         };

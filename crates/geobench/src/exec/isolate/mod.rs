@@ -44,7 +44,7 @@ use crate::exec::in_process::InProcess;
 use crate::exec::limits::{DecompressionLimit, Limits, Timeout};
 use crate::exec::model::ModelRef;
 use crate::exec::protocol::{ChildSettings, Reply, Request, SOLVE};
-use crate::exec::source::{Locator, PointSpec, SourceSpec};
+use crate::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
 use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::host::kibibytes;
 use crate::measure::memory::Peaks;
@@ -575,7 +575,8 @@ impl Child {
             (None, Pass::Profile) => "being profiled",
         };
         // 8 bytes take 11 characters of base64 at most.
-        let longest = LONGEST + 11 * vertices;
+        let targets = step.goal.targets.as_ref().map_or(0, TargetSpec::count);
+        let longest = LONGEST + 11 * vertices.saturating_add(targets);
         let mut reply = self.ask(&self.request(step), longest, doing)?;
         if reply.ready && self.solves_once() {
             reply = self.ask("", longest, doing)?;
@@ -611,6 +612,8 @@ impl Child {
                 algorithm: step.algorithm.spelled(),
                 simd: step.algorithm.instructions().to_string(),
                 source: step.source.label(),
+                targets: step.goal.targets.as_ref().map(ToString::to_string),
+                radius: step.goal.radius,
                 pass: step.pass,
                 solves: step.solves,
             })

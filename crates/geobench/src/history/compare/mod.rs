@@ -651,6 +651,9 @@ pub struct Key {
     pub algorithm: String,
     /// The source.
     pub source: Option<SourceLabel>,
+    /// What its runs were to find; absent for all distances.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal: Option<String>,
     /// Threads.
     pub threads: usize,
     /// Name of the group.
@@ -663,6 +666,7 @@ struct Identity {
     model: Result<String, String>,
     algorithm: String,
     source: Option<SourceLabel>,
+    goal: Option<String>,
     threads: usize,
     group: Option<String>,
 }
@@ -739,6 +743,7 @@ impl Key {
             sha256: model.and_then(|m| m.sha256.clone()),
             algorithm: cell.algorithm.clone(),
             source: cell.source.clone(),
+            goal: cell.goal.clone(),
             threads: cell.threads,
             group: cell.group.clone(),
         }
@@ -754,6 +759,7 @@ impl Key {
             model: self.sha256.clone().ok_or_else(|| self.model.clone()),
             algorithm: self.algorithm.clone(),
             source: self.source.clone(),
+            goal: self.goal.clone(),
             threads: self.threads,
             group: self.group.clone(),
         }
@@ -775,7 +781,12 @@ impl Key {
             1 => String::new(),
             threads => format!(", {threads} threads"),
         };
-        format!("{group}{}, {}{source}{threads}", self.model, self.algorithm)
+        let goal = self.goal.as_ref();
+        let goal = goal.map_or_else(String::new, |goal| format!(", {goal}"));
+        format!(
+            "{group}{}, {}{source}{goal}{threads}",
+            self.model, self.algorithm
+        )
     }
 }
 

@@ -11,6 +11,7 @@ use geobench_window::simd::Instructions;
 use toml::Spanned;
 
 use crate::UsageError;
+use crate::exec::goal::GoalSpec;
 use crate::exec::limits::{Limits, Timeout};
 use crate::exec::model::{self, ModelError, ModelRef};
 use crate::exec::source::SourceSpec;
@@ -220,6 +221,10 @@ fn plan(
         models,
         sources: settings.sources.clone().unwrap_or_else(SourceSpec::first),
         sources_together: settings.sources_together.unwrap_or(false),
+        goal: GoalSpec {
+            targets: settings.targets.clone(),
+            radius: settings.radius,
+        },
         sampling: settings.sampling(),
         warmup: settings.warmup.unwrap_or(1) as usize,
         reference: reference.unwrap_or_else(|| Reference::usual(&algorithms)),
@@ -235,6 +240,7 @@ fn plan(
         algorithms,
     };
     plan.check_reference()?;
+    plan.check_goal()?;
     Ok(plan)
 }
 

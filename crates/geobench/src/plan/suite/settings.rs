@@ -1,16 +1,20 @@
 //! Settings and their form in suite files.
 
 use std::fmt::Display;
+use std::fs;
+use std::path::PathBuf;
 use std::str::FromStr;
 
+use anyhow::anyhow;
 use geobench_mesh::generate::Spec;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 use toml::{Spanned, Value};
 
 use super::MOST_RUNS;
+use crate::exec::goal;
 use crate::exec::limits::{DecompressionLimit, MemoryLimit, Timeout};
-use crate::exec::source::SourceSpec;
+use crate::exec::source::{SourceSpec, TargetSpec};
 use crate::plan::Reference;
 use crate::plan::sampling::{Sampling, Seconds, Share};
 use crate::registry::{self, MOST_THREADS, Selection, Simd};
@@ -40,6 +44,15 @@ pub struct Settings {
     /// Whether each run starts from all sources together.
     #[serde(rename = "sources-together")]
     pub sources_together: Option<bool>,
+    /// The points to which distances are asked for.
+    #[serde(deserialize_with = "target", rename = "target")]
+    pub targets: Option<TargetSpec>,
+    /// A file of such points.
+    #[serde(rename = "targets")]
+    pub targets_file: Option<Spanned<PathBuf>>,
+    /// The largest distance asked for.
+    #[serde(deserialize_with = "radius")]
+    pub radius: Option<f64>,
     /// Timed runs of each cell; at least 1. Comes before a precision.
     #[serde(deserialize_with = "whole::<_, _, 1, MOST_RUNS>")]
     pub repeat: Option<u32>,
@@ -162,7 +175,7 @@ impl Settings {
                 Self { $($key: self.$key.clone().or_else(|| other.$key.clone()),)* }
             };
         }
-        let mut all = settings!(models algorithms sources sources_together repeat precision min_time max_time warmup
+        let mut all = settings!(models algorithms sources sources_together targets targets_file radius repeat precision min_time max_time warmup
             tolerance seed threads simd timeout memory_limit max_decompressed reference rows ratios_to
             wavefront);
         // A precision replaces a number of runs that comes after it.
@@ -200,6 +213,19 @@ impl Settings {
                 let path = document.directory().join(&model.path);
                 model.path = path.display().to_string();
             }
+        }
+        if let Some(file) = self.targets_file.take() {
+            let span = Some(file.span());
+            let path = document.directory().join(file.into_inner());
+            let text = fs::read_to_string(&path);
+            let text = text.map_err(|error| anyhow!("{}: {error}", path.display()));
+            let read = text.and_then(|text| goal::targets_in(&path, &text));
+            let read =
+                read.map_err(|error| document.error_at("targets", span, &error.to_string()))?;
+            let read = read.into_iter().map(|(target, _)| target);
+            self.targets = Some(TargetSpec::of_all(
+                self.targets.take().into_iter().chain(read),
+            ));
         }
         if let Some(check) = &mut self.reference {
             let span = Some(check.span());
@@ -312,6 +338,28 @@ fn source<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SourceSpe
     let sources = sources.collect::<Result<Vec<SourceSpec>, _>>();
     let source = sources.and_then(SourceSpec::of_all);
     source.map(Some).map_err(D::Error::custom)
+}
+
+/// Targets: a text or a number, or a list of these.
+fn target<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<TargetSpec>, D::Error> {
+    let words = words(deserializer)?;
+    let targets = words.iter().map(|word| word.parse());
+    let targets = targets.collect::<Result<Vec<TargetSpec>, _>>();
+    let targets = targets.map_err(D::Error::custom)?;
+    Ok(Some(TargetSpec::of_all(targets)))
+}
+
+/// A distance that is not negative.
+fn radius<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    let radius = match Value::deserialize(deserializer)? {
+        Value::Float(radius) => radius,
+        Value::Integer(radius) => radius as f64,
+        _ => f64::NAN,
+    };
+    if radius >= 0.0 && radius.is_finite() {
+        return Ok(Some(radius));
+    }
+    Err(D::Error::custom("a radius is a distance of 0 or more"))
 }
 
 /// A name, or a list of names.

@@ -1,0 +1,161 @@
+//! Targets and radius of `geobench run` and `verify`: runs end early, and only what is asked for is
+//! compared.
+
+use serde_json::{Value, json};
+
+use crate::support::Sandbox;
+
+const MODEL: &str = "gen:torus,faces=2000";
+const ALGORITHMS: &str = "mmp,mmp-fast,ich,fwp-ch,vtp,vtp-fast,pch,dijkstra";
+
+fn cells(sandbox: &Sandbox, file: &str) -> Vec<Value> {
+    sandbox.json(file)["cells"].as_array().unwrap().clone()
+}
+
+#[test]
+fn a_run_ends_early_and_its_counters_show_it() {
+    let sandbox = Sandbox::new();
+    let all = format!("run {MODEL} --algo {ALGORITHMS} --check mmp --repeat 1 --quiet");
+    sandbox.succeed(&format!("{all} -o all.json"));
+    sandbox.succeed(&format!("{all} --target 1,edge:0-1,0.5 -o near.json"));
+    sandbox.succeed(&format!("{all} --radius 0.3 -o radius.json"));
+    let vertices = sandbox.json("all.json")["models"][0]["vertices"].clone();
+    let whole = cells(&sandbox, "all.json");
+    for (file, goal, compared) in [
+        ("near.json", "to 1,edge:0-1,0.5", Some(json!(2))),
+        ("radius.json", "within 0.3", None),
+    ] {
+        for (cell, whole) in cells(&sandbox, file).iter().zip(&whole) {
+            assert_eq!(cell["status"], "ok", "{cell}");
+            assert_eq!(cell["goal"], goal);
+            assert_eq!(whole["goal"], json!(null));
+            assert_eq!(whole["check"]["compared"], vertices);
+            let compared = compared.as_ref().unwrap_or(&cell["check"]["compared"]);
+            assert_eq!(cell["check"]["compared"], *compared);
+            let counter = |cell: &Value| {
+                let counters = &cell["counters"];
+                let found = [&counters["propagated"], &counters["queue_pushes"]];
+                found.into_iter().find_map(Value::as_u64).unwrap()
+            };
+            assert!(5 * counter(cell) < counter(whole), "{cell}");
+        }
+    }
+    let group = &sandbox.json("near.json")["plan"]["groups"][0];
+    assert_eq!(group["targets"], "1,edge:0-1,0.5");
+    let group = &sandbox.json("radius.json")["plan"]["groups"][0];
+    assert_eq!(group["radius"], 0.3);
+}
+
+#[test]
+fn results_of_other_targets_are_not_mixed() {
+    let sandbox = Sandbox::with_square();
+    let run = "run square.off --algo mmp,vtp --repeat 1 --quiet";
+    sandbox.succeed(&format!("{run} --target 2 --resume j -o a.json"));
+    sandbox.succeed(&format!("{run} --radius 0.5 -o b.json"));
+    let refused = sandbox.refuse(&format!("{run} --target 1 --resume j"));
+    assert!(refused.contains("belongs to another run"), "{refused}");
+    assert!(refused.contains("targets"), "{refused}");
+    let refused = sandbox.refuse(&format!("{run} --target 1 --add-to a.json"));
+    assert!(
+        refused.contains("its runs are to 2, and this one to 1"),
+        "{refused}"
+    );
+    let refused = sandbox.refuse("report a.json b.json -o r.html");
+    assert!(
+        refused.contains("its runs are within 0.5, and those of a.json to 2"),
+        "{refused}"
+    );
+    let refused = sandbox.refuse("pool a.json b.json -o p.json");
+    assert!(
+        refused.contains("not a round of the same benchmark"),
+        "{refused}"
+    );
+    let compared = sandbox.call("compare a.json b.json");
+    assert!(
+        compared.stdout.contains("source 0, to 2"),
+        "{}",
+        compared.stdout
+    );
+}
+
+#[test]
+fn what_cannot_end_early_is_refused_by_name() {
+    let sandbox = Sandbox::with_square();
+    let refused = sandbox.refuse("run square.off --algo mmp,pvtp,heat --target 1");
+    assert!(
+        refused.contains("pvtp, heat go to the end whatever is asked for"),
+        "{refused}"
+    );
+    let refused = sandbox.refuse("run square.off --algo ext:x --radius 1");
+    assert!(refused.contains("ext:x is an outside program, which is asked for all distances"));
+    let refused = sandbox.refuse("verify square.off --algo window-vtp --radius 1");
+    assert!(refused.contains("window-vtp goes to the end"), "{refused}");
+    let shown = sandbox.succeed("verify square.off --target 2,edge:0-1,0.5");
+    assert!(
+        shown.starts_with("left out, for they go to the end"),
+        "{shown}"
+    );
+    assert!(
+        !shown.contains("pvtp: ok") && shown.contains("vtp-fast: ok"),
+        "{shown}"
+    );
+    sandbox.succeed("verify square.off --radius 1 --quiet");
+}
+
+#[test]
+fn targets_are_read_from_files_and_suites_too() {
+    let sandbox = Sandbox::with_square();
+    sandbox.write("t.txt", "# two targets\n3\nface:0,0.2,0.3,0.5\n");
+    sandbox.succeed("run square.off --algo mmp --targets t.txt --repeat 1 --quiet -o a.json");
+    let goal = "to 3,face:0,0.2,0.3,0.5";
+    assert_eq!(cells(&sandbox, "a.json")[0]["goal"], goal);
+    sandbox.write(
+        "suite.toml",
+        "repeat = 1\nalgorithms = [\"vtp\"]\nmodels = [\"square.off\"]\n\n\
+         [[group]]\nname = \"near\"\ntargets = \"t.txt\"\n\n\
+         [[group]]\nname = \"both\"\ntarget = [2, \"edge:0-1,0.5\"]\nradius = 1\n",
+    );
+    sandbox.succeed("run --config suite.toml --quiet -o b.json");
+    let goals: Vec<Value> = (cells(&sandbox, "b.json").iter())
+        .map(|cell| cell["goal"].clone())
+        .collect();
+    assert_eq!(goals, [json!(goal), json!("to 2,edge:0-1,0.5 within 1")]);
+    sandbox.write(
+        "bad.toml",
+        "[[group]]\nname = \"near\"\nmodels = [\"square.off\"]\nradius = -1\n",
+    );
+    let refused = sandbox.refuse("run --config bad.toml");
+    assert!(
+        refused.contains("a radius is a distance of 0 or more"),
+        "{refused}"
+    );
+    let refused = sandbox.call("run square.off --algo mmp --target 9 --quiet");
+    assert_eq!(refused.code, 2);
+    assert!(
+        refused.stderr.contains("target vertex 9 does not exist"),
+        "{}",
+        refused.stderr
+    );
+}
+
+#[test]
+fn stored_distances_are_compared_at_the_targets() {
+    let sandbox = Sandbox::with_square();
+    sandbox.write("square.s0.csv", "0,0\n1,1\n2,9\n3,1\n");
+    let run = "run square.off --algo mmp --check file --repeat 1 --quiet";
+    sandbox.succeed(&format!("{run} --target 1,3 -o a.json"));
+    let check = cells(&sandbox, "a.json")[0]["check"].clone();
+    assert_eq!(check["compared"], 2);
+    sandbox.succeed(&format!("{run} --radius 1.2"));
+    let wrong = sandbox.call(&format!("{run} --target 3,2 -o b.json"));
+    assert_eq!(wrong.code, 1);
+    let cell = cells(&sandbox, "b.json")[0].clone();
+    assert_eq!(cell["check"]["worst_vertex"], 2);
+    assert!(
+        cell["message"]
+            .as_str()
+            .unwrap()
+            .contains("vertex 2 is at 1.41"),
+        "{cell}"
+    );
+}

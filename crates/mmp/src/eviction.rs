@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use geobench_mesh::HalfEdgeId;
 use geobench_window::Window;
-use geobench_window::continuous::Edge;
+use geobench_window::continuous::EdgeView;
 use geobench_window::precision::MARGIN;
 
 /// A store of lists that can be evicted one by one.
@@ -24,7 +24,7 @@ pub(crate) trait Evictable {
     /// Whether list `i` on `edge` has been evicted and `window` comes too late to provide any
     /// shortest path. An evicted list that `window` can still improve is reopened.
     #[inline]
-    fn rejects_late_arrival(&mut self, i: usize, window: &Window, edge: &Edge) -> bool {
+    fn rejects_late_arrival(&mut self, i: usize, window: &Window, edge: &EdgeView) -> bool {
         if !self.is_evicted(i) {
             return false;
         }

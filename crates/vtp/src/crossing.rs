@@ -9,17 +9,17 @@ use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::exits::Rule;
 use crate::engine::kernels::{Carried, Gate, Measured, Target, Triangle, carry, measure};
 use crate::engine::store::Columns;
-use crate::engine::surface::Surface;
+use crate::engine::surface::MeshLayout;
 use crate::pruning::Pairs;
 use geobench_window::simd::Lanes;
-use geobench_window::simd::Program;
+use geobench_window::simd::SimdProgram;
 
 /// Takes the lists of a half-edge in hand, as far as filter and comparisons leave them, and
 /// measures them.
 pub(crate) struct Inspect<'a, P> {
     lists: [Columns<'a>; 2],
     active: &'a mut ActiveList,
-    surface: &'a Surface,
+    surface: &'a MeshLayout,
     h: u32,
     gate: &'a Gate,
     pairs: PhantomData<P>,
@@ -31,7 +31,7 @@ impl<'a, P> Inspect<'a, P> {
     pub(crate) fn new(
         lists: [Columns<'a>; 2],
         active: &'a mut ActiveList,
-        surface: &'a Surface,
+        surface: &'a MeshLayout,
         h: u32,
         gate: &'a Gate,
     ) -> Self {
@@ -46,7 +46,7 @@ impl<'a, P> Inspect<'a, P> {
     }
 }
 
-impl<P: Pairs> Program for Inspect<'_, P> {
+impl<P: Pairs> SimdProgram for Inspect<'_, P> {
     type Output = Measured;
 
     #[inline(always)]
@@ -88,7 +88,7 @@ impl<'a, 'b, R> Carry<'a, 'b, R> {
     }
 }
 
-impl<R: Rule> Program for Carry<'_, '_, R> {
+impl<R: Rule> SimdProgram for Carry<'_, '_, R> {
     type Output = Carried;
 
     #[inline(always)]
@@ -115,7 +115,7 @@ pub(crate) struct Least<'a> {
     pub(crate) keep: &'a mut Vec<u8>,
 }
 
-impl Program for Least<'_> {
+impl SimdProgram for Least<'_> {
     type Output = f64;
 
     #[inline(always)]

@@ -13,12 +13,12 @@ use crate::engine::levels::Levels;
 use crate::engine::prefetch::prefetch;
 use crate::engine::sent::Sent;
 use crate::engine::store::{NO_LIST, admit};
-use crate::engine::surface::{Face, NO_TWIN, Surface, half_edge, next, parts, prev};
-use crate::exits::{Crossing, Exits};
-use crate::front::{Arrival, Front};
+use crate::engine::surface::{FaceLayout, MeshLayout, NO_TWIN, half_edge, next, parts, prev};
+use crate::exits::{Exits, ListCrossing};
+use crate::front::{ChildSide, Front};
 use crate::merge::Merge;
 use crate::pruning::Pairs;
-use crate::schedule::{Schedule, Turn};
+use crate::schedule::{Schedule, Scheduled};
 use geobench_window::simd::{Instructions, Simd};
 
 /// An algorithm that propagates whole lists of windows, on one mesh: in the order of schedule `S`,
@@ -42,7 +42,7 @@ pub struct ListPropagation<S, M, P, E> {
     mesh: Mesh,
     simd: Simd,
     numbering: Numbering,
-    surface: Surface,
+    surface: MeshLayout,
     schedule: S,
     front: Front,
     active: ActiveList,
@@ -62,7 +62,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     /// Sets up for `mesh`; O(faces).
     pub fn new(mesh: &Mesh) -> Self {
         let mut numbering = Numbering::breadth_first(mesh);
-        let surface = Surface::new(mesh, &numbering);
+        let surface = MeshLayout::new(mesh, &numbering);
         numbering.keep_new_vertices();
         let faces = mesh.face_count();
         let kept = surface.kept.clone();
@@ -199,7 +199,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 };
                 window = part;
             }
-            let (list, len) = self.front.push(spawn.exit, Arrival::AsRightChild, window);
+            let (list, len) = self.front.push(spawn.exit, ChildSide::AsRightChild, window);
             self.close(spawn.exit, list, len, probe);
         }
         probe.raise(Counter::PeakWindows, self.front.waiting() as u64);
@@ -297,7 +297,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     fn send_children<B: Probe>(
         &mut self,
         h: u32,
-        face: &Face,
+        face: &FaceLayout,
         gate: Gate,
         best: BestPath,
         distance: f64,
@@ -306,7 +306,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     ) {
         let (f, corner) = parts(h);
         let exits = self.surface.exits(h);
-        let arrivals = [Arrival::AsLeftChild, Arrival::AsRightChild];
+        let arrivals = [ChildSide::AsLeftChild, ChildSide::AsRightChild];
         let is_new = (M::PRESERVES_ORDER || B::COUNTS) && self.front.is_new(f);
         let (mut lists, mut alone) = ([NO_LIST; 2], [false; 2]);
         for side in 0..2 {
@@ -322,7 +322,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         let before = lists.map(|list| self.front.len(list));
         let triangle = face.triangle(corner);
         let (carried, after) = {
-            let rule = self.exits.enter(&Crossing {
+            let rule = self.exits.enter(&ListCrossing {
                 h,
                 active: &self.active,
                 gate,
@@ -470,10 +470,10 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
             }
             match turn {
                 // An entry is void once its vertex has improved or its face has joined.
-                Some((d, Turn::Vertex(v))) if d == self.distances[v as usize] => {
+                Some((d, Scheduled::Vertex(v))) if d == self.distances[v as usize] => {
                     self.pass(v, false, probe);
                 }
-                Some((_, Turn::Face(f))) if !self.front.contains(f as usize) => {
+                Some((_, Scheduled::Face(f))) if !self.front.contains(f as usize) => {
                     self.front.advance();
                     self.front.join(f as usize);
                 }

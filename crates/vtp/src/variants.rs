@@ -2,7 +2,7 @@
 
 use crate::{
     AcrossTheFace, AllPairs, AnyExit, EveryPath, ListPropagation, NearestFace, NearestVertex,
-    Neighbours, NoPairs, OneAngleTwoSides, OrderFree, OrderPreserving, TiePoints,
+    Neighbours, NoPairs, OneAngleTwoSides, OrderFree, OrderPreserving, TrimmedNeighbours,
 };
 
 /// VTP (Qin et al. 2016, sections 4 and 5.2): the faces around the nearest vertex join the
@@ -56,7 +56,8 @@ pub type VtpExhaustive = ListPropagation<NearestVertex, OrderFree, AllPairs, Eve
 
 /// [`Vtp`] whose neighbours are also cut at their tie points, as in MMP (Qin et al. 2016, section
 /// 6.2).
-pub type VtpTrimming = ListPropagation<NearestVertex, OrderFree, TiePoints, OneAngleTwoSides>;
+pub type VtpTrimming =
+    ListPropagation<NearestVertex, OrderFree, TrimmedNeighbours, OneAngleTwoSides>;
 
 /// [`Vtp`] without rule 1, for ablation (Qin et al. 2016, section 6.2): each window is tried at
 /// both exits.

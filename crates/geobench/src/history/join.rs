@@ -33,7 +33,7 @@ pub fn join(files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
     };
     for (name, file) in rest {
         check_machine(&joined.file, &first, &name, &file)?;
-        let kept = add(&mut joined, &first, &name, file, Of::Joined)?;
+        let kept = add(&mut joined, &first, &name, file, Winner::Joined)?;
         if kept > 0 {
             joined.notes.push(format!(
                 "{name}: {kept} of its cells are in the files before it, whose times are kept"
@@ -58,7 +58,7 @@ pub fn extend(
         notes: Vec::new(),
     };
     check_machine(&joined.file, earlier_name, new_name, &new)?;
-    add(&mut joined, earlier_name, new_name, new, Of::Added)?;
+    add(&mut joined, earlier_name, new_name, new, Winner::Added)?;
     Ok(joined)
 }
 
@@ -123,7 +123,7 @@ pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
                 file.host.in_words()
             ));
         }
-        add(&mut joined, &first, &name, file, Of::Joined)?;
+        add(&mut joined, &first, &name, file, Winner::Joined)?;
     }
     Ok(joined)
 }
@@ -148,7 +148,7 @@ fn check_machine(
 
 /// Which file has a cell that is in both.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Of {
+enum Winner {
     Joined,
     Added,
 }
@@ -159,7 +159,7 @@ fn add(
     first: &str,
     name: &str,
     mut file: ResultFile,
-    wins: Of,
+    wins: Winner,
 ) -> anyhow::Result<usize> {
     let whole = &mut joined.file;
     rename_models(whole, first, name, &mut file)?;
@@ -201,7 +201,7 @@ fn add(
         match whole.cells.iter().position(same) {
             Some(place) => {
                 in_both += 1;
-                if wins == Of::Added {
+                if wins == Winner::Added {
                     whole.cells[place] = cell;
                 }
             }

@@ -3,7 +3,7 @@
 use super::svg::Svg;
 use crate::history::compare::{exact, percent};
 use crate::history::records::Record;
-use crate::history::trend::{ChangePoint, Series};
+use crate::history::trend::{ChangePoint, TrendSeries};
 use crate::table::escape::xml as escape;
 
 const STYLE: &str = include_str!("assets/page.css");
@@ -26,7 +26,7 @@ const TOP: f64 = 14.0;
 const BOTTOM: f64 = 26.0;
 
 /// The page: the change points first, then a chart for each series.
-pub fn page(records: &[Record], series: &[Series], found: &[ChangePoint]) -> String {
+pub fn page(records: &[Record], series: &[TrendSeries], found: &[ChangePoint]) -> String {
     let mut html = String::new();
     html += "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
     html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
@@ -98,7 +98,7 @@ fn figure(name: &str, value: f64) -> String {
 }
 
 /// The values of a series as a line, from 0 on unless they hardly differ.
-fn chart(series: &Series) -> String {
+fn chart(series: &TrendSeries) -> String {
     let points = &series.points;
     let ends = points
         .iter()

@@ -624,7 +624,7 @@ pub(crate) mod counters_as_map {
     /// The value of a counter in a file.
     #[derive(Clone, Copy, Deserialize)]
     #[serde(untagged)]
-    enum Figure {
+    enum CounterValue {
         Count(u64),
         Real(f64),
     }
@@ -632,20 +632,22 @@ pub(crate) mod counters_as_map {
     pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
         deserializer: D,
     ) -> Result<Counters, D::Error> {
-        let map = BTreeMap::<String, Option<Figure>>::deserialize(deserializer)?;
+        let map = BTreeMap::<String, Option<CounterValue>>::deserialize(deserializer)?;
         let figure = |key| map.get(key).copied().flatten();
         let mut counters = Counters::default();
         for &counter in Counter::ALL {
             match figure(counter.key()) {
-                Some(Figure::Count(count)) => counters.set(counter, count),
-                Some(Figure::Real(_)) => return Err(D::Error::custom("a count is not whole")),
+                Some(CounterValue::Count(count)) => counters.set(counter, count),
+                Some(CounterValue::Real(_)) => {
+                    return Err(D::Error::custom("a count is not whole"));
+                }
                 None => {}
             }
         }
         counters.wavefront_deviation =
             figure(Counters::WAVEFRONT_DEVIATION).map(|figure| match figure {
-                Figure::Count(count) => count as f64,
-                Figure::Real(real) => real,
+                CounterValue::Count(count) => count as f64,
+                CounterValue::Real(real) => real,
             });
         Ok(counters)
     }

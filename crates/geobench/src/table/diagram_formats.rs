@@ -185,7 +185,7 @@ impl DiagramFormat {
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct DiagramDocument<'a> {
     schema: &'static str,
     model: &'a str,
     algorithm: &'a str,
@@ -262,7 +262,7 @@ fn json(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
         offsets: arc.bisector.map(|bisector| bisector.sigmas),
         nodes: arc.nodes,
     });
-    let document = Document {
+    let document = DiagramDocument {
         schema: "geobench-voronoi/1",
         model: file.model,
         algorithm: file.algorithm,

@@ -209,7 +209,7 @@ fn append<T, const N: usize>(
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct DistanceDocument<'a> {
     model: &'a str,
     algorithm: &'a str,
     sources: &'a [SourceLabel],
@@ -232,7 +232,7 @@ fn json(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
         .iter()
         .map(|d| d.is_finite().then_some(*d))
         .collect();
-    let document = Document {
+    let document = DistanceDocument {
         model: field.model,
         algorithm: field.algorithm,
         sources: field.sources,

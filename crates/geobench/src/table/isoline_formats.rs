@@ -105,7 +105,7 @@ impl IsolineSet<'_> {
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct IsolineDocument<'a> {
     schema: &'static str,
     model: &'a str,
     sources: &'a [SourceLabel],
@@ -164,7 +164,7 @@ fn json(set: &IsolineSet<'_>) -> anyhow::Result<Vec<u8>> {
         length: isoline.length(),
         loops: isoline.lines.iter().map(line).collect(),
     };
-    let document = Document {
+    let document = IsolineDocument {
         schema: "geobench-isolines/1",
         model: set.model,
         sources: set.sources,

@@ -136,7 +136,7 @@ fn csv(set: &PathSet<'_>) -> String {
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct PathDocument<'a> {
     schema: &'static str,
     model: &'a str,
     algorithm: &'a str,
@@ -180,7 +180,7 @@ fn json(set: &PathSet<'_>) -> anyhow::Result<Vec<u8>> {
             edges: edges.map(|([a, b], t)| (a.raw(), b.raw(), t)).collect(),
         }
     }
-    let document = Document {
+    let document = PathDocument {
         schema: "geobench-path/1",
         model: set.model,
         algorithm: set.algorithm,

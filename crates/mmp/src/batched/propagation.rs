@@ -405,7 +405,7 @@ fn cross_all<P: Probe>(
         batch.clear();
         batch.windows.reserve(taken.windows.len());
     }
-    let mut children = Children {
+    let mut children = ChildSink {
         taken,
         exits,
         ends: [tail, head],
@@ -443,7 +443,7 @@ fn cross_all<P: Probe>(
 }
 
 /// The children of `taken`.
-struct Children<'a, P> {
+struct ChildSink<'a, P> {
     taken: &'a Batch,
     exits: &'a [Exit; 2],
     /// The distances of tail and head.
@@ -455,7 +455,7 @@ struct Children<'a, P> {
     probe: &'a mut P,
 }
 
-impl<P: Probe> Children<'_, P> {
+impl<P: Probe> ChildSink<'_, P> {
     /// Keeps a child of window `k` on an exit, unless it is dropped; `apex` is the distance of the
     /// apex.
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! The kernels on lists that are made up, for the benches of this crate; no part of its interface.
 
-use geobench_window::simd::{Instructions, Lanes, Program, Simd};
+use geobench_window::simd::{Instructions, Lanes, Simd, SimdProgram};
 
 use super::kernels::{self, BestPath, Cuts, Gate, Measured, Target, Triangle};
 use super::store::{COLUMNS, NO_LIST, WindowStore};
@@ -79,19 +79,19 @@ impl KernelBench {
 
     /// Runs a kernel once; returns how many windows come of it.
     pub fn run(&mut self, kernel: Kernel) -> usize {
-        self.simd.run(Run {
+        self.simd.run(RunKernel {
             bench: self,
             kernel,
         })
     }
 }
 
-struct Run<'a> {
+struct RunKernel<'a> {
     bench: &'a mut KernelBench,
     kernel: Kernel,
 }
 
-impl Program for Run<'_> {
+impl SimdProgram for RunKernel<'_> {
     type Output = usize;
 
     #[inline(always)]

@@ -7,7 +7,7 @@
 //! every vertex that the source sees.
 
 use super::store::{COLUMNS, WindowStore};
-use super::surface::{Face, Surface, next, prev};
+use super::surface::{FaceLayout, MeshLayout, next, prev};
 
 /// Lists with so many windows or fewer cross one by one where windows are coalesced: most lists are
 /// no longer, and one number is computed sooner than eight of which seven are of no use.
@@ -23,7 +23,7 @@ const SAME_IMAGE: f64 = 1e-13;
 /// How wide, relative to the edge, a gap between two intervals may be that rounding has left.
 const GAP: f64 = 1e-12;
 
-impl Surface {
+impl MeshLayout {
     /// Whether so many windows can be coalesced that looking for them pays.
     pub(crate) fn has_many_flat_vertices(&self) -> bool {
         let behind = self.faces.iter().flat_map(|face| face.flat);
@@ -39,7 +39,7 @@ impl WindowStore {
     #[inline(always)]
     pub(crate) fn coalesce_behind(
         &mut self,
-        face: &Face,
+        face: &FaceLayout,
         corner: usize,
         lists: [u32; 2],
         before: [usize; 2],

@@ -2,14 +2,14 @@
 
 use std::f32::consts::PI;
 
-use super::surface::{Surface, half_edge, parts, prev};
+use super::surface::{MeshLayout, half_edge, parts, prev};
 
 /// By how much, in radians, the shadow of a path is widened: far more than the angles err.
 const PENUMBRA: f32 = 1e-3;
 
 /// How a path reached the apex of a half-edge.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Origin {
+pub(crate) struct PathOrigin {
     /// The half-edge that it crossed last.
     pub(crate) h: u32,
     /// Where.
@@ -36,7 +36,7 @@ impl SpawnWedge {
     /// A shortest path bends at an interior vertex only if it leaves it at an angle of π or more on
     /// both sides, so only in a wedge as wide as the excess over 2π, opposite to where it came
     /// from.
-    pub(crate) fn of(surface: &Surface, v: u32, origin: Origin) -> Self {
+    pub(crate) fn of(surface: &MeshLayout, v: u32, origin: PathOrigin) -> Self {
         let places = surface.ring_places(v);
         let (ring, angles) = (&surface.rings[places.clone()], &surface.angles[places]);
         let (f, corner) = parts(origin.h);

@@ -6,7 +6,7 @@
 mod serial_state;
 
 use geobench_mesh::{Mesh, Numbering, VertexId};
-use geobench_window::simd::{Instructions, Lanes, Program, Simd};
+use geobench_window::simd::{Instructions, Lanes, Simd, SimdProgram};
 use geobench_window::{Counter, Probe, Propagate, Solution};
 
 use self::serial_state::SerialState;
@@ -109,14 +109,14 @@ impl VtpFast {
 }
 
 /// A run whose sources have had their turns.
-struct Turns<'s, P, const COALESCE: bool> {
+struct RunFromSources<'s, P, const COALESCE: bool> {
     wavefront: &'s mut Wavefront,
     state: &'s mut SerialState,
     numbering: &'s Numbering,
     probe: &'s mut P,
 }
 
-impl<P: Probe, const COALESCE: bool> Program for Turns<'_, P, COALESCE> {
+impl<P: Probe, const COALESCE: bool> SimdProgram for RunFromSources<'_, P, COALESCE> {
     type Output = ();
 
     #[inline(always)]
@@ -180,14 +180,14 @@ impl Propagate for VtpFast {
             wavefront.start_from(state, s, probe);
         }
         if self.coalesces {
-            simd.run(Turns::<P, true> {
+            simd.run(RunFromSources::<P, true> {
                 wavefront,
                 state,
                 numbering: &self.numbering,
                 probe,
             });
         } else {
-            simd.run(Turns::<P, false> {
+            simd.run(RunFromSources::<P, false> {
                 wavefront,
                 state,
                 numbering: &self.numbering,

@@ -3,14 +3,14 @@
 use geobench_mesh::{Mesh, Numbering};
 
 use crate::engine::prefetch::prefetch;
-use crate::engine::surface::Surface;
+use crate::engine::surface::MeshLayout;
 use crate::wavefront::SurfaceState;
 use geobench_window::prefetch_line;
 
 /// A surface that one wavefront runs over; what changes of a face is in its record.
 #[derive(Clone, Debug)]
 pub(super) struct SerialState {
-    surface: Surface,
+    surface: MeshLayout,
     /// The number of this run: faces that joined in it belong to the traversed area.
     run: u8,
     pub(super) distances: Vec<f64>,
@@ -19,7 +19,7 @@ pub(super) struct SerialState {
 impl SerialState {
     pub(super) fn new(mesh: &Mesh, numbering: &Numbering) -> Self {
         Self {
-            surface: Surface::new(mesh, numbering),
+            surface: MeshLayout::new(mesh, numbering),
             run: 0,
             distances: Vec::new(),
         }
@@ -44,7 +44,7 @@ impl SurfaceState for SerialState {
     const COUNTS_LEVELS: bool = true;
 
     #[inline(always)]
-    fn surface(&self) -> &Surface {
+    fn surface(&self) -> &MeshLayout {
         &self.surface
     }
 

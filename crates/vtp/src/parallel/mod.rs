@@ -19,7 +19,7 @@ mod worker;
 use std::sync::{Mutex, PoisonError};
 
 use geobench_mesh::{Mesh, Numbering, VertexId};
-use geobench_window::simd::{Lanes, Program, Simd};
+use geobench_window::simd::{Lanes, Simd, SimdProgram};
 use geobench_window::{Count, Counter, Probe, Propagate, Solution, SolveError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -27,7 +27,7 @@ use self::lag_limit::BreakOnPanic;
 use self::placement::Placement;
 use self::shared::Shared;
 use self::worker::Worker;
-use crate::engine::surface::Surface;
+use crate::engine::surface::MeshLayout;
 use crate::fast::{FastOptions, VtpFast};
 
 /// The most threads of a run.
@@ -77,7 +77,7 @@ impl Pvtp {
         } else {
             Numbering::same()
         };
-        let surface = Surface::new(mesh, &numbering);
+        let surface = MeshLayout::new(mesh, &numbering);
         let placement = Placement::new(mesh, &numbering, threads);
         numbering.keep_new_vertices();
         Self {
@@ -104,7 +104,7 @@ impl Pvtp {
     }
 }
 
-fn workers(threads: usize, surface: &Surface, options: &FastOptions) -> Vec<Worker> {
+fn workers(threads: usize, surface: &MeshLayout, options: &FastOptions) -> Vec<Worker> {
     (0..threads)
         .map(|thread| Worker::new(thread, surface, options))
         .collect()
@@ -119,19 +119,19 @@ fn pool_of(threads: usize) -> Option<ThreadPool> {
 
 /// What all threads know of a run.
 #[derive(Clone, Copy)]
-struct Run<'a> {
+struct RunContext<'a> {
     shared: &'a Shared,
     numbering: &'a Numbering,
     sources: &'a [u32],
     simd: Simd,
 }
 
-impl Run<'_> {
+impl RunContext<'_> {
     /// The task of `worker`, after which it has filled its share of the distances, in the mesh's
     /// order.
     fn task<P: Probe>(self, worker: &mut Worker, distances: &mut [f64], probe: &mut P) {
         if self.shared.coalesces {
-            let task = Task::<P, true> {
+            let task = ThreadTask::<P, true> {
                 run: self,
                 worker,
                 distances,
@@ -139,7 +139,7 @@ impl Run<'_> {
             };
             self.simd.run(task);
         } else {
-            let task = Task::<P, false> {
+            let task = ThreadTask::<P, false> {
                 run: self,
                 worker,
                 distances,
@@ -151,19 +151,19 @@ impl Run<'_> {
 }
 
 /// What one thread does in a run.
-struct Task<'a, P, const COALESCE: bool> {
-    run: Run<'a>,
+struct ThreadTask<'a, P, const COALESCE: bool> {
+    run: RunContext<'a>,
     worker: &'a mut Worker,
     distances: &'a mut [f64],
     probe: &'a mut P,
 }
 
-impl<P: Probe, const COALESCE: bool> Program for Task<'_, P, COALESCE> {
+impl<P: Probe, const COALESCE: bool> SimdProgram for ThreadTask<'_, P, COALESCE> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, simd: L::Token) {
-        let Run {
+        let RunContext {
             shared,
             numbering,
             sources,
@@ -263,7 +263,7 @@ impl Pvtp {
             .collect();
         let vertices = self.mesh.vertex_count();
         let mut distances = vec![0.0; vertices];
-        let run = Run {
+        let run = RunContext {
             shared: &self.shared,
             numbering: &self.numbering,
             sources: &sources,

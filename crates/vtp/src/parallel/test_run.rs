@@ -6,7 +6,7 @@ use geobench_mesh::{Mesh, Numbering};
 use super::placement::Placement;
 use super::shared::Shared;
 use super::thread_view::{ThreadState, ThreadView};
-use crate::engine::surface::{Surface, half_edge, next, parts};
+use crate::engine::surface::{MeshLayout, half_edge, next, parts};
 use crate::fast::FastOptions;
 use crate::wavefront::{Improvement, SurfaceState, Wavefront};
 
@@ -42,7 +42,7 @@ pub(super) fn two_threads() -> (Shared, [Thread; 2]) {
     let soup = generate(&"gen:terrain,n=20,seed=2".parse().unwrap()).unwrap();
     let (mesh, _) = Mesh::from_soup(soup).unwrap();
     let numbering = Numbering::breadth_first(&mesh);
-    let surface = Surface::new(&mesh, &numbering);
+    let surface = MeshLayout::new(&mesh, &numbering);
     let placement = Placement::new(&mesh, &numbering, 2);
     let options = FastOptions {
         bucket: 1.0 / surface.mean_length,
@@ -63,14 +63,14 @@ pub(super) fn two_threads() -> (Shared, [Thread; 2]) {
 }
 
 /// A vertex inside from which windows start into the shadow of a path.
-pub(super) fn saddle(surface: &Surface) -> u32 {
+pub(super) fn saddle(surface: &MeshLayout) -> u32 {
     let mut vertices = (0..).zip(&surface.vertices);
     let saddle = vertices.find(|(_, v)| v.pseudo_source && !v.all_around);
     saddle.unwrap().0
 }
 
 /// A path of length `distance` to `vertex`, across the face at `place` of its ring.
-pub(super) fn path(surface: &Surface, vertex: u32, place: usize, distance: f64) -> Improvement {
+pub(super) fn path(surface: &MeshLayout, vertex: u32, place: usize, distance: f64) -> Improvement {
     let (f, corner) = parts(surface.ring(vertex)[place]);
     Improvement {
         vertex,

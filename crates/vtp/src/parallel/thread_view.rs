@@ -3,10 +3,10 @@
 use std::hint::select_unpredictable;
 
 use super::schedule_fuzz::schedule_fuzz;
-use super::shared::{Distance, Shared};
+use super::shared::{AtomicDistance, Shared};
 use crate::engine::face_state::FaceState;
 use crate::engine::prefetch::prefetch;
-use crate::engine::surface::Surface;
+use crate::engine::surface::MeshLayout;
 use crate::wavefront::SurfaceState;
 use geobench_window::prefetch_line;
 
@@ -21,17 +21,17 @@ pub(super) struct ThreadState {
     /// has had its turn in this wavefront or waits for it.
     reached: Vec<f64>,
     /// The target of writes that have no effect, which saves a branch.
-    nowhere: Distance,
+    nowhere: AtomicDistance,
     /// The number of this run.
     run: u8,
 }
 
 impl ThreadState {
-    pub(super) fn new(surface: &Surface) -> Self {
+    pub(super) fn new(surface: &MeshLayout) -> Self {
         Self {
             faces: vec![FaceState::default(); surface.faces.len()],
             reached: vec![f64::INFINITY; surface.vertices.len()],
-            nowhere: Distance::unknown(),
+            nowhere: AtomicDistance::unknown(),
             run: 0,
         }
     }
@@ -48,7 +48,7 @@ impl ThreadState {
 
     /// Lowers the shared distances to those that this thread has found: threads write without
     /// atomic minima, so a longer path may have overwritten a shorter one.
-    pub(super) fn repair(&self, distances: &[Distance]) {
+    pub(super) fn repair(&self, distances: &[AtomicDistance]) {
         for (distance, &reached) in distances.iter().zip(&self.reached) {
             if reached < f64::INFINITY && reached < distance.get() {
                 distance.lower(reached);
@@ -60,11 +60,11 @@ impl ThreadState {
 /// A thread's view of the surface: references to shared and to own state.
 #[derive(Debug)]
 pub(super) struct ThreadView<'a> {
-    surface: &'a Surface,
-    distances: &'a [Distance],
+    surface: &'a MeshLayout,
+    distances: &'a [AtomicDistance],
     faces: &'a mut [FaceState],
     reached: &'a mut [f64],
-    nowhere: &'a Distance,
+    nowhere: &'a AtomicDistance,
     run: u8,
 }
 
@@ -98,7 +98,7 @@ impl SurfaceState for ThreadView<'_> {
     const COUNTS_LEVELS: bool = false;
 
     #[inline(always)]
-    fn surface(&self) -> &Surface {
+    fn surface(&self) -> &MeshLayout {
         self.surface
     }
 

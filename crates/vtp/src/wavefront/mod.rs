@@ -12,20 +12,20 @@ mod surface_state;
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 use geobench_window::queue::MinHeap;
-use geobench_window::simd::{Lanes, Program, Scalar};
+use geobench_window::simd::{Lanes, Scalar, SimdProgram};
 use geobench_window::trimming::KeptWindows;
 use geobench_window::{Counter, Lookout, Phase, Probe, Way};
 
 pub(crate) use self::surface_state::SurfaceState;
-use crate::engine::buckets::Buckets;
+use crate::engine::buckets::VertexBuckets;
 use crate::engine::coalesce::FEW;
 use crate::engine::kernels::{self, BestPath, Cuts, Gate, LOSES, Measured, Target, Triangle};
 use crate::engine::levels::Levels;
 use crate::engine::sample::Sample;
 use crate::engine::sent::Sent;
-use crate::engine::spawn_wedge::{Origin, SpawnWedge};
+use crate::engine::spawn_wedge::{PathOrigin, SpawnWedge};
 use crate::engine::store::{NO_LIST, WindowStore, admit};
-use crate::engine::surface::{NO_TWIN, Surface, half_edge, next, parts, prev};
+use crate::engine::surface::{MeshLayout, NO_TWIN, half_edge, next, parts, prev};
 use crate::fast::FastOptions;
 use crate::precision::extent;
 
@@ -59,7 +59,7 @@ pub(crate) struct Wavefront {
     /// Half-edges beside thin faces, by the least distance of their windows, that are to cross when
     /// no others are ready.
     nearest: MinHeap<u32>,
-    pub(crate) buckets: Buckets,
+    pub(crate) buckets: VertexBuckets,
     /// Vertices that have their turns.
     turn: Vec<u32>,
     /// Vertices whose turn has come.
@@ -68,7 +68,7 @@ pub(crate) struct Wavefront {
     spawned: Vec<f64>,
     /// The origin of the path to each pseudo-source, that of length
     /// [`reached`](SurfaceState::reached).
-    pub(crate) origins: Vec<Origin>,
+    pub(crate) origins: Vec<PathOrigin>,
     improvements: Vec<Improvement>,
     improved: usize,
     keep: Vec<u8>,
@@ -82,7 +82,7 @@ pub(crate) struct Wavefront {
 
 impl Wavefront {
     /// For a surface; O(vertices).
-    pub(crate) fn new(surface: &Surface, options: &FastOptions) -> Self {
+    pub(crate) fn new(surface: &MeshLayout, options: &FastOptions) -> Self {
         let vertices = surface.vertices.len();
         Self {
             compared: Sample::new(options.pairs),
@@ -90,11 +90,11 @@ impl Wavefront {
             store: WindowStore::new(),
             ready: Vec::new(),
             nearest: MinHeap::default(),
-            buckets: Buckets::new(vertices, options.bucket * surface.mean_length),
+            buckets: VertexBuckets::new(vertices, options.bucket * surface.mean_length),
             turn: Vec::new(),
             passed: Vec::new(),
             spawned: Vec::new(),
-            origins: vec![Origin::default(); vertices],
+            origins: vec![PathOrigin::default(); vertices],
             improvements: vec![Improvement::default(); IMPROVEMENTS],
             improved: 0,
             keep: Vec::new(),
@@ -287,7 +287,7 @@ impl Wavefront {
             let v = vertex as usize;
             // A later path has effects of its own.
             if distance <= state.reached(vertex) && state.surface().vertices[v].pseudo_source {
-                self.origins[v] = Origin { h, entry };
+                self.origins[v] = PathOrigin { h, entry };
                 if self.passed[v] {
                     self.spawn_if_nearer(state, vertex, probe);
                 }
@@ -380,13 +380,13 @@ impl Wavefront {
         let [_, l, px, py, _] = spawn.window;
         // Seen from the opposite vertices the paths come along the far ends of their half-edges.
         let (f, corner) = parts(h);
-        let along_b = Origin {
+        let along_b = PathOrigin {
             h: half_edge(f as u32, prev(corner)),
             entry: state.surface().faces[f].length[prev(corner)],
         };
         self.offer_along(state, a, to_a, along_b, probe);
         if last || state.surface().vertices[v as usize].boundary {
-            self.offer_along(state, b, to_b, Origin { h, entry: 0.0 }, probe);
+            self.offer_along(state, b, to_b, PathOrigin { h, entry: 0.0 }, probe);
         }
         if spawn.exit == NO_TWIN {
             return;
@@ -425,7 +425,7 @@ impl Wavefront {
         state: &mut impl SurfaceState,
         v: u32,
         d: f64,
-        origin: Origin,
+        origin: PathOrigin,
         probe: &mut P,
     ) {
         if state.offer(v, d) {
@@ -475,7 +475,7 @@ impl Wavefront {
             } else if self.waiting_at(state, h) <= FEW {
                 self.cross::<Scalar, F, P, COALESCE>((), state, h, probe);
             } else {
-                let list = List::<F, P, COALESCE> {
+                let list = CrossList::<F, P, COALESCE> {
                     wavefront: self,
                     state,
                     h,
@@ -660,14 +660,16 @@ impl Wavefront {
 }
 
 /// A list about to cross.
-struct List<'a, F, P, const COALESCE: bool> {
+struct CrossList<'a, F, P, const COALESCE: bool> {
     wavefront: &'a mut Wavefront,
     state: &'a mut F,
     h: u32,
     probe: &'a mut P,
 }
 
-impl<F: SurfaceState, P: Probe, const COALESCE: bool> Program for List<'_, F, P, COALESCE> {
+impl<F: SurfaceState, P: Probe, const COALESCE: bool> SimdProgram
+    for CrossList<'_, F, P, COALESCE>
+{
     type Output = ();
 
     #[inline(always)]

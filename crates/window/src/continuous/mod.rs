@@ -14,9 +14,9 @@ mod propagation;
 mod relaying;
 mod surface;
 
-pub use edge::{Behind, Edge};
+pub use edge::{Behind, EdgeView};
 pub use explorer::{Explorer, Neighbour};
-pub use policy::{Arrival, Child, Policy, Turn};
+pub use policy::{Arrival, Child, Dequeued, Policy};
 pub use propagation::Continuous;
 pub use relaying::Relaying;
 pub use surface::Surface;

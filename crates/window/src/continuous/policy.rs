@@ -2,7 +2,7 @@
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 
-use super::edge::Edge;
+use super::edge::EdgeView;
 use super::surface::Surface;
 use crate::counters::Counter;
 use crate::crossing::Crossing;
@@ -19,7 +19,7 @@ pub struct Arrival<L> {
     /// What it inherited.
     pub lineage: L,
     /// What is known around the half-edge.
-    pub edge: Edge,
+    pub edge: EdgeView,
 }
 
 /// A window that has reached a half-edge, of which all that a [policy](Policy::FORESEES) asks is
@@ -38,15 +38,16 @@ pub struct Child<L> {
     pub is_beaten: bool,
 }
 
-/// What becomes of a window whose turn has come.
+/// What to do with a window that comes out of the queue.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Turn<L> {
-    /// It is propagated, and hands this on.
-    Now(Window, L),
-    /// It does not exist any more, or has had its turn.
-    Void,
-    /// It should wait until the queue comes to this label, or be taken again if that is now.
-    Later(f64),
+pub enum Dequeued<L> {
+    /// The window is propagated; its children inherit the lineage.
+    Propagate(Window, L),
+    /// The window was removed or propagated before.
+    Stale,
+    /// The window goes back into the queue with this label, or is taken again at once if no other
+    /// event comes first.
+    Requeue(f64),
 }
 
 /// Decides what is kept of a window that arrives, where it waits, and what it may have for
@@ -102,7 +103,7 @@ pub trait Policy: Send {
         id: u32,
         surface: &Surface,
         probe: &mut P,
-    ) -> Turn<Self::Lineage>;
+    ) -> Dequeued<Self::Lineage>;
 
     /// The least distance of window `id` on `h`, which is in the queue under `label`; `None` if it
     /// does not exist any more, and nothing waits. It serves samples of the wavefront only.

@@ -5,9 +5,9 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
-use super::edge::Edge;
+use super::edge::EdgeView;
 use super::lookahead::Lookahead;
-use super::policy::{Arrival, Child, Policy, Turn};
+use super::policy::{Arrival, Child, Dequeued, Policy};
 #[cfg(doc)]
 use super::relaying::Relaying;
 use super::surface::Surface;
@@ -289,7 +289,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             h,
             window,
             lineage,
-            edge: Edge::behind(exit, distances),
+            edge: EdgeView::behind(exit, distances),
         };
         let kept = self.arrive(&arrival, probe);
         probe.add(Counter::Kept, u64::from(kept));
@@ -542,10 +542,12 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
                 }
                 loop {
                     match self.policy.take(h, id, &self.surface, probe) {
-                        Turn::Now(window, lineage) => self.cross(h, window, lineage, probe),
-                        Turn::Void => {}
-                        Turn::Later(label) if self.queue.is_due(label) => continue,
-                        Turn::Later(label) => self.queue.push(label, event, probe),
+                        Dequeued::Propagate(window, lineage) => {
+                            self.cross(h, window, lineage, probe)
+                        }
+                        Dequeued::Stale => {}
+                        Dequeued::Requeue(label) if self.queue.is_due(label) => continue,
+                        Dequeued::Requeue(label) => self.queue.push(label, event, probe),
                     }
                     break;
                 }

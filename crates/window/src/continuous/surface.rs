@@ -2,7 +2,7 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
 
-use super::edge::{Behind, Edge};
+use super::edge::{Behind, EdgeView};
 use crate::frame::Faces;
 use crate::prefetch::prefetch;
 
@@ -90,9 +90,9 @@ impl Surface {
 
     /// The edge of `h` for a window that starts there.
     #[inline]
-    pub fn edge(&self, h: HalfEdgeId) -> Edge {
+    pub fn edge(&self, h: HalfEdgeId) -> EdgeView {
         let [tail, head, _] = self.faces.corners(h).map(|v| self.distance(v));
-        Edge {
+        EdgeView {
             length: self.faces.length(h),
             tail,
             head,

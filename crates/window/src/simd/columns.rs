@@ -458,13 +458,13 @@ impl<'a, const N: usize> Scratch<'a, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::{Instructions, Program, Scalar, Simd};
+    use crate::simd::{Instructions, Scalar, Simd, SimdProgram};
 
     /// Keeps the rows of a list whose first number is less than their successor's, in place, and
     /// appends them to `sink`, which they fill.
     struct KeepRising<'a>(&'a mut [Line], usize, &'a mut [Line]);
 
-    impl Program for KeepRising<'_> {
+    impl SimdProgram for KeepRising<'_> {
         type Output = [usize; 2];
 
         #[inline(always)]

@@ -1,6 +1,6 @@
 //! Vector instructions: detection at run time, and generic code over several numbers at once.
 //!
-//! A [`Program`] is written once, generic over [`Lanes`], and compiled for every instruction set.
+//! A [`SimdProgram`] is written once, generic over [`Lanes`], and compiled for every instruction set.
 //! [`Simd`] is the proof that the processor has a set; it is made by detection, and its
 //! [`run`](Simd::run) hands the program a zero-sized *token* ([`Lanes::Token`]), without which no
 //! vector exists. [`Columns`], [`Block`], [`InPlace`] and [`Scratch`] are bounded views of
@@ -52,7 +52,7 @@ mod lanes;
 mod scalar;
 
 pub use columns::{Block, Columns, InPlace, Line, PaddedBlock, Scratch, Sink};
-pub use dispatch::{Program, Simd};
+pub use dispatch::{Simd, SimdProgram};
 pub use instructions::{Instructions, UnknownInstructions};
 pub use lanes::{LaneMask, Lanes};
 pub use scalar::Scalar;

@@ -18,7 +18,7 @@ use crate::window::Window;
 pub struct KeptWindows {
     /// Which list each half-edge has, by its number; none if `NO_LIST`. Empty if no face is thin.
     lists: Vec<u32>,
-    kept: Vec<List>,
+    kept: Vec<KeptList>,
     doubt: f64,
     overlap: Overlap,
     met: Vec<Window>,
@@ -27,7 +27,7 @@ pub struct KeptWindows {
 
 /// The windows of one half-edge, which do not overlap, in ascending order.
 #[derive(Clone, Debug)]
-struct List {
+struct KeptList {
     length: f64,
     windows: Vec<Window>,
 }
@@ -47,7 +47,7 @@ impl KeptWindows {
         for h in mesh.half_edges().filter(|&h| thin.is_beside(number(h))) {
             kept.lists.resize(numbers, NO_LIST);
             kept.lists[number(h)] = kept.kept.len() as u32;
-            kept.kept.push(List {
+            kept.kept.push(KeptList {
                 length: mesh.length(h),
                 windows: Vec::new(),
             });
@@ -96,7 +96,7 @@ impl KeptWindows {
     #[cold]
     pub fn admit(&mut self, h: usize, new: &Window) -> Option<Window> {
         let list = self.lists.get(h).copied().unwrap_or(NO_LIST);
-        let Some(List {
+        let Some(KeptList {
             length,
             windows: list,
         }) = self.kept.get_mut(list as usize)

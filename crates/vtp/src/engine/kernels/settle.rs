@@ -209,9 +209,9 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::pairs::{Edge, Verdict, check_pair};
+    use crate::pairs::{SharedEdge, Verdict, check_pair};
 
-    const EDGE: Edge = Edge::new(1.0, [0.4, -0.8]);
+    const EDGE: SharedEdge = SharedEdge::new(1.0, [0.4, -0.8]);
 
     prop_compose! {
         fn windows()(

@@ -8,8 +8,8 @@ use std::marker::PhantomData;
 use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::exits::Rule;
 use crate::engine::kernels::{Carried, Gate, Measured, Target, Triangle, carry, measure};
+use crate::engine::layout::MeshLayout;
 use crate::engine::store::Columns;
-use crate::engine::surface::MeshLayout;
 use crate::pruning::Pairs;
 use geobench_window::simd::Lanes;
 use geobench_window::simd::SimdProgram;
@@ -19,7 +19,7 @@ use geobench_window::simd::SimdProgram;
 pub(crate) struct Inspect<'a, P> {
     lists: [Columns<'a>; 2],
     active: &'a mut ActiveList,
-    surface: &'a MeshLayout,
+    layout: &'a MeshLayout,
     h: u32,
     gate: &'a Gate,
     pairs: PhantomData<P>,
@@ -31,14 +31,14 @@ impl<'a, P> Inspect<'a, P> {
     pub(crate) fn new(
         lists: [Columns<'a>; 2],
         active: &'a mut ActiveList,
-        surface: &'a MeshLayout,
+        layout: &'a MeshLayout,
         h: u32,
         gate: &'a Gate,
     ) -> Self {
         Self {
             lists,
             active,
-            surface,
+            layout,
             h,
             gate,
             pairs: PhantomData,
@@ -53,7 +53,7 @@ impl<P: Pairs> SimdProgram for Inspect<'_, P> {
     fn run<L: Lanes>(self, simd: L::Token) -> Measured {
         let Self { active, gate, .. } = self;
         active.take::<L>(simd, self.lists, gate);
-        P::prune::<L>(simd, active, self.surface, self.h);
+        P::prune::<L>(simd, active, self.layout, self.h);
         active.measure::<L>(simd, gate)
     }
 }
@@ -68,7 +68,7 @@ pub(crate) struct Carry<'a, 'b, R> {
 }
 
 impl<'a, 'b, R> Carry<'a, 'b, R> {
-    /// For the list in `hand`, which has been measured; the targets must have room for what was
+    /// For the list in `active`, which has been measured; the targets must have room for what was
     /// counted then.
     #[inline]
     pub(crate) fn new(

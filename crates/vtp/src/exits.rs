@@ -7,7 +7,7 @@ use crate::crossing::Least;
 use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::Gate;
 use crate::engine::kernels::exits::{BestPath, EveryBetterPath, Free, Reach, Rule};
-use crate::engine::surface::{MeshLayout, half_edge, next, parts, prev};
+use crate::engine::layout::{MeshLayout, half_edge, next, parts, prev};
 use crate::front::Front;
 use geobench_window::simd::Simd;
 
@@ -24,7 +24,7 @@ pub(crate) struct ListCrossing<'a> {
     pub(crate) distance: f64,
     /// The windows that wait elsewhere.
     pub(crate) front: &'a Front,
-    pub(crate) surface: &'a MeshLayout,
+    pub(crate) layout: &'a MeshLayout,
     pub(crate) simd: Simd,
 }
 
@@ -171,7 +171,7 @@ impl Exits for EveryPath {
 
 /// The shortest path of the windows that wait on `h` to the apex of its face.
 fn least_waiting(crossing: &ListCrossing<'_>, h: u32, keep: &mut Vec<u8>) -> f64 {
-    let gate = crossing.surface.gate(h, [f64::INFINITY; 2]);
+    let gate = crossing.layout.gate(h, [f64::INFINITY; 2]);
     let lists = crossing.front.lists(h).into_iter();
     let lengths = lists.filter(|list| !list.is_empty()).map(|list| {
         let keep = &mut *keep;

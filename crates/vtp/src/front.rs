@@ -3,8 +3,8 @@
 use geobench_window::Window;
 use geobench_window::queue::MinHeap;
 
+use crate::engine::layout::{half_edge, parts};
 use crate::engine::store::{Block, COLUMNS, Columns, NO_LIST, WindowStore};
-use crate::engine::surface::{half_edge, parts};
 
 /// From which side of the face below its half-edge a window came.
 ///

@@ -9,11 +9,11 @@ use geobench_window::{Counter, Lookout, Phase, Probe, Propagate, Solution, Way, 
 use crate::crossing::{Carry, Inspect, Least};
 use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::{BestPath, Gate, Target};
+use crate::engine::layout::{FaceLayout, MeshLayout, NO_TWIN, half_edge, next, parts, prev};
 use crate::engine::levels::Levels;
 use crate::engine::prefetch::prefetch;
 use crate::engine::sent::Sent;
 use crate::engine::store::{NO_LIST, admit};
-use crate::engine::surface::{FaceLayout, MeshLayout, NO_TWIN, half_edge, next, parts, prev};
 use crate::exits::{Exits, ListCrossing};
 use crate::front::{ChildSide, Front};
 use crate::merge::Merge;
@@ -42,7 +42,7 @@ pub struct ListPropagation<S, M, P, E> {
     mesh: Mesh,
     simd: Simd,
     numbering: Numbering,
-    surface: MeshLayout,
+    layout: MeshLayout,
     schedule: S,
     front: Front,
     active: ActiveList,
@@ -62,17 +62,17 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     /// Sets up for `mesh`; O(faces).
     pub fn new(mesh: &Mesh) -> Self {
         let mut numbering = Numbering::breadth_first(mesh);
-        let surface = MeshLayout::new(mesh, &numbering);
+        let layout = MeshLayout::new(mesh, &numbering);
         numbering.keep_new_vertices();
         let faces = mesh.face_count();
-        let kept = surface.kept.clone();
+        let kept = layout.kept.clone();
         let half_edges = if kept.is_empty() { 0 } else { 4 * faces };
         let thin = (0..half_edges).map(|h| kept.holds(h)).collect();
         Self {
             mesh: mesh.clone(),
             simd: Simd::new(Instructions::detect()),
             numbering,
-            surface,
+            layout,
             schedule: S::new(faces),
             front: Front::new(faces, thin),
             active: ActiveList::new(),
@@ -143,7 +143,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 probe.reach(VertexId::new(v), HalfEdgeId::new(corner), way);
             }
             self.distances[i] = d;
-            if (S::BY_VERTEX && !self.passed[i]) || self.surface.vertices[i].pseudo_source {
+            if (S::BY_VERTEX && !self.passed[i]) || self.layout.vertices[i].pseudo_source {
                 self.schedule.push_vertex(v, d, probe);
             }
         }
@@ -155,11 +155,11 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         self.front.advance();
         self.passed[v as usize] = true;
         if S::BY_VERTEX || is_source {
-            for &h in self.surface.ring(v) {
+            for &h in self.layout.ring(v) {
                 self.front.join(parts(h).0);
             }
         }
-        if is_source || self.surface.vertices[v as usize].pseudo_source {
+        if is_source || self.layout.vertices[v as usize].pseudo_source {
             self.spawn(v, probe);
         }
     }
@@ -168,10 +168,10 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     fn spawn<B: Probe>(&mut self, v: u32, probe: &mut B) {
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.distances[v as usize];
-        let has_border = self.surface.vertices[v as usize].boundary;
-        for place in self.surface.ring_places(v) {
-            let h = self.surface.rings[place];
-            let spawn = self.surface.spawn(h, sigma);
+        let has_border = self.layout.vertices[v as usize].boundary;
+        for place in self.layout.ring_places(v) {
+            let h = self.layout.rings[place];
+            let spawn = self.layout.spawn(h, sigma);
             let (f, corner) = parts(h);
             let along = |corner, way| move || (half_edge(f as u32, corner), way);
             let ways = [
@@ -210,7 +210,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     #[inline]
     fn close<B: Probe>(&mut self, h: u32, list: u32, start: usize, probe: &mut B) {
         if !S::BY_VERTEX && !self.front.contains(parts(h).0) {
-            let gate = self.surface.gate(h, [f64::INFINITY; 2]);
+            let gate = self.layout.gate(h, [f64::INFINITY; 2]);
             let program = Least {
                 list: self.front.columns(list),
                 start,
@@ -230,7 +230,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     /// Takes the list on `h` across its face.
     fn cross<B: Probe>(&mut self, h: u32, probe: &mut B) {
         let (f, corner) = parts(h);
-        let face = self.surface.faces[f];
+        let face = self.layout.faces[f];
         let [tail, head, apex] = [corner, next(corner), prev(corner)].map(|k| face.vertex[k]);
         let gate = Gate {
             l: face.length[corner],
@@ -240,7 +240,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         probe.enter(Phase::Pruning);
         let lists = self.front.lists(h);
         let arrived = lists[0].len() + lists[1].len();
-        let program = Inspect::<P>::new(lists, &mut self.active, &self.surface, h, &gate);
+        let program = Inspect::<P>::new(lists, &mut self.active, &self.layout, h, &gate);
         let found = self.simd.run(program);
         self.front.clear(h);
         probe.enter(Phase::Propagation);
@@ -260,7 +260,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         }
         if B::COUNTS {
             // Only windows that start from the vertex behind the edge have their source there.
-            let behind = self.surface.behind(h);
+            let behind = self.layout.behind(h);
             let children = self.active.iter().filter(|w| w.source() != behind);
             probe.add(Counter::Kept, children.count() as u64);
         }
@@ -305,7 +305,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         probe: &mut B,
     ) {
         let (f, corner) = parts(h);
-        let exits = self.surface.exits(h);
+        let exits = self.layout.exits(h);
         let arrivals = [ChildSide::AsLeftChild, ChildSide::AsRightChild];
         let is_new = (M::PRESERVES_ORDER || B::COUNTS) && self.front.is_new(f);
         let (mut lists, mut alone) = ([NO_LIST; 2], [false; 2]);
@@ -329,7 +329,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 best,
                 distance,
                 front: &self.front,
-                surface: &self.surface,
+                layout: &self.layout,
                 simd: self.simd,
             });
             let blocks = self.front.blocks(lists);
@@ -400,15 +400,15 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     fn prefetch(&self) {
         if let Some(h) = self.front.upcoming(6) {
             let f = parts(h).0;
-            self.surface.prefetch(f);
+            self.layout.prefetch(f);
             self.front.prefetch(f);
         }
         if let Some(h) = self.front.upcoming(3) {
-            for exit in self.surface.exits(h) {
+            for exit in self.layout.exits(h) {
                 self.front.prefetch(parts(exit).0);
             }
             let (f, corner) = parts(h);
-            let apex = self.surface.faces[f].vertex[prev(corner)];
+            let apex = self.layout.faces[f].vertex[prev(corner)];
             prefetch(&self.distances, apex as usize);
         }
     }
@@ -482,7 +482,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
             }
         }
         if B::TRACES {
-            self.surface.renumber(&self.mesh, &self.numbering, probe);
+            self.layout.renumber(&self.mesh, &self.numbering, probe);
         }
         Solution::new(self.numbering.restore(&self.distances))
     }

@@ -9,16 +9,16 @@ use geobench_window::Window;
 
 use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::settle;
-use crate::engine::surface::MeshLayout;
+use crate::engine::layout::MeshLayout;
 use crate::pairs::{SharedEdge, Verdict, check_pair};
 use crate::trim::trim_pair;
 use geobench_window::simd::Lanes;
 
 /// Which windows of a list are compared before it crosses its face, and how.
 pub trait Pairs: Send {
-    /// Cuts or drops windows of `hand`, the list on half-edge `h` of `surface`.
+    /// Cuts or drops windows of `active`, the list on half-edge `h` of `layout`.
     #[doc(hidden)]
-    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, surface: &MeshLayout, h: u32);
+    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, layout: &MeshLayout, h: u32);
 }
 
 /// Neighbours in the list: rules 2 and 3 (Qin et al. 2016, sections 4.2 and 4.3). A window is
@@ -29,8 +29,8 @@ pub struct Neighbours;
 
 impl Pairs for Neighbours {
     #[inline(always)]
-    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, surface: &MeshLayout, h: u32) {
-        settle_neighbours::<L, false>(simd, active, surface, h);
+    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, layout: &MeshLayout, h: u32) {
+        settle_neighbours::<L, false>(simd, active, layout, h);
     }
 }
 
@@ -41,16 +41,16 @@ impl Pairs for Neighbours {
 fn settle_neighbours<L: Lanes, const TRIM: bool>(
     simd: L::Token,
     active: &mut ActiveList,
-    surface: &MeshLayout,
+    layout: &MeshLayout,
     h: u32,
 ) -> bool {
     let len = active.len;
     if len < 2 {
         return true;
     }
-    let l = surface.length(h);
+    let l = layout.length(h);
     let (block, cuts, again) = active.parts();
-    let (len, settled) = settle::<L, TRIM>(simd, block, len, l, || surface.behind(h), cuts, again);
+    let (len, settled) = settle::<L, TRIM>(simd, block, len, l, || layout.behind(h), cuts, again);
     active.len = len;
     settled
 }
@@ -68,14 +68,14 @@ impl Pairs for NoPairs {
 /// it, and cuts or drops those with which it is compared.
 fn one_by_one(
     active: &mut ActiveList,
-    surface: &MeshLayout,
+    layout: &MeshLayout,
     h: u32,
     push: impl Fn(&mut Vec<Window>, Window, &SharedEdge),
 ) {
     if active.len < 2 {
         return;
     }
-    let edge = SharedEdge::new(surface.length(h), surface.behind(h));
+    let edge = SharedEdge::new(layout.length(h), layout.behind(h));
     let mut checked = std::mem::take(&mut active.windows);
     checked.clear();
     for w in active.iter() {
@@ -90,8 +90,8 @@ fn one_by_one(
 pub struct AllPairs;
 
 impl Pairs for AllPairs {
-    fn prune<L: Lanes>(_: L::Token, active: &mut ActiveList, surface: &MeshLayout, h: u32) {
-        one_by_one(active, surface, h, push_to_all);
+    fn prune<L: Lanes>(_: L::Token, active: &mut ActiveList, layout: &MeshLayout, h: u32) {
+        one_by_one(active, layout, h, push_to_all);
     }
 }
 
@@ -118,9 +118,9 @@ pub struct TrimmedNeighbours;
 
 impl Pairs for TrimmedNeighbours {
     #[inline(always)]
-    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, surface: &MeshLayout, h: u32) {
-        if !settle_neighbours::<L, true>(simd, active, surface, h) {
-            one_by_one(active, surface, h, push_and_trim);
+    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, layout: &MeshLayout, h: u32) {
+        if !settle_neighbours::<L, true>(simd, active, layout, h) {
+            one_by_one(active, layout, h, push_and_trim);
         }
     }
 }
@@ -178,11 +178,11 @@ mod tests {
         let positions = positions.map(|[x, y]| [x, y, 0.0]).to_vec();
         let soup = TriangleSoup::new(positions, vec![[0, 1, 2], [1, 0, 3]]);
         let (mesh, _) = Mesh::from_soup(soup).unwrap();
-        let surface = MeshLayout::new(&mesh, &Numbering::same());
-        assert_eq!(surface.behind(0), [0.5, -1.0]);
+        let layout = MeshLayout::new(&mesh, &Numbering::same());
+        assert_eq!(layout.behind(0), [0.5, -1.0]);
         let mut active = ActiveList::new();
         active.replace(windows);
-        P::prune::<Scalar>((), &mut active, &surface, 0);
+        P::prune::<Scalar>((), &mut active, &layout, 0);
         active.iter().collect()
     }
 

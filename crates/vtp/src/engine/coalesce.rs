@@ -6,8 +6,8 @@
 //! No rule drops a window for being narrow; so without this a plane is crossed by a window for
 //! every vertex that the source sees.
 
+use super::layout::{FaceLayout, MeshLayout, next, prev};
 use super::store::{COLUMNS, WindowStore};
-use super::surface::{FaceLayout, MeshLayout, next, prev};
 
 /// Lists with so many windows or fewer cross one by one where windows are coalesced: most lists are
 /// no longer, and one number is computed sooner than eight of which seven are of no use.

@@ -95,9 +95,9 @@ impl VtpFast {
                 instructions,
                 ..options
             },
-            coalesces: options.coalesce && state.surface().has_many_flat_vertices(),
+            coalesces: options.coalesce && state.layout().has_many_flat_vertices(),
             numbering,
-            wavefront: Wavefront::new(state.surface(), &options),
+            wavefront: Wavefront::new(state.layout(), &options),
             state,
         }
     }
@@ -195,8 +195,8 @@ impl Propagate for VtpFast {
             });
         }
         if P::TRACES {
-            let surface = self.state.surface();
-            surface.renumber(&self.mesh, &self.numbering, probe);
+            let layout = self.state.layout();
+            layout.renumber(&self.mesh, &self.numbering, probe);
         }
         Solution::new(self.numbering.restore(&self.state.distances))
     }

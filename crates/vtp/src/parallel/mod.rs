@@ -27,7 +27,7 @@ use self::lag_limit::BreakOnPanic;
 use self::placement::Placement;
 use self::shared::Shared;
 use self::worker::Worker;
-use crate::engine::surface::MeshLayout;
+use crate::engine::layout::MeshLayout;
 use crate::fast::{FastOptions, VtpFast};
 
 /// The most threads of a run.
@@ -77,7 +77,7 @@ impl Pvtp {
         } else {
             Numbering::same()
         };
-        let surface = MeshLayout::new(mesh, &numbering);
+        let layout = MeshLayout::new(mesh, &numbering);
         let placement = Placement::new(mesh, &numbering, threads);
         numbering.keep_new_vertices();
         Self {
@@ -87,8 +87,8 @@ impl Pvtp {
                 ..options
             },
             numbering,
-            workers: workers(threads, &surface, &options),
-            shared: Shared::new(surface, &options, threads, placement),
+            workers: workers(threads, &layout, &options),
+            shared: Shared::new(layout, &options, threads, placement),
             pool: pool_of(threads - 1),
         }
     }
@@ -104,9 +104,9 @@ impl Pvtp {
     }
 }
 
-fn workers(threads: usize, surface: &MeshLayout, options: &FastOptions) -> Vec<Worker> {
+fn workers(threads: usize, layout: &MeshLayout, options: &FastOptions) -> Vec<Worker> {
     (0..threads)
-        .map(|thread| Worker::new(thread, surface, options))
+        .map(|thread| Worker::new(thread, layout, options))
         .collect()
 }
 
@@ -251,7 +251,7 @@ impl Pvtp {
     ) -> Solution {
         if self.shared.lag.is_broken() {
             // A probe has panicked, and the caller goes on all the same.
-            self.workers = workers(self.threads(), &self.shared.surface, &self.options);
+            self.workers = workers(self.threads(), &self.shared.layout, &self.options);
             self.shared.recover();
         }
         // Without a pool the first thread does everything.

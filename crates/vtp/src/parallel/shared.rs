@@ -8,7 +8,7 @@ use super::handoff::Handoffs;
 use super::lag_limit::LagLimit;
 use super::load_estimate::LoadEstimates;
 use super::placement::Placement;
-use crate::engine::surface::MeshLayout;
+use crate::engine::layout::MeshLayout;
 use crate::fast::FastOptions;
 
 /// The state of a run that threads share.
@@ -20,7 +20,7 @@ use crate::fast::FastOptions;
 /// ([`ThreadState::repair`](super::part::ThreadState::repair)).
 #[derive(Debug)]
 pub(super) struct Shared {
-    pub(super) surface: MeshLayout,
+    pub(super) layout: MeshLayout,
     /// Whether windows parted by flat vertices become one again.
     pub(super) coalesces: bool,
     pub(super) threads: usize,
@@ -33,21 +33,21 @@ pub(super) struct Shared {
 
 impl Shared {
     pub(super) fn new(
-        surface: MeshLayout,
+        layout: MeshLayout,
         options: &FastOptions,
         threads: usize,
         placement: Placement,
     ) -> Self {
-        let vertices = surface.vertices.len();
+        let vertices = layout.vertices.len();
         Self {
-            coalesces: options.coalesce && surface.has_many_flat_vertices(),
+            coalesces: options.coalesce && layout.has_many_flat_vertices(),
             threads,
             distances: (0..vertices).map(|_| AtomicDistance::unknown()).collect(),
             estimates: LoadEstimates::new(threads),
             handoffs: Handoffs::new(threads),
             lag: LagLimit::new(threads),
             placement,
-            surface,
+            layout,
         }
     }
 

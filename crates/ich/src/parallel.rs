@@ -1,4 +1,4 @@
-//! Chen and Han in parallel: rounds of windows that cross at once.
+//! Chen and Han's algorithm in parallel: rounds of windows that cross at the same time.
 
 use std::collections::BTreeMap;
 
@@ -113,14 +113,9 @@ impl Pch {
         let degree = self.mesh.outgoing(v).len();
         for i in 0..degree {
             let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
-            let edges = self.surface.faces().edges_at_tail(h);
-            for (k, edge) in edges.into_iter().enumerate() {
-                let Some((neighbour, length)) = edge else {
-                    continue;
-                };
-                if self.offer(neighbour, sigma + length) && P::TRACES {
-                    let (corner, way) = [(h.next(), Way::FromHead), (h.prev(), Way::FromTail)][k];
-                    probe.reach(neighbour, corner, way);
+            for path in self.surface.faces().edge_paths(h) {
+                if self.offer(path.end, sigma + path.length) && P::TRACES {
+                    probe.reach(path.end, path.corner, path.way);
                 }
             }
         }
@@ -289,7 +284,7 @@ enum CrossingKind {
     Occupies,
 }
 
-/// What a round finds out about one of its windows.
+/// The first pass of a round over one of its windows.
 #[derive(Clone, Copy, Debug, Default)]
 struct Examination {
     /// The distance that it offers to the apex.
@@ -301,8 +296,8 @@ struct Examination {
 }
 
 impl Examination {
-    /// The first step of a round. Where windows are kept beside thin faces each one `goes_on`, since
-    /// it may have taken the place of others that were equal to it.
+    /// The first step of a round. Where windows are kept beside thin faces each one `goes_on`,
+    /// since it may have taken the place of others that were equal to it.
     fn of(waiting: &WaitingWindow, surface: &Surface, angles: &Angles, goes_on: bool) -> Self {
         let WaitingWindow { h, window, lineage } = waiting;
         let is_stale = surface.distance(lineage.root) < window.sigma;
@@ -425,7 +420,7 @@ fn bucket(label: f64, width: f64) -> u64 {
     (label / width) as u64
 }
 
-/// What waits, by distance.
+/// Waiting windows and pseudo-sources, by distance.
 #[derive(Clone, Debug, Default)]
 struct DistanceBuckets {
     width: f64,

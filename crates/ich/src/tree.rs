@@ -49,7 +49,7 @@ impl Guard {
     }
 }
 
-/// What tells whether a window still matters when its turn comes.
+/// The data that decides whether a window still matters when it comes out of the queue.
 #[derive(Clone, Copy, Debug)]
 pub struct Lineage {
     /// The (pseudo-)source.

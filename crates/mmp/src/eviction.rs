@@ -37,6 +37,19 @@ pub(crate) trait Evictable {
 }
 
 /// Which windows stay in memory until the end of a run.
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_mmp::{Retention, mmp_batched};
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let mut all = mmp_batched(&mesh, 1.0);
+/// let mut few = mmp_batched(&mesh, 1.0).retaining(Retention::Wavefront);
+/// let (a, b) = (all.distances_from(5)?, few.distances_from(5)?);
+/// assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= 1e-12 * b));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Retention {
     /// All that trimming leaves, as in the papers. The distance is then known at every point of

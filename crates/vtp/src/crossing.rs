@@ -14,8 +14,8 @@ use crate::pruning::Pairs;
 use geobench_window::simd::Lanes;
 use geobench_window::simd::SimdProgram;
 
-/// Takes the lists of a half-edge in hand, as far as filter and comparisons leave them, and
-/// measures them.
+/// Makes the windows of a half-edge that filter and comparisons leave the active list, and measures
+/// them.
 pub(crate) struct Inspect<'a, P> {
     lists: [Columns<'a>; 2],
     active: &'a mut ActiveList,
@@ -58,7 +58,7 @@ impl<P: Pairs> SimdProgram for Inspect<'_, P> {
     }
 }
 
-/// Takes the list in hand across its face.
+/// Propagates the active list across its face.
 pub(crate) struct Carry<'a, 'b, R> {
     active: &'a ActiveList,
     triangle: &'a Triangle,

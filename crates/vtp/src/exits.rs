@@ -1,4 +1,4 @@
-//! Through which exits of its face a window may leave.
+//! The exits of its face through which a window may leave.
 
 // The engine is private, so that other crates cannot implement the trait here.
 #![allow(private_bounds, private_interfaces)]
@@ -16,7 +16,7 @@ use geobench_window::simd::Simd;
 pub(crate) struct ListCrossing<'a> {
     /// The half-edge through which it enters.
     pub(crate) h: u32,
-    /// What is left of the list.
+    /// The windows that remain of the list.
     pub(crate) active: &'a ActiveList,
     pub(crate) gate: Gate,
     /// The shortest of its paths to the apex, and the length of that.
@@ -39,7 +39,7 @@ impl ListCrossing<'_> {
 
 /// Decides through which exits the windows of a list may leave the face that they cross.
 pub trait Exits: Send {
-    /// What the pass across the face asks about each window.
+    /// The test that the pass across the face applies to each window.
     #[doc(hidden)]
     type Rule<'a>: Rule
     where

@@ -19,7 +19,7 @@ pub(crate) enum ChildSide {
     AsRightChild = 1,
 }
 
-/// What changes at a face: half a cache line.
+/// The lists and the state of a face: half a cache line.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(32))]
 struct FaceLists {

@@ -2,8 +2,8 @@
 //!
 //! Both rest on one lemma: where a ray of a window crosses a path that is shorter up to the
 //! crossing, the ray is useless from there on. The rules differ in the paper in whether the two
-//! windows came through one edge or through two; seen from the edge on which they lie the checks
-//! are the same. Which pairs are compared is up to [`Pairs`](crate::Pairs).
+//! windows came through one edge or through two; the checks, made on the edge on which both lie,
+//! are the same. [`Pairs`](crate::Pairs) chooses the pairs that are compared.
 
 use geobench_window::Window;
 
@@ -19,7 +19,7 @@ pub(crate) const INSIDE: f64 = MARGIN;
 /// Greatest such distance that is asked for: rays that are closer to parallel do not cross at all.
 pub(crate) const BLURRED: f64 = 1e-3;
 
-/// What came of a comparison; either window may have been cut as well.
+/// The result of a comparison; either window may have been cut as well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     BothStay,
@@ -131,13 +131,13 @@ fn check_disjoint(a: &Window, b: &Window, edge: &SharedEdge) -> Verdict {
 
 /// As [`check_disjoint`], for `left` before `right`.
 ///
-/// Beyond the crossing U the ray of the dearer window is useless. So is every other ray of it: each
-/// ends on the far side of the cheaper ray and started on the near side, so that it has crossed it
-/// before U. If the windows came into the triangle through two edges, it did so in the triangle,
-/// for the cheaper ray parts the one edge from what lies beyond. If they came through one edge, the
-/// cheaper ray entered there at a point that both windows reach, and the rays that do not cross it
-/// in the triangle are those that lie beyond that point; the way from there to the source crosses
-/// them, as in [`cut`].
+/// Beyond the crossing U the ray of the dearer window is useless. So is every other ray of that
+/// window: each ends on the far side of the cheaper ray and started on the near side, so that it
+/// has crossed it before U. If the windows came into the triangle through two edges, it did so in
+/// the triangle, for the cheaper ray parts the one edge from what lies beyond. If they came through
+/// one edge, the cheaper ray entered there at a point that both windows reach, and the rays that do
+/// not cross it in the triangle are those that lie beyond that point; the way from there to the
+/// source crosses them, as in [`cut`].
 fn check_in_order(left: &Window, right: &Window, edge: &SharedEdge) -> Verdict {
     let (v, u) = (left.source(), right.source());
     let Some(Meeting { s, t, blur }) = meet((v, left.b1), (u, right.b0), edge.slenderness) else {

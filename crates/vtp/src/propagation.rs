@@ -1,4 +1,4 @@
-//! The main loop.
+//! The main loop of list propagation.
 
 use std::marker::PhantomData;
 
@@ -131,9 +131,9 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             .ends(probe, d, distance, || windows().chain([d]))
     }
 
-    /// A path of length `d` reaches `v`, as `way` tells of half-edges that start there. If faces join
-    /// by vertices, every vertex has a turn, and one from which windows start has another whenever
-    /// it improves; else only the latter have turns.
+    /// A path of length `d` reaches `v`, as `way` tells of half-edges that start there. If faces
+    /// join by vertices, every vertex has a turn, and one from which windows start has another
+    /// whenever it improves; else only the latter have turns.
     #[inline]
     fn offer<B: Probe>(&mut self, v: u32, d: f64, way: impl FnOnce() -> (u32, Way), probe: &mut B) {
         let i = v as usize;

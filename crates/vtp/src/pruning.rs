@@ -1,4 +1,4 @@
-//! Which windows of a list are compared with each other.
+//! The choice of the windows of a list that are compared with each other.
 
 // Kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
@@ -14,7 +14,7 @@ use crate::pairs::{SharedEdge, Verdict, check_pair};
 use crate::trim::trim_pair;
 use geobench_window::simd::Lanes;
 
-/// Which windows of a list are compared before it crosses its face, and how.
+/// Chooses and compares the windows of a list before it crosses its face.
 pub trait Pairs: Send {
     /// Cuts or drops windows of `active`, the list on half-edge `h` of `layout`.
     #[doc(hidden)]

@@ -3,7 +3,7 @@
 use geobench_window::queue::MinHeap;
 use geobench_window::{Counter, Probe};
 
-/// Whose turn it is.
+/// The next element of a schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheduled {
     /// A vertex.
@@ -22,7 +22,7 @@ pub trait Schedule: Send {
     /// solver.
     fn new(faces: usize) -> Self;
 
-    /// Forgets the last run.
+    /// Removes all elements.
     fn reset(&mut self);
 
     /// Vertex `v` is to have a turn, at distance `d`.
@@ -32,10 +32,10 @@ pub trait Schedule: Send {
     /// their edge has length `offer`.
     fn wait<P: Probe>(&mut self, face: u32, offer: f64, probe: &mut P);
 
-    /// The distance of the next turn; infinite without any.
+    /// The distance of the next element; infinite if there is none.
     fn next(&self) -> f64;
 
-    /// Takes the next turn, with the distance that it was queued for.
+    /// Takes the next element, with the distance that it was queued for.
     fn pop(&mut self) -> Option<(f64, Scheduled)>;
 }
 
@@ -81,7 +81,7 @@ impl Schedule for NearestVertex {
 #[derive(Clone, Debug)]
 pub struct NearestFace {
     front: MinHeap<Scheduled>,
-    /// For each face the least offer so far: what it stands in the queue with.
+    /// For each face the least offer so far, its label in the queue.
     offers: Vec<f64>,
 }
 

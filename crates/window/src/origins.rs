@@ -1,4 +1,4 @@
-//! Where the shortest path to each vertex comes from.
+//! The origin of the shortest path to each vertex.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 

@@ -1,4 +1,4 @@
-//! How a run is observed: not at all, or counted; [`phases`](crate::phases) samples its phases.
+//! Observation of a run: none, or counts; [`phases`](crate::phases) samples its phases.
 //!
 //! Solvers are generic over a [`Probe`] and call it at every event. Timings are taken with `()`,
 //! whose methods are empty and compile to nothing; counts and phases come from separate runs, so

@@ -1,4 +1,4 @@
-//! How many windows a wavefront has and how far apart they are, sampled over a run.
+//! The number of windows of a wavefront and the spread of their distances, sampled over a run.
 
 /// Most samples kept; when they are reached every second one is dropped.
 const CAPACITY: usize = 512;

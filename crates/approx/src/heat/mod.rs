@@ -30,7 +30,7 @@ pub struct HeatOptions {
     pub boundary: Boundary,
     /// Whether edges are flipped first, inside the surface, until they are Delaunay.
     pub delaunay: bool,
-    /// What is added to the diagonal of the Laplace matrix, which has no inverse. With 0 the
+    /// A number added to the diagonal of the Laplace matrix, which has no inverse. With 0 the
     /// distance of one vertex is fixed instead, which changes no distance.
     pub shift: f64,
 }
@@ -121,8 +121,8 @@ impl FlowFace {
 }
 
 impl Heat {
-    /// Sets up for `mesh`: lays out the triangulation and factorises two matrices, or three if there
-    /// is a boundary.
+    /// Sets up for `mesh`: lays out the triangulation and factorises two matrices, or three if
+    /// there is a boundary.
     pub fn new(mesh: &Mesh, options: HeatOptions) -> Self {
         let mut surface = Intrinsic::new(mesh);
         if options.delaunay {

@@ -324,7 +324,7 @@ fn differences(whole: &ResultFile, first: &str, name: &str, file: &ResultFile) -
                 "" => String::new(),
                 group => format!("group {group}"),
             };
-            // Files without a plan say nothing of it.
+            // Files without a plan have no settings to compare.
             if !known["plan"].is_null() && !settings["plan"].is_null() {
                 note(&place, known, settings);
             }

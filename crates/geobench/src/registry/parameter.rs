@@ -44,7 +44,7 @@ pub struct Parameter {
     pub allowed: Allowed,
     /// Its meaning, in one line.
     pub meaning: &'static str,
-    /// Another parameter and the value of it that this one depends on.
+    /// The parameter on which this one depends, and the value that it must have.
     pub only_with: Option<(&'static str, &'static str)>,
 }
 

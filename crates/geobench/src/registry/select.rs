@@ -207,7 +207,7 @@ impl Selection {
 ///
 /// # Errors
 ///
-/// Names the first invalid item and what is allowed.
+/// Names the first invalid item and the allowed values.
 pub fn select(list: &str) -> Result<Vec<Selection>, UsageError> {
     let mut chosen: Vec<Selection> = Vec::new();
     for item in split_outside_braces(list) {

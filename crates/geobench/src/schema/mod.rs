@@ -468,8 +468,8 @@ pub struct Time {
     /// For an outside program, for each run the seconds that it claims.
     #[serde(default)]
     pub claimed: Vec<f64>,
-    /// Whether the claims are more than the time from outside or a small part of it. The samples
-    /// are then those from outside.
+    /// Whether the claims exceed the time from outside, or are a small part of that time. The
+    /// samples are then those from outside.
     #[serde(default)]
     pub doubted: bool,
 }

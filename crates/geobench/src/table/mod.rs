@@ -142,6 +142,13 @@ pub(crate) fn of_ending<F: Copy>(
     })
 }
 
+/// `document` as one line of JSON.
+pub(crate) fn json_line(document: &impl serde::Serialize) -> anyhow::Result<Vec<u8>> {
+    let mut bytes = serde_json::to_vec(document)?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
 impl Format {
     /// The form for the ending of `path`, in any letter case.
     ///

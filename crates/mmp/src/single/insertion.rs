@@ -174,7 +174,7 @@ impl Inserter {
         lists.replace(i, from, to - from, &slots[..pieces]);
     }
 
-    /// Inserts `new` by dividing the whole overlap; several intervals of it may survive.
+    /// Inserts `new` by dividing the whole overlap; several of its intervals may survive.
     #[cold]
     fn divide(
         &mut self,

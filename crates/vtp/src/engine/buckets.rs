@@ -106,7 +106,7 @@ impl VertexBuckets {
             }
             bucket += 1;
         }
-        // What is far becomes near only when its turn comes.
+        // Far vertices move into the ring only when their bucket is the next.
         self.far
             .retain(|&(v, bucket)| self.bucket_of[v as usize] == bucket);
         let far = self.far.iter().map(|&(_, bucket)| bucket).min();
@@ -170,7 +170,7 @@ impl VertexBuckets {
         entries.len()
     }
 
-    /// Moves into the ring what it has come near to.
+    /// Moves the far vertices of buckets within reach into the ring.
     #[cold]
     fn bring_near(&mut self) {
         self.far_least = NONE;
@@ -256,7 +256,7 @@ mod tests {
         buckets.push(2, 1.0);
         buckets.push(0, 2.0);
         assert_eq!(drain(&mut buckets), [[2], [0]]);
-        // What has had no turn is forgotten.
+        // Vertices that were not taken are dropped.
         for (v, d) in [(0, 1.0), (1, 9.0), (2, 1e5)] {
             buckets.push(v, d);
         }

@@ -1,4 +1,4 @@
-//! Windows of one source image that meet are one window.
+//! Coalescing of adjacent windows with the same source image.
 //!
 //! A vertex parts a window into one that passes on its left and one that passes on its right. Where
 //! the surface is flat, the two come together again on the edge behind the vertex, side by side,
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
     use crate::engine::store::NO_LIST;
 
-    /// What is left of `waiting` and of those that `came`, on a half-edge of length 1.
+    /// The remaining windows of `waiting` and of those that `came`, on a half-edge of length 1.
     fn coalesced(waiting: &[[f64; COLUMNS]], came: &[[f64; COLUMNS]]) -> Vec<[f64; COLUMNS]> {
         let mut store = WindowStore::new();
         let len = waiting.len() + came.len();

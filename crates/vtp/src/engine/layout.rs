@@ -59,7 +59,7 @@ pub(crate) struct FaceLayout {
     pub(crate) vertex: [u32; 3],
     /// The half-edge of the neighbour along each, or [`NO_TWIN`].
     pub(crate) twin: [u32; 3],
-    /// What changes, for a solver that keeps it here.
+    /// The state of a run, for a solver that keeps it here.
     pub(crate) state: FaceState,
     /// Abscissa of the opposite vertex in the frame of each half-edge.
     pub(crate) apex_x: [f64; 3],
@@ -185,7 +185,7 @@ fn concatenated<T: Copy>(mut parts: Vec<Vec<T>>) -> Vec<T> {
     }
 }
 
-/// What stands at a vertex.
+/// Properties of a vertex.
 #[derive(Clone, Copy, Debug, Default)]
 #[allow(clippy::struct_excessive_bools)] // Four facts, one byte each.
 pub(crate) struct VertexFacts {

@@ -1,5 +1,5 @@
-//! What list propagation for speed is built of: the mesh laid out for crossing, lists as structures
-//! of arrays, and the passes over them in vector instructions.
+//! The parts of list propagation: the mesh laid out for crossing, lists as structures of arrays,
+//! and the passes over them in vector instructions.
 
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]

@@ -1,4 +1,4 @@
-//! Where a shortest path that bends at a vertex can go on.
+//! The wedge into which a shortest path that bends at a vertex can continue.
 
 use std::f32::consts::PI;
 
@@ -12,7 +12,7 @@ const PENUMBRA: f32 = 1e-3;
 pub(crate) struct PathOrigin {
     /// The half-edge that it crossed last.
     pub(crate) h: u32,
-    /// Where.
+    /// The abscissa of that crossing.
     pub(crate) entry: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Where windows wait: structures of arrays in one arena.
+//! Lists of waiting windows: structures of arrays in one arena.
 //!
 //! A list is a *block* of five columns, b0, b1, px, py and σ, each a whole number of cache lines;
 //! 40 bytes a window. Blocks come in classes by size and are used again, last freed first, so that

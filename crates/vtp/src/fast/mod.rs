@@ -1,4 +1,4 @@
-//! One wavefront on one thread.
+//! `vtp-fast`: one wavefront on one thread.
 
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
@@ -108,7 +108,7 @@ impl VtpFast {
     }
 }
 
-/// A run whose sources have had their turns.
+/// The propagation of a run whose sources have spawned their windows.
 struct RunFromSources<'s, P, const COALESCE: bool> {
     wavefront: &'s mut Wavefront,
     state: &'s mut SerialState,

@@ -1,4 +1,4 @@
-//! The field of a wavefront that is alone on it.
+//! The state of the surface under a single wavefront.
 
 use geobench_mesh::{Mesh, Numbering};
 

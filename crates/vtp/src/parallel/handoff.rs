@@ -1,4 +1,4 @@
-//! Parts of the wavefront that one thread hands off to another.
+//! Handoffs: parts of the wavefront that move from one thread to another.
 
 use std::mem;
 use std::sync::atomic::AtomicBool;

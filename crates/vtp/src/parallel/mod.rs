@@ -117,7 +117,7 @@ fn pool_of(threads: usize) -> Option<ThreadPool> {
     pool.and_then(Result::ok)
 }
 
-/// What all threads know of a run.
+/// The data of a run that all threads share.
 #[derive(Clone, Copy)]
 struct RunContext<'a> {
     shared: &'a Shared,
@@ -150,7 +150,7 @@ impl RunContext<'_> {
     }
 }
 
-/// What one thread does in a run.
+/// The work of one thread in a run.
 struct ThreadTask<'a, P, const COALESCE: bool> {
     run: RunContext<'a>,
     worker: &'a mut Worker,
@@ -250,7 +250,7 @@ impl Pvtp {
         others: &mut [Q],
     ) -> Solution {
         if self.shared.lag.is_broken() {
-            // A probe has panicked, and the caller goes on all the same.
+            // A probe panicked in the last run, and the caller continues.
             self.workers = workers(self.threads(), &self.shared.layout, &self.options);
             self.shared.recover();
         }

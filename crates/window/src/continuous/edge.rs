@@ -1,4 +1,4 @@
-//! What is known around an edge at which a window arrives.
+//! The distances around an edge at which a window arrives.
 
 use crate::filter::{is_beaten_across, is_beaten_from_ends};
 use crate::frame::Exit;

@@ -1,4 +1,4 @@
-//! Runs that find the vertices around one vertex after another.
+//! Searches for the vertices around one vertex after another.
 
 use geobench_mesh::VertexId;
 

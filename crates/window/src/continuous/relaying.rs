@@ -1,4 +1,4 @@
-//! Windows replaced by vertices, within a bound of the error.
+//! Approximation: vertices replace windows, within a bound of the error.
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 

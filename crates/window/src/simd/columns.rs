@@ -15,7 +15,7 @@ use super::lanes::{LaneMask, Lanes};
 pub struct Line(pub [f64; Line::LANES]);
 
 impl Line {
-    /// Numbers in a line; every register has as many or a divisor of it.
+    /// Numbers in a line; the length of a register divides it.
     pub const LANES: usize = 8;
 }
 

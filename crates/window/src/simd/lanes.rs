@@ -1,4 +1,4 @@
-//! Several numbers in one register.
+//! Lanes: several numbers in one register.
 
 // Loads and stores take addresses; `columns` alone calls them.
 #![allow(unsafe_code)]

@@ -15,7 +15,7 @@ pub(super) enum Node {
     Product(Box<Self>, Box<Self>),
     /// The first divided by the second.
     Ratio(Box<Self>, Box<Self>),
-    /// One less the value: what is saved if the value is what is left.
+    /// One less the value: the share saved, where the value is the share that remains.
     Saving(Box<Self>),
     /// The value divided by a number.
     Per(Box<Self>, f64),

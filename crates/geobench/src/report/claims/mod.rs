@@ -1,4 +1,4 @@
-//! The papers' claims, and what results say of them.
+//! The papers' claims, and verdicts on them from results.
 //!
 //! `bench-configs/papers/claims` has a file for each paper; `docs/claims.md` defines its keys. A
 //! claim has one or more tests, a test one or more *cases*: a value for one algorithm on one model,
@@ -59,7 +59,7 @@ pub fn known() -> Result<Vec<ClaimsFile>, crate::DocumentError> {
         .collect()
 }
 
-/// What results say of a claim.
+/// The verdict on a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClaimVerdict {
@@ -140,7 +140,7 @@ pub struct ClaimsReport {
     pub notes: Vec<String>,
 }
 
-/// A value and what it says.
+/// A value, and whether the claim holds for it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClaimCase {
     /// The figure that it is of.

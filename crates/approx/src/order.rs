@@ -4,7 +4,7 @@ use geobench_mesh::VertexId;
 use geobench_window::queue::{Calendar, Event, EventKind, MinHeap};
 
 /// A queue of vertices by distance. A vertex is pushed anew when its distance falls.
-pub(crate) trait Order {
+pub(crate) trait VertexQueue {
     /// Whether the least distance comes first.
     const IS_SORTED: bool;
 
@@ -24,7 +24,7 @@ pub(crate) trait Order {
 /// Least distance first.
 pub(crate) type Tidy = MinHeap<VertexId>;
 
-impl Order for Tidy {
+impl VertexQueue for Tidy {
     const IS_SORTED: bool = true;
 
     #[inline]
@@ -80,7 +80,7 @@ impl Untidy {
     }
 }
 
-impl Order for Untidy {
+impl VertexQueue for Untidy {
     const IS_SORTED: bool = false;
 
     #[inline]

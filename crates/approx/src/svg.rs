@@ -11,7 +11,7 @@ use geobench_window::continuous::{Continuous, Explorer, Neighbour, Policy};
 use geobench_window::queue::{Calendar, Discipline, Priority, mean_edge_length};
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution, VertexFilter, prefetch};
 
-use crate::order::{Order, Untidy};
+use crate::order::{Untidy, VertexQueue};
 
 /// The algorithm that finds the direct geodesics around a vertex. The graph is the same up to
 /// rounding and ties.
@@ -112,7 +112,7 @@ impl SaddleVertexGraph {
         Self::of_edges(mesh, &found, relays.collect())
     }
 
-    fn of_edges(mesh: &Mesh, found: &[Found], relays: Vec<bool>) -> Self {
+    fn of_edges(mesh: &Mesh, found: &[DirectGeodesics], relays: Vec<bool>) -> Self {
         let vertices = mesh.vertex_count();
         // From one end, or from both. Those of the mesh keep the graph of a small k connected.
         let edges = || {
@@ -200,7 +200,7 @@ impl SaddleVertexGraph {
 const BUCKET: f64 = 0.25;
 
 /// The direct geodesics from a range of vertices.
-struct Found {
+struct DirectGeodesics {
     vertices: Range<usize>,
     /// Where those of each vertex start, and behind the last one.
     starts: Vec<usize>,
@@ -214,7 +214,7 @@ fn explore<W: Policy, Q: Discipline>(
     mesh: &Mesh,
     options: SvgOptions,
     explorer: impl Fn() -> Explorer<W, Q> + Sync,
-) -> Vec<Found> {
+) -> Vec<DirectGeodesics> {
     let vertices = mesh.vertex_count();
     let next = AtomicUsize::new(0);
     let all = Mutex::new(Vec::new());
@@ -226,7 +226,7 @@ fn explore<W: Policy, Q: Discipline>(
             if first >= vertices {
                 break;
             }
-            let mut found = Found {
+            let mut found = DirectGeodesics {
                 vertices: first..vertices.min(first + BLOCK),
                 starts: vec![0],
                 neighbours: Vec::new(),
@@ -250,7 +250,7 @@ fn explore<W: Policy, Q: Discipline>(
         work();
     });
     let mut all = all.into_inner().unwrap_or_default();
-    all.sort_unstable_by_key(|found: &Found| found.vertices.start);
+    all.sort_unstable_by_key(|found: &DirectGeodesics| found.vertices.start);
     all
 }
 

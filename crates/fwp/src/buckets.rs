@@ -27,7 +27,7 @@ pub enum BatchSize {
     Fixed(u32),
 }
 
-/// What can be chosen about [`Buckets`]. Answers do not depend on it.
+/// Options of [`Buckets`]. Distances do not depend on them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BucketOptions {
     /// Width of a bucket as a multiple of h/√n, for h the mean length of the edges and n the number
@@ -133,7 +133,7 @@ impl Buckets {
     /// such a list during the round, and belongs in it, does not wait for the next, for which it
     /// counts all the same. That makes a fourth more rounds than with windows one by one.
     #[must_use]
-    pub fn of_lists(self) -> Self {
+    pub(crate) fn of_lists(self) -> Self {
         Self {
             weights: Some(Weights::default()),
             ..self

@@ -1,11 +1,11 @@
-//! Label correcting: a double-ended queue that keeps small labels in front, roughly.
+//! Label correcting: a double-ended queue with small labels near its front.
 
 use std::collections::VecDeque;
 
 use geobench_window::queue::{Discipline, Event};
 use geobench_window::{Counter, Probe};
 
-/// What can be chosen about [`LabelCorrecting`]. Answers do not depend on it.
+/// Options of [`LabelCorrecting`]. Distances do not depend on them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LabelCorrectingOptions {
     /// β, which sets the threshold between the least label that waits (0) and the mean of those
@@ -30,7 +30,7 @@ impl Default for LabelCorrectingOptions {
 ///   below them, an unbounded rotation would go on for ever.
 /// * *Threshold*: events with labels above a threshold wait apart. When the queue is empty the
 ///   threshold becomes m + β (a - m), for m the least and a the mean of the labels that wait, and
-///   what is not above it moves into the queue.
+///   the events that are not above it move into the queue.
 ///
 /// The sources print neither β nor how the threshold follows the labels; this is our form.
 ///

@@ -4,9 +4,10 @@
 //! The distances of a window algorithm do not depend on the order in which it takes its windows
 //! (Xu et al. 2015, proposition 1): every window that provides a shortest path descends from such
 //! windows only, and none of these is ever discarded. The order decides how many windows are
-//! propagated in vain. Nearest first propagates the fewest and pays O(log k) for each, in a heap of
-//! a hundred thousand entries that no cache holds. First in, first out pays nothing and propagates
-//! several times as many. The disciplines of this crate pay O(1) and propagate nearly as few.
+//! propagated in vain. Nearest first propagates the fewest and costs O(log k) for each, in a heap
+//! of a hundred thousand entries, larger than the caches. First in, first out costs O(1) and
+//! propagates several times as many. The disciplines of this crate cost O(1) and propagate nearly
+//! as few.
 //!
 //! Each is a [`Discipline`](geobench_window::queue::Discipline) and knows nothing about the policy
 //! that it orders:
@@ -56,8 +57,8 @@ pub use buckets::{BatchSize, BucketOptions, Buckets};
 pub use label_correcting::{LabelCorrecting, LabelCorrectingOptions};
 pub use vertex_order::VertexOrder;
 
-/// FWP-MMP for `mesh`: windows stored and trimmed on half-edges, taken one at a time from buckets in
-/// rounds; O(faces).
+/// FWP-MMP for `mesh`: windows stored and trimmed on half-edges, taken one at a time from buckets
+/// in rounds; O(faces).
 ///
 /// Time O(n² log n), space O(n²) (proposition 2 of Xu et al. 2015).
 ///
@@ -80,6 +81,17 @@ pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> Continuous<Trimming, Buck
 ///
 /// The rounds are those of [`fwp_mmp`], except that a window that arrives at a list before the list
 /// is taken in the same round does not wait for the next round. That makes more rounds.
+///
+/// ```
+/// use geobench_fwp::{BucketOptions, fwp_mmp_batched};
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let distances = fwp_mmp_batched(&mesh, BucketOptions::default()).distances_from(0)?;
+/// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fwp_mmp_batched(mesh: &Mesh, options: BucketOptions) -> Batched<Buckets> {
     Batched::new(mesh, Buckets::new(mesh, options).of_lists())
 }
@@ -87,6 +99,17 @@ pub fn fwp_mmp_batched(mesh: &Mesh, options: BucketOptions) -> Batched<Buckets> 
 /// FWP-CH for `mesh`: windows filtered and not kept, taken from buckets in rounds; O(faces).
 ///
 /// Time O(n²), space O(n) beside the waiting windows (proposition 2 of Xu et al. 2015).
+///
+/// ```
+/// use geobench_fwp::{BucketOptions, fwp_ch};
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let distances = fwp_ch(&mesh, BucketOptions::default()).distances_from(0)?;
+/// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fwp_ch(mesh: &Mesh, options: BucketOptions) -> Continuous<Splitting, Buckets> {
     Continuous::new(mesh, splitting(mesh), Buckets::new(mesh, options))
 }
@@ -95,6 +118,17 @@ pub fn fwp_ch(mesh: &Mesh, options: BucketOptions) -> Continuous<Splitting, Buck
 /// correcting queue; O(faces).
 ///
 /// No useful bound on time; space O(n²).
+///
+/// ```
+/// use geobench_fwp::{LabelCorrectingOptions, lc_mmp};
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let distances = lc_mmp(&mesh, LabelCorrectingOptions { beta: 1.0 }).distances_from(0)?;
+/// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn lc_mmp(
     mesh: &Mesh,
     options: LabelCorrectingOptions,
@@ -110,6 +144,17 @@ pub fn lc_mmp_batched(mesh: &Mesh, options: LabelCorrectingOptions) -> Batched<L
 /// LC-CH for `mesh`: windows filtered and not kept, in a label correcting queue; O(faces).
 ///
 /// No useful bound on time; space O(n) beside the waiting windows.
+///
+/// ```
+/// use geobench_fwp::{LabelCorrectingOptions, lc_ch};
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let distances = lc_ch(&mesh, LabelCorrectingOptions { beta: 1.0 }).distances_from(0)?;
+/// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn lc_ch(
     mesh: &Mesh,
     options: LabelCorrectingOptions,
@@ -121,6 +166,17 @@ pub fn lc_ch(
 /// and taken one at a time; O(faces).
 ///
 /// Space O(n²).
+///
+/// ```
+/// use geobench_fwp::vtp_mmp;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let distances = vtp_mmp(&mesh).distances_from(0)?;
+/// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn vtp_mmp(mesh: &Mesh) -> Continuous<Trimming, VertexOrder> {
     Continuous::new(mesh, trimming(mesh), VertexOrder::new(mesh))
 }
@@ -133,6 +189,17 @@ pub fn vtp_mmp_batched(mesh: &Mesh) -> Batched<VertexOrder> {
 /// VTP-CH for `mesh`: windows filtered and not kept, released around the nearest vertex; O(faces).
 ///
 /// About the time of [`fwp_ch`], and space O(n) beside the waiting windows.
+///
+/// ```
+/// use geobench_fwp::vtp_ch;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let distances = vtp_ch(&mesh).distances_from(0)?;
+/// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn vtp_ch(mesh: &Mesh) -> Continuous<Splitting, VertexOrder> {
     Continuous::new(mesh, splitting(mesh), VertexOrder::new(mesh))
 }

@@ -1,4 +1,4 @@
-//! Disciplines driven without an algorithm.
+//! Tests of disciplines without an algorithm.
 
 use std::collections::BTreeMap;
 
@@ -38,7 +38,7 @@ pub(crate) fn id_of(event: Event) -> u32 {
     }
 }
 
-/// What is done to a queue.
+/// An operation on a queue.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Step {
     Push(f64),

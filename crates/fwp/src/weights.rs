@@ -1,4 +1,4 @@
-//! How many windows wait for each bucket.
+//! Counts of the windows that wait in each bucket.
 
 /// The most buckets that are counted apart; windows further up are not counted until they are near.
 const MOST: u64 = 1 << 18;

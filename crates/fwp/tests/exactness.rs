@@ -363,7 +363,7 @@ fn mmp_queues_windows_and_its_batched_form_lists() {
     let of = |counter| [&lists, &windows].map(|counters| counters.get(counter).unwrap());
     let [few, many] = of(Counter::QueuePeak);
     assert!(2 * few < many, "{few} {many}");
-    // What is left of the lists in the end is nearly the same.
+    // The lists at the end are nearly the same.
     let [stored, expected] = of(Counter::StoredWindows);
     assert!(
         stored.abs_diff(expected) * 200 < expected,

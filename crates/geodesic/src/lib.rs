@@ -104,7 +104,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # What is where
+//! # Contents
 //!
 //! * [`Mesh`]: reading, building, asking. [`io`] reads and writes files, [`generate`] makes models,
 //!   [`Mesh::from_soup`] reports every defect that it found or repaired.
@@ -114,7 +114,7 @@
 //! * [`Diagram`]: geodesic Voronoi diagrams. [`remesh`], [`Quality`] and [`Deviation`]: new meshes,
 //!   and how good they are. [`Certificate`]: proofs of distances. [`Field`]: the
 //!   distance of all points of a surface, for isolines.
-//! * [`Solver`]: what they have in common. It also counts windows and samples phases.
+//! * [`Solver`]: the interface of all solvers. It also counts windows and samples phases.
 //! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`], [`paths`], [`isolines`],
 //!   [`voronoi`], [`certify`]: the crates behind this one, with the parts from which solvers are
 //!   made.

@@ -33,6 +33,17 @@ pub type Ich = Continuous<Splitting, Priority>;
 /// The sequence tree grows level by level, and to as many levels as the mesh has faces, since
 /// nothing but one angle, one split ends a branch. It is for small meshes: some 10,000 faces take
 /// half a minute and 300 million windows.
+///
+/// ```
+/// use geobench_ich::ch;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let distances = ch(&mesh).distances_from(0)?;
+/// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn ch(mesh: &Mesh) -> Ch {
     Continuous::new(
         mesh,
@@ -45,6 +56,17 @@ pub fn ch(mesh: &Mesh) -> Ch {
 /// O(faces).
 ///
 /// It needs no priority queue, and takes one to three times the windows of [`ich`].
+///
+/// ```
+/// use geobench_ich::ich1;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let distances = ich1(&mesh).distances_from(0)?;
+/// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn ich1(mesh: &Mesh) -> Ch {
     Continuous::new(
         mesh,

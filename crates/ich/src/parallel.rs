@@ -1,9 +1,9 @@
-//! Chen and Han in parallel: rounds of windows that cross at once.
+//! Chen and Han's algorithm in parallel: rounds of windows that cross at the same time.
 
 use std::collections::BTreeMap;
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::continuous::{Edge, Surface};
+use geobench_window::continuous::{EdgeView, Surface};
 use geobench_window::queue::mean_edge_length;
 use geobench_window::trimming::KeptWindows;
 use geobench_window::{
@@ -55,7 +55,7 @@ pub struct Pch {
     surface: Surface,
     angles: Angles,
     kept: KeptWindows,
-    buckets: Buckets,
+    buckets: DistanceBuckets,
     threads: usize,
     /// `None` for one thread, and if the system does not start so many.
     pool: Option<ThreadPool>,
@@ -83,9 +83,9 @@ impl Pch {
             kept: KeptWindows::new(mesh, mesh.half_edge_count(), |h| {
                 order.new_half_edge(h).index()
             }),
-            buckets: Buckets {
+            buckets: DistanceBuckets {
                 width: bucket * mean_edge_length(mesh),
-                ..Buckets::default()
+                ..DistanceBuckets::default()
             },
             threads,
             pool: (threads > 1).then(pool).flatten(),
@@ -113,14 +113,9 @@ impl Pch {
         let degree = self.mesh.outgoing(v).len();
         for i in 0..degree {
             let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
-            let edges = self.surface.faces().edges_at_tail(h);
-            for (k, edge) in edges.into_iter().enumerate() {
-                let Some((neighbour, length)) = edge else {
-                    continue;
-                };
-                if self.offer(neighbour, sigma + length) && P::TRACES {
-                    let (corner, way) = [(h.next(), Way::FromHead), (h.prev(), Way::FromTail)][k];
-                    probe.reach(neighbour, corner, way);
+            for path in self.surface.faces().edge_paths(h) {
+                if self.offer(path.end, sigma + path.length) && P::TRACES {
+                    probe.reach(path.end, path.corner, path.way);
                 }
             }
         }
@@ -134,7 +129,7 @@ impl Pch {
             if let Some((h, window)) = spawn_window(self.surface.faces(), h, sigma) {
                 probe.add(Counter::Spawned, 1);
                 let edge = self.surface.edge(h);
-                let waiting = Waiting { h, window, lineage };
+                let waiting = WaitingWindow { h, window, lineage };
                 if is_beaten(&waiting, &edge, &self.kept, &self.surface) || !self.wait(waiting) {
                     probe.add(Counter::Filtered, 1);
                 }
@@ -143,7 +138,7 @@ impl Pch {
     }
 
     /// Lets a window wait for its turn; returns whether anything of it is left.
-    fn wait(&mut self, mut waiting: Waiting) -> bool {
+    fn wait(&mut self, mut waiting: WaitingWindow) -> bool {
         let place = waiting.h.index();
         if self.kept.holds(place) {
             match self.kept.admit(place, &waiting.window) {
@@ -158,15 +153,20 @@ impl Pch {
     }
 
     /// Takes `windows` across their faces.
-    fn cross<P: Probe>(&mut self, windows: &[Waiting], steps: &mut Vec<Step>, probe: &mut P) {
+    fn cross<P: Probe>(
+        &mut self,
+        windows: &[WaitingWindow],
+        steps: &mut Vec<Examination>,
+        probe: &mut P,
+    ) {
         probe.enter(Phase::Propagation);
         steps.clear();
-        steps.resize(windows.len(), Step::default());
+        steps.resize(windows.len(), Examination::default());
         let (surface, angles) = (&self.surface, &self.angles);
         let goes_on = !self.kept.is_empty();
-        let reach = |(windows, steps): (&[Waiting], &mut [Step])| {
+        let reach = |(windows, steps): (&[WaitingWindow], &mut [Examination])| {
             for (window, step) in windows.iter().zip(steps) {
-                *step = Step::of(window, surface, angles, goes_on);
+                *step = Examination::of(window, surface, angles, goes_on);
             }
         };
         match &self.pool {
@@ -182,14 +182,14 @@ impl Pch {
         }
         probe.enter(Phase::Propagation);
         let (surface, kept, width) = (&self.surface, &self.kept, self.buckets.width);
-        let part = |windows: &[Waiting], steps: &[Step]| {
-            let mut children = Children::new(width);
+        let part = |windows: &[WaitingWindow], steps: &[Examination]| {
+            let mut children = TaskChildren::new(width);
             for (waiting, step) in windows.iter().zip(steps) {
                 children.split(waiting, step, surface, kept);
             }
             children
         };
-        let parts: Vec<Children> = match &self.pool {
+        let parts: Vec<TaskChildren> = match &self.pool {
             Some(pool) if windows.len() > CHUNK => pool.install(|| {
                 let pairs = windows.par_chunks(CHUNK).zip(steps.par_chunks(CHUNK));
                 pairs.map(|(windows, steps)| part(windows, steps)).collect()
@@ -206,8 +206,8 @@ impl Pch {
     }
 
     /// The second step of a round, for one window.
-    fn settle<P: Probe>(&mut self, waiting: &Waiting, step: &mut Step, probe: &mut P) {
-        if step.way == Passage::Void {
+    fn settle<P: Probe>(&mut self, waiting: &WaitingWindow, step: &mut Examination, probe: &mut P) {
+        if step.way == CrossingKind::Void {
             probe.add(Counter::Filtered, 1);
             return;
         }
@@ -218,11 +218,11 @@ impl Pch {
             let way = Way::of(&waiting.window, &self.surface.faces().frame(h));
             probe.reach(apex, h.prev(), way);
         }
-        if step.way == Passage::Covers {
+        if step.way == CrossingKind::Covers {
             step.way = match self.angles.split(h, step.d, step.entry) {
-                Split::Occupies => Passage::Occupies,
-                Split::Ties => Passage::Covers,
-                Split::Only(side) => Passage::Past(side),
+                Split::Occupies => CrossingKind::Occupies,
+                Split::Ties => CrossingKind::Covers,
+                Split::Only(side) => CrossingKind::Past(side),
             };
             // Of a window that covers the apex one child may be left: it is no only child.
             step.covers = true;
@@ -230,7 +230,7 @@ impl Pch {
     }
 
     /// The fourth step of a round, for one task.
-    fn gather<P: Probe>(&mut self, part: Children, probe: &mut P) {
+    fn gather<P: Probe>(&mut self, part: TaskChildren, probe: &mut P) {
         probe.add(Counter::Propagated, part.tried);
         probe.add(Counter::Children, part.made);
         probe.raise(Counter::Levels, u64::from(part.level));
@@ -251,7 +251,7 @@ impl Pch {
 
 /// A window that waits to be propagated.
 #[derive(Clone, Copy, Debug)]
-struct Waiting {
+struct WaitingWindow {
     h: HalfEdgeId,
     window: Window,
     lineage: Lineage,
@@ -259,15 +259,20 @@ struct Waiting {
 
 /// Whether a path through one of the vertices around beats all of a window, beyond the doubt that
 /// thin faces leave.
-fn is_beaten(waiting: &Waiting, edge: &Edge, kept: &KeptWindows, surface: &Surface) -> bool {
-    let Waiting { h, window, .. } = *waiting;
+fn is_beaten(
+    waiting: &WaitingWindow,
+    edge: &EdgeView,
+    kept: &KeptWindows,
+    surface: &Surface,
+) -> bool {
+    let WaitingWindow { h, window, .. } = *waiting;
     edge.beats(&window)
         && (kept.is_empty() || is_beaten_beside_thin_faces(h, window, kept, surface))
 }
 
 /// How a window crosses a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-enum Passage {
+enum CrossingKind {
     /// Not at all: it cannot matter any more.
     #[default]
     Void,
@@ -279,22 +284,22 @@ enum Passage {
     Occupies,
 }
 
-/// What a round finds out about one of its windows.
+/// The first pass of a round over one of its windows.
 #[derive(Clone, Copy, Debug, Default)]
-struct Step {
+struct Examination {
     /// The distance that it offers to the apex.
     d: f64,
     /// Where its ray to the apex enters, if it covers that.
     entry: f64,
-    way: Passage,
+    way: CrossingKind,
     covers: bool,
 }
 
-impl Step {
-    /// The first step of a round. Where windows are kept beside thin faces each one `goes_on`, since
-    /// it may have taken the place of others that were equal to it.
-    fn of(waiting: &Waiting, surface: &Surface, angles: &Angles, goes_on: bool) -> Self {
-        let Waiting { h, window, lineage } = waiting;
+impl Examination {
+    /// The first step of a round. Where windows are kept beside thin faces each one `goes_on`,
+    /// since it may have taken the place of others that were equal to it.
+    fn of(waiting: &WaitingWindow, surface: &Surface, angles: &Angles, goes_on: bool) -> Self {
+        let WaitingWindow { h, window, lineage } = waiting;
         let is_stale = surface.distance(lineage.root) < window.sigma;
         if !goes_on && (is_stale || angles.cuts_off(&lineage.guard)) {
             return Self::default();
@@ -305,7 +310,7 @@ impl Step {
             return Self {
                 d: crossing.straight_distance(),
                 entry: crossing.entry(),
-                way: Passage::Covers,
+                way: CrossingKind::Covers,
                 covers: true,
             };
         }
@@ -313,7 +318,7 @@ impl Step {
         Self {
             d: crossing.bent_distance(&view.exit(side)),
             entry: 0.0,
-            way: Passage::Past(side),
+            way: CrossingKind::Past(side),
             covers: false,
         }
     }
@@ -321,16 +326,16 @@ impl Step {
 
 /// The children of the windows of one task.
 #[derive(Debug)]
-struct Children {
+struct TaskChildren {
     width: f64,
     /// Those that the filter lets pass, by bucket, in no order.
-    buckets: Vec<(u64, Vec<Waiting>)>,
+    buckets: Vec<(u64, Vec<WaitingWindow>)>,
     tried: u64,
     made: u64,
     level: u32,
 }
 
-impl Children {
+impl TaskChildren {
     fn new(width: f64) -> Self {
         Self {
             width,
@@ -342,9 +347,15 @@ impl Children {
     }
 
     /// The third step of a round, for one window.
-    fn split(&mut self, waiting: &Waiting, step: &Step, surface: &Surface, kept: &KeptWindows) {
-        let Waiting { h, window, lineage } = waiting;
-        if step.way == Passage::Void {
+    fn split(
+        &mut self,
+        waiting: &WaitingWindow,
+        step: &Examination,
+        surface: &Surface,
+        kept: &KeptWindows,
+    ) {
+        let WaitingWindow { h, window, lineage } = waiting;
+        if step.way == CrossingKind::Void {
             return;
         }
         let view = surface.faces().face_view(*h);
@@ -356,7 +367,7 @@ impl Children {
         for side in [Side::Left, Side::Right] {
             let exit = view.exit(side);
             let takes = match step.way {
-                Passage::Past(only) => only == side,
+                CrossingKind::Past(only) => only == side,
                 _ => true,
             };
             // Of a window that passes the apex on one side the other exit counts as tried, too.
@@ -370,7 +381,7 @@ impl Children {
                 Side::Right => crossing.right_child(&exit),
             };
             let guard = match step.way {
-                Passage::Occupies => Guard::new(*h, step.entry, side),
+                CrossingKind::Occupies => Guard::new(*h, step.entry, side),
                 _ => heir.guard,
             };
             self.send(child, &exit, Lineage { guard, ..heir }, surface, kept);
@@ -389,8 +400,8 @@ impl Children {
             return;
         };
         self.made += 1;
-        let edge = Edge::behind(exit, exit.corners.map(|v| surface.distance(v)));
-        let waiting = Waiting { h, window, lineage };
+        let edge = EdgeView::behind(exit, exit.corners.map(|v| surface.distance(v)));
+        let waiting = WaitingWindow { h, window, lineage };
         if is_beaten(&waiting, &edge, kept, surface) {
             return;
         }
@@ -409,9 +420,9 @@ fn bucket(label: f64, width: f64) -> u64 {
     (label / width) as u64
 }
 
-/// What waits, by distance.
+/// Waiting windows and pseudo-sources, by distance.
 #[derive(Clone, Debug, Default)]
-struct Buckets {
+struct DistanceBuckets {
     width: f64,
     by_number: BTreeMap<u64, Bucket>,
     /// Number of windows.
@@ -420,12 +431,12 @@ struct Buckets {
 
 #[derive(Clone, Debug, Default)]
 struct Bucket {
-    windows: Vec<Waiting>,
+    windows: Vec<WaitingWindow>,
     /// Pseudo-sources, with the distances at which they wait.
     vertices: Vec<(f64, VertexId)>,
 }
 
-impl Buckets {
+impl DistanceBuckets {
     fn at(&mut self, label: f64) -> &mut Bucket {
         self.number(bucket(label, self.width))
     }
@@ -476,7 +487,7 @@ impl Propagate for Pch {
         self.angles.clear();
         self.kept.clear();
         self.buckets.clear();
-        probe.add(Counter::WindowBytes, size_of::<Waiting>() as u64);
+        probe.add(Counter::WindowBytes, size_of::<WaitingWindow>() as u64);
         for &s in sources {
             self.surface.offer(s, 0.0);
         }

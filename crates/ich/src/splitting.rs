@@ -2,14 +2,14 @@
 //! forgotten.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::continuous::{Arrival, Child, Policy, Surface, Turn};
+use geobench_window::continuous::{Arrival, Child, Dequeued, Policy, Surface};
 use geobench_window::trimming::KeptWindows;
 use geobench_window::{
     Counter, Crossing, Phase, Probe, Side, VertexFilter, Window, is_beaten_from_ends,
 };
 
 use crate::angle::{Angles, Split};
-use crate::tree::{Guard, Leaves, Lineage, Node};
+use crate::tree::{Guard, Leaf, Leaves, Lineage};
 
 /// One split at each angle, with or without the vertex filter on arrival.
 ///
@@ -92,7 +92,7 @@ impl Policy for Splitting {
         Counter::Levels,
     ];
 
-    const WINDOW_BYTES: usize = size_of::<Node>();
+    const WINDOW_BYTES: usize = size_of::<Leaf>();
 
     fn reset(&mut self) {
         self.leaves.clear();
@@ -177,7 +177,7 @@ impl Policy for Splitting {
             window = part;
         }
         probe.enter(Phase::Management);
-        let slot = self.leaves.insert(Node {
+        let slot = self.leaves.insert(Leaf {
             window,
             lineage: child.lineage,
         });
@@ -194,11 +194,11 @@ impl Policy for Splitting {
         id: u32,
         surface: &Surface,
         probe: &mut P,
-    ) -> Turn<Lineage> {
+    ) -> Dequeued<Lineage> {
         let window = *self.leaves.window(id);
         match self.release(id, surface, probe) {
-            Some(lineage) => Turn::Now(window, lineage),
-            None => Turn::Void,
+            Some(lineage) => Dequeued::Propagate(window, lineage),
+            None => Dequeued::Stale,
         }
     }
 

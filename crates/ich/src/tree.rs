@@ -49,7 +49,7 @@ impl Guard {
     }
 }
 
-/// What tells whether a window still matters when its turn comes.
+/// The data that decides whether a window still matters when it comes out of the queue.
 #[derive(Clone, Copy, Debug)]
 pub struct Lineage {
     /// The (pseudo-)source.
@@ -62,7 +62,7 @@ pub struct Lineage {
 /// A window that waits to be propagated: one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(crate) struct Node {
+pub(crate) struct Leaf {
     pub(crate) window: Window,
     pub(crate) lineage: Lineage,
 }
@@ -73,7 +73,7 @@ const NONE: u32 = u32::MAX;
 /// Nodes in reused slots.
 #[derive(Clone, Debug)]
 pub(crate) struct Leaves {
-    nodes: Vec<Node>,
+    nodes: Vec<Leaf>,
     /// The slot that was left last; its level is the number of the one that was left before it.
     free: u32,
     len: usize,
@@ -91,7 +91,7 @@ impl Default for Leaves {
 
 impl Leaves {
     #[inline]
-    pub(crate) fn insert(&mut self, node: Node) -> u32 {
+    pub(crate) fn insert(&mut self, node: Leaf) -> u32 {
         self.len += 1;
         let slot = self.free;
         if let Some(place) = self.nodes.get_mut(slot as usize) {
@@ -159,6 +159,6 @@ mod tests {
             );
             assert_eq!([left.beyond(0.0), right.beyond(0.0)], [0.25, -0.25]);
         }
-        assert_eq!(size_of::<Node>(), 64);
+        assert_eq!(size_of::<Leaf>(), 64);
     }
 }

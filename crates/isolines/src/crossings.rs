@@ -9,14 +9,14 @@ const BESIDE: f64 = 1e-9;
 
 /// A part of an edge that is nearer than the level.
 #[derive(Clone, Copy)]
-struct Part {
+struct NearPart {
     from: f64,
     to: f64,
     /// Whether it starts, and ends, where its window does, though points beyond are near, too.
     cut: [bool; 2],
 }
 
-impl Part {
+impl NearPart {
     fn of(w: Window, level: f64) -> Option<Self> {
         let radius = level - w.sigma;
         let half = radius * radius - w.py * w.py;
@@ -45,10 +45,10 @@ pub(crate) fn crossings(
     l: f64,
     level: f64,
 ) -> Vec<f64> {
-    let mut parts: Vec<Part> = windows.filter_map(|w| Part::of(w, level)).collect();
+    let mut parts: Vec<NearPart> = windows.filter_map(|w| NearPart::of(w, level)).collect();
     if ends[0] < level {
         let to = level - ends[0];
-        parts.push(Part {
+        parts.push(NearPart {
             from: 0.0,
             to: to.min(l),
             cut: [true, to > l],
@@ -56,14 +56,14 @@ pub(crate) fn crossings(
     }
     if ends[1] < level {
         let from = l - (level - ends[1]);
-        parts.push(Part {
+        parts.push(NearPart {
             from: from.max(0.0),
             to: l,
             cut: [from < 0.0, true],
         });
     }
     parts.sort_by(|a, b| a.from.total_cmp(&b.from).then(b.to.total_cmp(&a.to)));
-    let mut joined: Vec<Part> = Vec::new();
+    let mut joined: Vec<NearPart> = Vec::new();
     for part in parts {
         if let Some(last) = joined.last_mut() {
             let gap = match (last.cut[1], part.cut[0]) {

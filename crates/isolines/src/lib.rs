@@ -67,8 +67,8 @@ pub enum FieldError {
     Solve(#[from] SolveError),
 }
 
-/// The distance of all points of a surface from the nearest of some sources: what MMP leaves when it
-/// keeps all windows. See the [example](crate).
+/// The distance of all points of a surface from the nearest of some sources: what MMP leaves when
+/// it keeps all windows. See the [example](crate).
 pub struct Field {
     mesh: Mesh,
     /// With a vertex at each source.
@@ -85,7 +85,7 @@ pub struct Field {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Isoline {
     /// The distance asked for. Where vertices are at this distance up to rounding, the lines are
-    /// those of a distance that is smaller by about 1e-11 of it.
+    /// those of a distance that is smaller by about 1e-11 of itself.
     pub distance: f64,
     /// The components: loops, and lines between points of the boundary.
     pub lines: Vec<Line>,
@@ -180,8 +180,8 @@ impl Field {
         &self.mesh
     }
 
-    /// The multiples of `step` up to the farthest point of the surface, which may lie inside a face;
-    /// none if `step` is not positive, and at most 100,000.
+    /// The multiples of `step` up to the farthest point of the surface, which may lie inside a
+    /// face; none if `step` is not positive, and at most 100,000.
     pub fn levels_every(&self, step: f64) -> Vec<f64> {
         let farthest = self.sorted.last().copied().unwrap_or(0.0);
         let mut levels = Vec::new();

@@ -211,8 +211,8 @@ impl FaceSites {
         left(a, b) && left(b, c) && left(c, a)
     }
 
-    /// Whether site `i`, of which `x` is at distance `level`, is the nearest one there: the first of
-    /// several equally near.
+    /// Whether site `i`, of which `x` is at distance `level`, is the nearest one there: the first
+    /// of several equally near.
     fn is_nearest(&self, i: usize, x: Point, level: f64, slack: f64) -> bool {
         let rivals = self.sites.iter().enumerate();
         let mut rivals = rivals.filter(|&(j, _)| j != i);
@@ -222,7 +222,7 @@ impl FaceSites {
         })
     }
 
-    /// Whether the face is so thin that rounding decides what is inside.
+    /// Whether the face is so thin that rounding decides which points lie inside.
     fn is_flat(&self, level: f64) -> bool {
         let [a, b, c] = self.corners;
         let height = cross(sub(b, a), sub(c, a)) / self.size;
@@ -236,8 +236,8 @@ impl FaceSites {
         nearest.map(|(i, _)| i)
     }
 
-    /// The arcs of circles at distance `level` inside the face; none in a face without height, which
-    /// a line crosses from one point to the same one. O(k² + a k) for k sites and a pieces
+    /// The arcs of circles at distance `level` inside the face; none in a face without height,
+    /// which a line crosses from one point to the same one. O(k² + a k) for k sites and a pieces
     /// into which others cut their circles.
     pub(crate) fn arcs(&self, level: f64) -> Vec<SiteArc> {
         let mut arcs: Vec<SiteArc> = Vec::new();
@@ -272,9 +272,9 @@ impl FaceSites {
         arcs
     }
 
-    /// The angles, in order, at which the circle of site `i` at distance `level` may come to an end:
-    /// at the sides of its cone, at those of the face, at circles of others and at the sides of
-    /// their cones.
+    /// The angles, in order, at which the circle of site `i` at distance `level` may come to an
+    /// end: at the sides of its cone, at those of the face, at circles of others and at the sides
+    /// of their cones.
     fn cuts(&self, i: usize, level: f64, slack: f64, cuts: &mut Vec<f64>) {
         let site = &self.sites[i];
         let radius = site.radius(level);

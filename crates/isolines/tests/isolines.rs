@@ -271,7 +271,7 @@ fn isolines_of_a_cylinder_pass_the_cut_locus() {
         // Beyond the cut locus, at most the height of the boundary away: two lines around.
         for r in [4.0_f64, 4.2, 5.0, 5.5] {
             let isoline = field.isoline(r);
-            // What is on this side of the cut locus and between both boundaries.
+            // The part on this side of the cut locus and between both boundaries.
             let beyond = if r > half { (half / r).acos() } else { 0.0 };
             let outside = if r > y { (y / r).acos() } else { 0.0 };
             let expected = 4.0 * r * (PI / 2.0 - beyond - outside).max(0.0);
@@ -286,8 +286,8 @@ fn isolines_of_a_cylinder_pass_the_cut_locus() {
     }
 }
 
-/// The distances of some points of `lines` from `sources`, each by another solver on a mesh that has
-/// it as a vertex.
+/// The distances of some points of `lines` from `sources`, each by another solver on a mesh that
+/// has it as a vertex.
 fn distances_along(
     mesh: &Mesh,
     sources: &[SurfacePoint],
@@ -315,7 +315,7 @@ fn distances_along(
 /// About how many arcs of an isoline are looked at.
 const MOST: usize = 12;
 
-/// Looks at isolines of `mesh` at some distances, and returns what is wrong with them.
+/// Checks isolines of `mesh` at some distances, and returns the errors.
 fn faults(
     name: &str,
     mesh: &Mesh,

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use geobench_mesh::HalfEdgeId;
 use geobench_window::Window;
-use geobench_window::continuous::Edge;
+use geobench_window::continuous::EdgeView;
 use geobench_window::precision::MARGIN;
 
 /// A store of lists that can be evicted one by one.
@@ -24,7 +24,7 @@ pub(crate) trait Evictable {
     /// Whether list `i` on `edge` has been evicted and `window` comes too late to provide any
     /// shortest path. An evicted list that `window` can still improve is reopened.
     #[inline]
-    fn rejects_late_arrival(&mut self, i: usize, window: &Window, edge: &Edge) -> bool {
+    fn rejects_late_arrival(&mut self, i: usize, window: &Window, edge: &EdgeView) -> bool {
         if !self.is_evicted(i) {
             return false;
         }
@@ -37,6 +37,19 @@ pub(crate) trait Evictable {
 }
 
 /// Which windows stay in memory until the end of a run.
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_mmp::{Retention, mmp_batched};
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let mut all = mmp_batched(&mesh, 1.0);
+/// let mut few = mmp_batched(&mesh, 1.0).retaining(Retention::Wavefront);
+/// let (a, b) = (all.distances_from(5)?, few.distances_from(5)?);
+/// assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= 1e-12 * b));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Retention {
     /// All that trimming leaves, as in the papers. The distance is then known at every point of

@@ -11,7 +11,7 @@
 //! | [`mmp`] | one window at a time, nearest first; the papers' algorithm | all windows | none |
 //! | [`mmp_edge`] | the same, trimming both half-edges of an edge together (Liu 2013) | all windows | none |
 //! | [`mmp_batched`] | all due windows of a half-edge at a time | all windows | none |
-//! | [`mmp_fast`] | the same with everything that saves time | the windows around the wavefront | that of ICH |
+//! | [`mmp_fast`] | the same with every improvement of time and memory | the windows around the wavefront | that of ICH |
 //!
 //! Distances are the same in all forms, because they do not depend on the order in which windows
 //! are taken; only the number of windows does. [`Trimming`] is the policy of the single form, and
@@ -75,6 +75,17 @@ pub fn mmp(mesh: &Mesh) -> Mmp {
 /// Sets the edge-based variant of [`mmp`] up for `mesh`; O(faces).
 ///
 /// It stores fewer windows than [`mmp`], and needs more work for each.
+///
+/// ```
+/// use geobench_mmp::mmp_edge;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let distances = mmp_edge(&mesh).distances_from(0)?;
+/// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn mmp_edge(mesh: &Mesh) -> Mmp {
     single(mesh, Carrier::Edge)
 }
@@ -109,6 +120,17 @@ pub fn mmp_fast(mesh: &Mesh) -> Batched<NearestLists> {
 /// At a slack of 1, the [default](NearestLists::SLACK) of [`mmp_fast`], it propagates 0.3 to 1 %
 /// more windows in half of the time on scans. At 0 the order is that of [`mmp`] but for windows
 /// equally near, and a run takes 1.1 to 1.8 times as long. A negative slack and NaN count as 0.
+///
+/// ```
+/// use geobench_mmp::mmp_batched;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let distances = mmp_batched(&mesh, 0.5).distances_from(0)?;
+/// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn mmp_batched(mesh: &Mesh, slack: f64) -> Batched<NearestLists> {
     Batched::new(mesh, NearestLists::new(mesh, slack))
 }

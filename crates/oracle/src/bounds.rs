@@ -4,19 +4,22 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::scalar::Scalar;
-use crate::surface::{Surface, next, prev};
+use crate::surface::{PreciseSurface, next, prev};
 
 /// An upper bound: the shortest ways along edges only, infinite where there is none.
 ///
 /// # Panics
 ///
 /// When a source is not a vertex.
-pub fn edge_graph_distances<S: Scalar>(surface: &Surface<S>, sources: &[u32]) -> Vec<f64> {
+pub fn edge_graph_distances<S: Scalar>(surface: &PreciseSurface<S>, sources: &[u32]) -> Vec<f64> {
     crate::rounded(&edge_graph(surface, sources))
 }
 
 /// Dijkstra over the edges, by search for the nearest open vertex: quadratic, and plain.
-pub(crate) fn edge_graph<S: Scalar>(surface: &Surface<S>, sources: &[u32]) -> Vec<Option<S>> {
+pub(crate) fn edge_graph<S: Scalar>(
+    surface: &PreciseSurface<S>,
+    sources: &[u32],
+) -> Vec<Option<S>> {
     let mut best = vec![None; surface.vertex_count()];
     for &source in sources {
         best[source as usize] = Some(S::zero());
@@ -70,7 +73,7 @@ pub fn euclidean_distances(positions: &[[f64; 3]], sources: &[u32]) -> Vec<f64> 
 ///
 /// When a source is not a vertex.
 pub fn steiner_distances(
-    surface: &Surface<f64>,
+    surface: &PreciseSurface<f64>,
     sources: &[u32],
     points_per_edge: usize,
 ) -> Vec<f64> {
@@ -112,7 +115,7 @@ struct SteinerGraph {
 }
 
 impl SteinerGraph {
-    fn new(surface: &Surface<f64>, points: usize) -> Self {
+    fn new(surface: &PreciseSurface<f64>, points: usize) -> Self {
         let vertices = surface.vertex_count();
         let mut first_point = vec![usize::MAX; surface.sides.len()];
         let mut extra = 0;

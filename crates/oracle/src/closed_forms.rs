@@ -25,8 +25,8 @@ impl ClosedForm {
         }
     }
 
-    /// The distance between two vertices, good to some 1e-15 of it; `None` for the pairs that the
-    /// formula does not cover.
+    /// The distance between two vertices, with a relative error of some 1e-15; `None` for the pairs
+    /// that the formula does not cover.
     pub fn distance(&self, from: u32, to: u32) -> Option<f64> {
         (self.formula)(from, to)
     }

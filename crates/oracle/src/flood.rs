@@ -5,7 +5,7 @@ use std::fmt;
 
 use crate::bounds::edge_graph;
 use crate::scalar::Scalar;
-use crate::surface::{Surface, next, prev};
+use crate::surface::{PreciseSurface, next, prev};
 
 /// How far beyond the largest distance still wanted a line is followed.
 const MARGIN: f64 = 1.0 + 1e-9;
@@ -87,7 +87,7 @@ impl Error for GaveUp {}
 /// # Panics
 ///
 /// When a source is not a vertex.
-pub fn distances<S: Scalar>(surface: &Surface<S>, sources: &[u32]) -> Vec<Option<S>> {
+pub fn distances<S: Scalar>(surface: &PreciseSurface<S>, sources: &[u32]) -> Vec<Option<S>> {
     match search(surface, sources, Search::EXHAUSTIVE) {
         Ok(distances) => distances,
         Err(gave_up) => unreachable!("{gave_up}, but it may take any number of them"),
@@ -113,7 +113,7 @@ pub fn distances<S: Scalar>(surface: &Surface<S>, sources: &[u32]) -> Vec<Option
 ///
 /// When a source is not a vertex.
 pub fn search<S: Scalar>(
-    surface: &Surface<S>,
+    surface: &PreciseSurface<S>,
     sources: &[u32],
     search: Search,
 ) -> Result<Vec<Option<S>>, GaveUp> {
@@ -168,7 +168,7 @@ fn offer<S: Scalar>(best: &mut Option<S>, length: S) {
 
 /// The lines from one vertex.
 struct Lines<'a, S> {
-    surface: &'a Surface<S>,
+    surface: &'a PreciseSurface<S>,
     /// Distance of the vertex.
     start: S,
     /// Distance up to which they are followed.
@@ -248,7 +248,7 @@ impl<S: Scalar> Lines<'_, S> {
 
 /// Where the line to the apex crosses the beam's side, and the length of the shortest way to the
 /// apex through the beam: straight if the crossing lies within the beam, else along its end ray.
-fn reach_apex<S: Scalar>(surface: &Surface<S>, beam: &Beam<S>) -> (S, S) {
+fn reach_apex<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>) -> (S, S) {
     let [cx, cy] = surface.sides[beam.side].apex;
     let [px, py] = beam.origin;
     let split = (cy * px - py * cx) / (cy - py);
@@ -262,7 +262,7 @@ fn reach_apex<S: Scalar>(surface: &Surface<S>, beam: &Beam<S>) -> (S, S) {
 }
 
 /// The lines that leave through the side from the tail to the apex.
-fn left_part<S: Scalar>(surface: &Surface<S>, beam: &Beam<S>, split: S) -> Option<Beam<S>> {
+fn left_part<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>, split: S) -> Option<Beam<S>> {
     let entered = surface.sides[beam.side];
     let left = surface.sides[prev(beam.side)];
     let side = left.twin?;
@@ -290,7 +290,7 @@ fn left_part<S: Scalar>(surface: &Surface<S>, beam: &Beam<S>, split: S) -> Optio
 }
 
 /// The lines that leave through the side from the apex to the head.
-fn right_part<S: Scalar>(surface: &Surface<S>, beam: &Beam<S>, split: S) -> Option<Beam<S>> {
+fn right_part<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>, split: S) -> Option<Beam<S>> {
     let entered = surface.sides[beam.side];
     let right = surface.sides[next(beam.side)];
     let side = right.twin?;
@@ -322,7 +322,7 @@ fn right_part<S: Scalar>(surface: &Surface<S>, beam: &Beam<S>, split: S) -> Opti
 /// How far the foot of the apex of a side lies before the head: the length less the abscissa, which
 /// would lose the digits of a short side there. The side from the head on and this one project on
 /// each other alike.
-fn from_head<S: Scalar>(surface: &Surface<S>, side: usize) -> S {
+fn from_head<S: Scalar>(surface: &PreciseSurface<S>, side: usize) -> S {
     let ahead = &surface.sides[next(side)];
     ahead.apex[0] * ahead.length / surface.sides[side].length
 }

@@ -12,7 +12,7 @@
 //! either positions or edge lengths. It is generic over the scalar, [`f64`] or [`DoubleDouble`]
 //! with some 31 digits, which tells rounding errors from mistakes.
 //!
-//! * [`Surface`]: the triangles, from positions or from edge lengths.
+//! * [`PreciseSurface`]: the triangles, from positions or from edge lengths.
 //! * [`distances`]: the oracle; [`search`] is the same with a bound on its work.
 //! * [`edge_graph_distances`], [`steiner_distances`], [`euclidean_distances`]: bounds from above,
 //!   from above and from below that share nothing with unfolding.
@@ -40,7 +40,7 @@ pub use model::{Geometry, Model};
 pub use random::Random;
 pub use scalar::Scalar;
 pub use subdivide::{Subdivision, subdivide};
-pub use surface::Surface;
+pub use surface::PreciseSurface;
 
 /// Distances rounded to `f64`, infinite where there is no path.
 pub fn rounded<S: Scalar>(distances: &[Option<S>]) -> Vec<f64> {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::random::Random;
 use crate::scalar::Scalar;
-use crate::surface::Surface;
+use crate::surface::PreciseSurface;
 
 /// What fixes the shape of a [`Model`].
 #[derive(Clone, Debug, PartialEq)]
@@ -131,12 +131,14 @@ impl Model {
     }
 
     /// What the oracle works on.
-    pub fn surface<S: Scalar>(&self) -> Surface<S> {
+    pub fn surface<S: Scalar>(&self) -> PreciseSurface<S> {
         match &self.geometry {
-            Geometry::Positions(positions) => Surface::from_positions(positions, &self.triangles),
+            Geometry::Positions(positions) => {
+                PreciseSurface::from_positions(positions, &self.triangles)
+            }
             Geometry::Lengths(lengths) => {
                 let lengths: Vec<_> = lengths.iter().map(|l| l.map(S::from_f64)).collect();
-                Surface::from_lengths(self.vertex_count, &self.triangles, &lengths)
+                PreciseSurface::from_lengths(self.vertex_count, &self.triangles, &lengths)
             }
         }
     }

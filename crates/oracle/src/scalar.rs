@@ -27,7 +27,7 @@ pub trait Scalar:
     /// be told apart well enough to aim by: rounding, as seen over that height, is a visible angle.
     const THIN: f64;
 
-    /// By what part of it a path must be longer than another to be dropped for it: well above the
+    /// The relative excess of length from which a path is dropped for another: well above the
     /// rounding of both.
     const LEAD: f64;
 

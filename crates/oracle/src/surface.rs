@@ -14,7 +14,7 @@ const LIFT: f64 = 1.0 / (1_u128 << 120) as f64 / (1_u64 << 40) as f64;
 /// Side `3 * triangle + corner`, in its own frame: tail at the origin, head at `(length, 0)`, the
 /// third vertex of its triangle at `apex`, above.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Side<S> {
+pub(crate) struct SideFrame<S> {
     pub(crate) tail: usize,
     pub(crate) twin: Option<usize>,
     pub(crate) length: S,
@@ -23,8 +23,8 @@ pub(crate) struct Side<S> {
 
 /// A surface of triangles, with every number in the precision of `S`.
 #[derive(Clone, Debug)]
-pub struct Surface<S> {
-    pub(crate) sides: Vec<Side<S>>,
+pub struct PreciseSurface<S> {
+    pub(crate) sides: Vec<SideFrame<S>>,
     /// The sides that leave each vertex, in no order.
     pub(crate) leaving: Vec<Vec<usize>>,
     bends: Vec<bool>,
@@ -42,7 +42,7 @@ pub(crate) const fn prev(side: usize) -> usize {
     side - side % 3 + (side + 2) % 3
 }
 
-impl<S: Scalar> Surface<S> {
+impl<S: Scalar> PreciseSurface<S> {
     /// The surface of `triangles` between points of space. Triangles may have no area; vertices
     /// may be isolated; several fans may meet in a vertex.
     ///
@@ -106,7 +106,7 @@ impl<S: Scalar> Surface<S> {
         for (t, triangle) in triangles.iter().enumerate() {
             for (k, (length, apex)) in frames(t).into_iter().enumerate() {
                 let (tail, head) = (triangle[k] as usize, triangle[(k + 1) % 3] as usize);
-                sides.push(Side {
+                sides.push(SideFrame {
                     tail,
                     twin: by_ends.get(&(head, tail)).copied(),
                     length,

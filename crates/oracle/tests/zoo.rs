@@ -2,9 +2,9 @@
 
 use std::collections::HashSet;
 
-use geobench_oracle::{DoubleDouble, Model, Scalar, Surface, distances, rounded, zoo};
+use geobench_oracle::{DoubleDouble, Model, PreciseSurface, Scalar, distances, rounded, zoo};
 
-fn from<S: Scalar>(surface: &Surface<S>, source: u32) -> Vec<f64> {
+fn from<S: Scalar>(surface: &PreciseSurface<S>, source: u32) -> Vec<f64> {
     rounded(&distances(surface, &[source]))
 }
 

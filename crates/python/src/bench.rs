@@ -13,7 +13,7 @@ use geobench::measure::conditions::{self, Snapshot};
 use geobench::measure::host;
 use geobench::plan::sampling::Sampling;
 use geobench::plan::{self, Plan, Reference};
-use geobench::registry::{self, Simd};
+use geobench::registry::{self, SimdChoice};
 use geobench::run;
 use geobench::schema::{
     GroupRecord, IsolationRecord, Precision, ResultFile, SCHEMA, SessionRecord,
@@ -95,7 +95,7 @@ pub(crate) fn run_to_json(
     let wrong = |name: &str, error: &dyn std::fmt::Display| {
         PyValueError::new_err(format!("{name}: {error}"))
     };
-    let simd: Simd = simd.parse().map_err(|error| wrong("simd", &error))?;
+    let simd: SimdChoice = simd.parse().map_err(|error| wrong("simd", &error))?;
     let selected = registry::select(algorithms).map_err(|error| wrong("algorithms", &error))?;
     if let Some(outside) = selected.iter().find(|a| a.outside_name().is_some()) {
         return Err(PyValueError::new_err(format!(

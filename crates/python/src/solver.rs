@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread;
 
-use geobench::registry::{self, MOST_THREADS, Selection, Simd};
+use geobench::registry::{self, MOST_THREADS, Selection, SimdChoice};
 use geodesic::window::{Counter, PhaseSampler, precision};
 use geodesic::{Goal, Mesh, Path, PathError, Paths, SolveError, Solver as Solve, Stop, VertexId};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -69,7 +69,7 @@ pub(crate) fn selection(name: &str, threads: Option<u32>, simd: &str) -> PyResul
              run`"
         )));
     }
-    let simd: Simd = simd
+    let simd: SimdChoice = simd
         .parse()
         .map_err(|error| PyValueError::new_err(format!("simd: {error}")))?;
     let selection = selection.with_simd(simd);

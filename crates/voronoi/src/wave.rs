@@ -163,13 +163,9 @@ impl Wave {
         let mesh = self.mesh.clone();
         for &h in mesh.outgoing(v) {
             self.reach(h.face().index(), sigma);
-            for (k, edge) in self.faces.edges_at_tail(h).into_iter().enumerate() {
-                let Some((end, length)) = edge else {
-                    continue;
-                };
-                if self.offer(end, sigma + length, source) && P::TRACES {
-                    let (corner, way) = [(h.next(), Way::FromHead), (h.prev(), Way::FromTail)][k];
-                    probe.reach(end, corner, way);
+            for path in self.faces.edge_paths(h) {
+                if self.offer(path.end, sigma + path.length, source) && P::TRACES {
+                    probe.reach(path.end, path.corner, path.way);
                 }
             }
             if let Some((target, window)) = spawn_window(&self.faces, h, sigma) {

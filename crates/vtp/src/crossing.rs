@@ -8,18 +8,18 @@ use std::marker::PhantomData;
 use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::exits::Rule;
 use crate::engine::kernels::{Carried, Gate, Measured, Target, Triangle, carry, measure};
+use crate::engine::layout::MeshLayout;
 use crate::engine::store::Columns;
-use crate::engine::surface::Surface;
 use crate::pruning::Pairs;
 use geobench_window::simd::Lanes;
-use geobench_window::simd::Program;
+use geobench_window::simd::SimdProgram;
 
-/// Takes the lists of a half-edge in hand, as far as filter and comparisons leave them, and
-/// measures them.
+/// Makes the windows of a half-edge that filter and comparisons leave the active list, and measures
+/// them.
 pub(crate) struct Inspect<'a, P> {
     lists: [Columns<'a>; 2],
     active: &'a mut ActiveList,
-    surface: &'a Surface,
+    layout: &'a MeshLayout,
     h: u32,
     gate: &'a Gate,
     pairs: PhantomData<P>,
@@ -31,14 +31,14 @@ impl<'a, P> Inspect<'a, P> {
     pub(crate) fn new(
         lists: [Columns<'a>; 2],
         active: &'a mut ActiveList,
-        surface: &'a Surface,
+        layout: &'a MeshLayout,
         h: u32,
         gate: &'a Gate,
     ) -> Self {
         Self {
             lists,
             active,
-            surface,
+            layout,
             h,
             gate,
             pairs: PhantomData,
@@ -46,19 +46,19 @@ impl<'a, P> Inspect<'a, P> {
     }
 }
 
-impl<P: Pairs> Program for Inspect<'_, P> {
+impl<P: Pairs> SimdProgram for Inspect<'_, P> {
     type Output = Measured;
 
     #[inline(always)]
     fn run<L: Lanes>(self, simd: L::Token) -> Measured {
         let Self { active, gate, .. } = self;
         active.take::<L>(simd, self.lists, gate);
-        P::prune::<L>(simd, active, self.surface, self.h);
+        P::prune::<L>(simd, active, self.layout, self.h);
         active.measure::<L>(simd, gate)
     }
 }
 
-/// Takes the list in hand across its face.
+/// Propagates the active list across its face.
 pub(crate) struct Carry<'a, 'b, R> {
     active: &'a ActiveList,
     triangle: &'a Triangle,
@@ -68,7 +68,7 @@ pub(crate) struct Carry<'a, 'b, R> {
 }
 
 impl<'a, 'b, R> Carry<'a, 'b, R> {
-    /// For the list in `hand`, which has been measured; the targets must have room for what was
+    /// For the list in `active`, which has been measured; the targets must have room for what was
     /// counted then.
     #[inline]
     pub(crate) fn new(
@@ -88,7 +88,7 @@ impl<'a, 'b, R> Carry<'a, 'b, R> {
     }
 }
 
-impl<R: Rule> Program for Carry<'_, '_, R> {
+impl<R: Rule> SimdProgram for Carry<'_, '_, R> {
     type Output = Carried;
 
     #[inline(always)]
@@ -115,7 +115,7 @@ pub(crate) struct Least<'a> {
     pub(crate) keep: &'a mut Vec<u8>,
 }
 
-impl Program for Least<'_> {
+impl SimdProgram for Least<'_> {
     type Output = f64;
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! Through which exits of its face a window may leave.
+//! The exits of its face through which a window may leave.
 
 // The engine is private, so that other crates cannot implement the trait here.
 #![allow(private_bounds, private_interfaces)]
@@ -7,16 +7,16 @@ use crate::crossing::Least;
 use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::Gate;
 use crate::engine::kernels::exits::{BestPath, EveryBetterPath, Free, Reach, Rule};
-use crate::engine::surface::{Surface, half_edge, next, parts, prev};
+use crate::engine::layout::{MeshLayout, half_edge, next, parts, prev};
 use crate::front::Front;
 use geobench_window::simd::Simd;
 
 /// A list about to cross a face.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Crossing<'a> {
+pub(crate) struct ListCrossing<'a> {
     /// The half-edge through which it enters.
     pub(crate) h: u32,
-    /// What is left of the list.
+    /// The windows that remain of the list.
     pub(crate) active: &'a ActiveList,
     pub(crate) gate: Gate,
     /// The shortest of its paths to the apex, and the length of that.
@@ -24,11 +24,11 @@ pub(crate) struct Crossing<'a> {
     pub(crate) distance: f64,
     /// The windows that wait elsewhere.
     pub(crate) front: &'a Front,
-    pub(crate) surface: &'a Surface,
+    pub(crate) layout: &'a MeshLayout,
     pub(crate) simd: Simd,
 }
 
-impl Crossing<'_> {
+impl ListCrossing<'_> {
     /// The other two half-edges of the face, those that start and end at the apex reversed: the one
     /// behind the head B, and the one before the tail A.
     fn others(&self) -> [u32; 2] {
@@ -39,7 +39,7 @@ impl Crossing<'_> {
 
 /// Decides through which exits the windows of a list may leave the face that they cross.
 pub trait Exits: Send {
-    /// What the pass across the face asks about each window.
+    /// The test that the pass across the face applies to each window.
     #[doc(hidden)]
     type Rule<'a>: Rule
     where
@@ -52,7 +52,7 @@ pub trait Exits: Send {
     fn reset(&mut self) {}
 
     /// A list is about to cross.
-    fn enter(&mut self, crossing: &Crossing<'_>) -> Self::Rule<'_>;
+    fn enter(&mut self, crossing: &ListCrossing<'_>) -> Self::Rule<'_>;
 }
 
 /// Every ray leaves where it leads: rule 1 switched off.
@@ -67,7 +67,7 @@ impl Exits for AnyExit {
     }
 
     #[inline]
-    fn enter(&mut self, _: &Crossing<'_>) -> Free {
+    fn enter(&mut self, _: &ListCrossing<'_>) -> Free {
         Free
     }
 }
@@ -84,7 +84,7 @@ impl Exits for OneAngleTwoSides {
     }
 
     #[inline]
-    fn enter(&mut self, crossing: &Crossing<'_>) -> BestPath {
+    fn enter(&mut self, crossing: &ListCrossing<'_>) -> BestPath {
         crossing.best
     }
 }
@@ -110,7 +110,7 @@ impl Exits for AcrossTheFace {
         self.records.reset();
     }
 
-    fn enter(&mut self, crossing: &Crossing<'_>) -> (BestPath, Reach) {
+    fn enter(&mut self, crossing: &ListCrossing<'_>) -> (BestPath, Reach) {
         self.records.note(crossing);
         let [tail, head] = crossing.others().map(|h| self.records.least(h));
         let l = crossing.gate.l;
@@ -144,7 +144,7 @@ impl Exits for EveryPath {
         self.records.reset();
     }
 
-    fn enter(&mut self, crossing: &Crossing<'_>) -> Self::Rule<'_> {
+    fn enter(&mut self, crossing: &ListCrossing<'_>) -> Self::Rule<'_> {
         self.records.note(crossing);
         let [tail, head] = crossing.others().map(|h| {
             let waiting = least_waiting(crossing, h, &mut self.keep);
@@ -170,8 +170,8 @@ impl Exits for EveryPath {
 }
 
 /// The shortest path of the windows that wait on `h` to the apex of its face.
-fn least_waiting(crossing: &Crossing<'_>, h: u32, keep: &mut Vec<u8>) -> f64 {
-    let gate = crossing.surface.gate(h, [f64::INFINITY; 2]);
+fn least_waiting(crossing: &ListCrossing<'_>, h: u32, keep: &mut Vec<u8>) -> f64 {
+    let gate = crossing.layout.gate(h, [f64::INFINITY; 2]);
     let lists = crossing.front.lists(h).into_iter();
     let lengths = lists.filter(|list| !list.is_empty()).map(|list| {
         let keep = &mut *keep;
@@ -204,7 +204,7 @@ impl PathRecords {
         self.least.fill(f64::INFINITY);
     }
 
-    fn note(&mut self, crossing: &Crossing<'_>) {
+    fn note(&mut self, crossing: &ListCrossing<'_>) {
         let least = &mut self.least[crossing.h as usize];
         *least = least.min(crossing.distance);
     }

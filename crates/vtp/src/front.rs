@@ -3,8 +3,8 @@
 use geobench_window::Window;
 use geobench_window::queue::MinHeap;
 
+use crate::engine::layout::{half_edge, parts};
 use crate::engine::store::{Block, COLUMNS, Columns, NO_LIST, WindowStore};
-use crate::engine::surface::{half_edge, parts};
 
 /// From which side of the face below its half-edge a window came.
 ///
@@ -12,17 +12,17 @@ use crate::engine::surface::{half_edge, parts};
 /// the windows that come as left children lie before those that come as right children, so that
 /// keeping two lists and reading one after the other keeps windows in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Arrival {
+pub(crate) enum ChildSide {
     /// Through the left exit of a face.
     AsLeftChild = 0,
     /// Through the right exit of a face, or from the vertex opposite the half-edge.
     AsRightChild = 1,
 }
 
-/// What changes at a face: half a cache line.
+/// The lists and the state of a face: half a cache line.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(32))]
-struct Place {
+struct FaceLists {
     /// The two lists that wait on each half-edge.
     lists: [[u32; 2]; 3],
     /// The step in which the face joined the area; none of this run if it has not.
@@ -36,7 +36,7 @@ struct Place {
 /// border of the area.
 #[derive(Clone, Debug)]
 pub(crate) struct Front {
-    places: Vec<Place>,
+    places: Vec<FaceLists>,
     store: WindowStore,
     /// The number of this step, and of the last one before this run.
     step: u32,
@@ -58,7 +58,7 @@ impl Front {
         Self {
             thin,
             nearest: MinHeap::default(),
-            places: vec![Place::default(); faces],
+            places: vec![FaceLists::default(); faces],
             store: WindowStore::new(),
             step: 0,
             before: 0,
@@ -213,7 +213,7 @@ impl Front {
     /// A list for `more` windows to come to `h`, behind those that came the same way, or alone:
     /// then it has to be [inserted](Self::insert).
     #[inline]
-    pub(crate) fn reserve(&mut self, h: u32, arrival: Arrival, more: usize, alone: bool) -> u32 {
+    pub(crate) fn reserve(&mut self, h: u32, arrival: ChildSide, more: usize, alone: bool) -> u32 {
         let (face, corner) = parts(h);
         let list = self.places[face].lists[corner][arrival as usize];
         self.store.reserve(if alone { NO_LIST } else { list }, more)
@@ -222,7 +222,7 @@ impl Front {
     /// The windows of `list`, from [`reserve`](Self::reserve), now are the first `len` of its
     /// block; the list waits on `h`.
     #[inline]
-    pub(crate) fn arrive(&mut self, h: u32, arrival: Arrival, list: u32, len: usize) {
+    pub(crate) fn arrive(&mut self, h: u32, arrival: ChildSide, list: u32, len: usize) {
         let (face, corner) = parts(h);
         self.places[face].lists[corner][arrival as usize] = self.store.set_len(list, len);
     }
@@ -264,7 +264,7 @@ impl Front {
     pub(crate) fn push(
         &mut self,
         h: u32,
-        arrival: Arrival,
+        arrival: ChildSide,
         window: [f64; COLUMNS],
     ) -> (u32, usize) {
         let list = self.reserve(h, arrival, 1, false);
@@ -328,9 +328,9 @@ mod tests {
         let mut front = Front::new(2, Vec::new());
         let h = half_edge(1, 2);
         for round in 0..3 {
-            front.push(h, Arrival::AsRightChild, window(3.0));
-            front.push(h, Arrival::AsLeftChild, window(1.0));
-            front.push(h, Arrival::AsLeftChild, window(2.0));
+            front.push(h, ChildSide::AsRightChild, window(3.0));
+            front.push(h, ChildSide::AsLeftChild, window(1.0));
+            front.push(h, ChildSide::AsLeftChild, window(2.0));
             assert_eq!(front.waiting(), 3, "round {round}");
             assert_eq!(starts(&front, h), [1.0, 2.0, 3.0]);
             front.clear(h);
@@ -343,14 +343,14 @@ mod tests {
     fn late_windows_are_put_in_their_places() {
         let mut front = Front::new(1, Vec::new());
         for (arrival, b0) in [
-            (Arrival::AsRightChild, 4.0),
-            (Arrival::AsLeftChild, 2.0),
-            (Arrival::AsLeftChild, 3.0),
+            (ChildSide::AsRightChild, 4.0),
+            (ChildSide::AsLeftChild, 2.0),
+            (ChildSide::AsLeftChild, 3.0),
         ] {
             front.push(0, arrival, window(b0));
         }
         for late in [[2.5, 9.0], [0.0, 3.0]] {
-            let list = front.reserve(0, Arrival::AsLeftChild, 2, true);
+            let list = front.reserve(0, ChildSide::AsLeftChild, 2, true);
             for (i, b0) in late.into_iter().enumerate() {
                 front.store.put(list, i, window(b0));
             }
@@ -359,7 +359,7 @@ mod tests {
         assert_eq!(starts(&front, 0), [0.0, 2.0, 2.5, 3.0, 3.0, 4.0, 9.0]);
         assert_eq!(front.waiting(), 7);
         // None of those expected arrived: what waits lost its list once.
-        let list = front.reserve(0, Arrival::AsLeftChild, 2, true);
+        let list = front.reserve(0, ChildSide::AsLeftChild, 2, true);
         front.insert(0, list, 0);
         assert_eq!(starts(&front, 0).len(), 7);
         front.clear(0);
@@ -372,7 +372,7 @@ mod tests {
         for _ in 0..2 {
             front.reset();
             front.advance();
-            front.push(half_edge(1, 0), Arrival::AsLeftChild, window(1.0));
+            front.push(half_edge(1, 0), ChildSide::AsLeftChild, window(1.0));
             front.make_ready(half_edge(1, 0));
             assert!(!front.contains(1) && front.next_ready().is_none());
             front.join(1);

@@ -29,7 +29,7 @@
 //! |---|---|---|
 //! | which faces join the area next | [`Schedule`] | [`NearestVertex`], [`NearestFace`] |
 //! | how windows join a waiting list | [`Merge`] | [`OrderFree`], [`OrderPreserving`] |
-//! | which windows of a list are compared | [`Pairs`] | [`Neighbours`] (rules 2 and 3), [`NoPairs`], [`AllPairs`], [`TiePoints`] |
+//! | which windows of a list are compared | [`Pairs`] | [`Neighbours`] (rules 2 and 3), [`NoPairs`], [`AllPairs`], [`TrimmedNeighbours`] |
 //! | through which exits a window may leave | [`Exits`] | [`OneAngleTwoSides`] (rule 1), [`AnyExit`], [`AcrossTheFace`], [`EveryPath`] |
 //!
 //! All use the vertex filter, which drops windows that a path through a known vertex beats
@@ -75,7 +75,7 @@ pub use fast::{FastOptions, VtpFast};
 pub use merge::{Merge, OrderFree, OrderPreserving};
 pub use parallel::Pvtp;
 pub use propagation::ListPropagation;
-pub use pruning::{AllPairs, Neighbours, NoPairs, Pairs, TiePoints};
+pub use pruning::{AllPairs, Neighbours, NoPairs, Pairs, TrimmedNeighbours};
 pub use schedule::{NearestFace, NearestVertex, Schedule};
 pub use variants::{
     EdgeBased, Ftp, Opftp, Opvtp, Vtp, VtpExhaustive, VtpNoRule1, VtpNoRules23, VtpTrimming,

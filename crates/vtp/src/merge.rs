@@ -1,4 +1,4 @@
-//! How windows join those that wait on the wavefront already.
+//! Merging of arriving windows into a list that waits on the wavefront.
 
 /// How a *secondary* merge is made: windows that crossed a face of the traversed area join a list
 /// that has waited since the step in which that face joined. Prime merges, those within that step,

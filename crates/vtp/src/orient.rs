@@ -1,4 +1,4 @@
-//! On which side of a ray a point lies, beyond doubt.
+//! The side of a ray on which a point lies, beyond rounding.
 
 use crate::precision::CLEARANCE;
 
@@ -31,7 +31,7 @@ pub(crate) fn is_clearly_right(
     area < -doubt
 }
 
-/// Twice the signed area of the three points, and how much of it may be rounding.
+/// Twice the signed area of the three points, and the bound of its rounding error.
 #[inline]
 fn twice_area(source: [f64; 2], target: [f64; 2], point: [f64; 2], blur: f64) -> (f64, f64) {
     let ray = [target[0] - source[0], target[1] - source[1]];

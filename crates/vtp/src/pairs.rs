@@ -2,8 +2,8 @@
 //!
 //! Both rest on one lemma: where a ray of a window crosses a path that is shorter up to the
 //! crossing, the ray is useless from there on. The rules differ in the paper in whether the two
-//! windows came through one edge or through two; seen from the edge on which they lie the checks
-//! are the same. Which pairs are compared is up to [`Pairs`](crate::Pairs).
+//! windows came through one edge or through two; the checks, made on the edge on which both lie,
+//! are the same. [`Pairs`](crate::Pairs) chooses the pairs that are compared.
 
 use geobench_window::Window;
 
@@ -19,7 +19,7 @@ pub(crate) const INSIDE: f64 = MARGIN;
 /// Greatest such distance that is asked for: rays that are closer to parallel do not cross at all.
 pub(crate) const BLURRED: f64 = 1e-3;
 
-/// What came of a comparison; either window may have been cut as well.
+/// The result of a comparison; either window may have been cut as well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     BothStay,
@@ -29,7 +29,7 @@ pub(crate) enum Verdict {
 
 /// The edge on which the compared windows lie.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Edge {
+pub(crate) struct SharedEdge {
     /// Its length.
     pub(crate) l: f64,
     /// The third vertex of the triangle that the windows have just crossed, below the edge.
@@ -42,7 +42,7 @@ pub(crate) struct Edge {
     slenderness: f64,
 }
 
-impl Edge {
+impl SharedEdge {
     /// An edge of length `l` with the vertex `behind` below it.
     pub(crate) const fn new(l: f64, behind: [f64; 2]) -> Self {
         let extent = extent(l, behind);
@@ -70,7 +70,7 @@ impl Edge {
 
 /// Compares two windows of one edge, cuts what each loses to the other, and says whether one of
 /// them has lost everything (Qin et al. 2016, section 4.1, cases 1 to 6).
-pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &Edge) -> Verdict {
+pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &SharedEdge) -> Verdict {
     let (lo, hi) = (a.b0.max(b.b0), a.b1.min(b.b1));
     if lo > hi {
         return check_disjoint(a, b, edge);
@@ -102,7 +102,7 @@ pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &Edge) -> Verdict
 /// lies beyond the loser's last ray on that side, so that the path to x enters the cone there;
 /// mirrored on the right. The side at x alone does not tell: x often lies on a ray through both
 /// sources, where the sign is noise.
-fn cut(loser: &mut Window, winner: &Window, x: f64, edge: &Edge) -> bool {
+fn cut(loser: &mut Window, winner: &Window, x: f64, edge: &SharedEdge) -> bool {
     let (from, to) = (loser.source(), winner.source());
     let blur = edge.blur;
     if is_clearly_left(from, [x, 0.0], to, blur) && is_clearly_left(from, [loser.b0, 0.0], to, blur)
@@ -118,7 +118,7 @@ fn cut(loser: &mut Window, winner: &Window, x: f64, edge: &Edge) -> bool {
 
 /// Compares windows whose intervals do not meet (cases 3 and 6). If their nearest rays have crossed
 /// inside the triangle behind the edge, the one that is longer up to there dies.
-fn check_disjoint(a: &Window, b: &Window, edge: &Edge) -> Verdict {
+fn check_disjoint(a: &Window, b: &Window, edge: &SharedEdge) -> Verdict {
     if a.b1 < b.b0 {
         return check_in_order(a, b, edge);
     }
@@ -131,14 +131,14 @@ fn check_disjoint(a: &Window, b: &Window, edge: &Edge) -> Verdict {
 
 /// As [`check_disjoint`], for `left` before `right`.
 ///
-/// Beyond the crossing U the ray of the dearer window is useless. So is every other ray of it: each
-/// ends on the far side of the cheaper ray and started on the near side, so that it has crossed it
-/// before U. If the windows came into the triangle through two edges, it did so in the triangle,
-/// for the cheaper ray parts the one edge from what lies beyond. If they came through one edge, the
-/// cheaper ray entered there at a point that both windows reach, and the rays that do not cross it
-/// in the triangle are those that lie beyond that point; the way from there to the source crosses
-/// them, as in [`cut`].
-fn check_in_order(left: &Window, right: &Window, edge: &Edge) -> Verdict {
+/// Beyond the crossing U the ray of the dearer window is useless. So is every other ray of that
+/// window: each ends on the far side of the cheaper ray and started on the near side, so that it
+/// has crossed it before U. If the windows came into the triangle through two edges, it did so in
+/// the triangle, for the cheaper ray parts the one edge from what lies beyond. If they came through
+/// one edge, the cheaper ray entered there at a point that both windows reach, and the rays that do
+/// not cross it in the triangle are those that lie beyond that point; the way from there to the
+/// source crosses them, as in [`cut`].
+fn check_in_order(left: &Window, right: &Window, edge: &SharedEdge) -> Verdict {
     let (v, u) = (left.source(), right.source());
     let Some(Meeting { s, t, blur }) = meet((v, left.b1), (u, right.b0), edge.slenderness) else {
         return Verdict::BothStay;
@@ -198,7 +198,7 @@ fn meet((v, x): ([f64; 2], f64), (u, y): ([f64; 2], f64), slenderness: f64) -> O
 mod tests {
     use super::*;
 
-    const EDGE: Edge = Edge::new(1.0, [0.5, -1.0]);
+    const EDGE: SharedEdge = SharedEdge::new(1.0, [0.5, -1.0]);
 
     fn window(b0: f64, b1: f64, px: f64, py: f64, sigma: f64) -> Window {
         Window {
@@ -279,7 +279,7 @@ mod tests {
         assert_eq!(check(left, right).0, Verdict::SecondDies);
         assert_eq!(check(right, left).0, Verdict::FirstDies);
         // With a flatter triangle behind the edge they crossed before it, perhaps on other faces.
-        let flat = Edge::new(1.0, [0.5, -0.2]);
+        let flat = SharedEdge::new(1.0, [0.5, -0.2]);
         let verdict = check_pair(&mut left.clone(), &mut right.clone(), &flat);
         assert_eq!(verdict, Verdict::BothStay);
     }
@@ -289,7 +289,7 @@ mod tests {
     /// compared.
     #[test]
     fn rays_through_one_corner_of_the_triangle_do_not_cross() {
-        let edge = Edge::new(
+        let edge = SharedEdge::new(
             0.001_242_778_450_191_567_6,
             [0.000_946_561_819_209_68, -0.000_857_571_584_925_322_3],
         );

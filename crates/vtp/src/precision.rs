@@ -1,5 +1,4 @@
-//! What the bounds of [`geobench_window::precision`] come to in the comparisons of rules 1, 2 and
-//! 3.
+//! The bounds of [`geobench_window::precision`] in the comparisons of rules 1, 2 and 3.
 
 pub(crate) use geobench_window::precision::{MARGIN, RESOLUTION};
 

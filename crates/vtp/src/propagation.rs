@@ -1,4 +1,4 @@
-//! The main loop.
+//! The main loop of list propagation.
 
 use std::marker::PhantomData;
 
@@ -9,16 +9,16 @@ use geobench_window::{Counter, Lookout, Phase, Probe, Propagate, Solution, Way, 
 use crate::crossing::{Carry, Inspect, Least};
 use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::{BestPath, Gate, Target};
+use crate::engine::layout::{FaceLayout, MeshLayout, NO_TWIN, half_edge, next, parts, prev};
 use crate::engine::levels::Levels;
 use crate::engine::prefetch::prefetch;
 use crate::engine::sent::Sent;
 use crate::engine::store::{NO_LIST, admit};
-use crate::engine::surface::{Face, NO_TWIN, Surface, half_edge, next, parts, prev};
-use crate::exits::{Crossing, Exits};
-use crate::front::{Arrival, Front};
+use crate::exits::{Exits, ListCrossing};
+use crate::front::{ChildSide, Front};
 use crate::merge::Merge;
 use crate::pruning::Pairs;
-use crate::schedule::{Schedule, Turn};
+use crate::schedule::{Schedule, Scheduled};
 use geobench_window::simd::{Instructions, Simd};
 
 /// An algorithm that propagates whole lists of windows, on one mesh: in the order of schedule `S`,
@@ -42,7 +42,7 @@ pub struct ListPropagation<S, M, P, E> {
     mesh: Mesh,
     simd: Simd,
     numbering: Numbering,
-    surface: Surface,
+    layout: MeshLayout,
     schedule: S,
     front: Front,
     active: ActiveList,
@@ -62,17 +62,17 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     /// Sets up for `mesh`; O(faces).
     pub fn new(mesh: &Mesh) -> Self {
         let mut numbering = Numbering::breadth_first(mesh);
-        let surface = Surface::new(mesh, &numbering);
+        let layout = MeshLayout::new(mesh, &numbering);
         numbering.keep_new_vertices();
         let faces = mesh.face_count();
-        let kept = surface.kept.clone();
+        let kept = layout.kept.clone();
         let half_edges = if kept.is_empty() { 0 } else { 4 * faces };
         let thin = (0..half_edges).map(|h| kept.holds(h)).collect();
         Self {
             mesh: mesh.clone(),
             simd: Simd::new(Instructions::detect()),
             numbering,
-            surface,
+            layout,
             schedule: S::new(faces),
             front: Front::new(faces, thin),
             active: ActiveList::new(),
@@ -131,9 +131,9 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             .ends(probe, d, distance, || windows().chain([d]))
     }
 
-    /// A path of length `d` reaches `v`, as `way` tells of half-edges that start there. If faces join
-    /// by vertices, every vertex has a turn, and one from which windows start has another whenever
-    /// it improves; else only the latter have turns.
+    /// A path of length `d` reaches `v`, as `way` tells of half-edges that start there. If faces
+    /// join by vertices, every vertex has a turn, and one from which windows start has another
+    /// whenever it improves; else only the latter have turns.
     #[inline]
     fn offer<B: Probe>(&mut self, v: u32, d: f64, way: impl FnOnce() -> (u32, Way), probe: &mut B) {
         let i = v as usize;
@@ -143,7 +143,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 probe.reach(VertexId::new(v), HalfEdgeId::new(corner), way);
             }
             self.distances[i] = d;
-            if (S::BY_VERTEX && !self.passed[i]) || self.surface.vertices[i].pseudo_source {
+            if (S::BY_VERTEX && !self.passed[i]) || self.layout.vertices[i].pseudo_source {
                 self.schedule.push_vertex(v, d, probe);
             }
         }
@@ -155,11 +155,11 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         self.front.advance();
         self.passed[v as usize] = true;
         if S::BY_VERTEX || is_source {
-            for &h in self.surface.ring(v) {
+            for &h in self.layout.ring(v) {
                 self.front.join(parts(h).0);
             }
         }
-        if is_source || self.surface.vertices[v as usize].pseudo_source {
+        if is_source || self.layout.vertices[v as usize].pseudo_source {
             self.spawn(v, probe);
         }
     }
@@ -168,10 +168,10 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     fn spawn<B: Probe>(&mut self, v: u32, probe: &mut B) {
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.distances[v as usize];
-        let has_border = self.surface.vertices[v as usize].boundary;
-        for place in self.surface.ring_places(v) {
-            let h = self.surface.rings[place];
-            let spawn = self.surface.spawn(h, sigma);
+        let has_border = self.layout.vertices[v as usize].boundary;
+        for place in self.layout.ring_places(v) {
+            let h = self.layout.rings[place];
+            let spawn = self.layout.spawn(h, sigma);
             let (f, corner) = parts(h);
             let along = |corner, way| move || (half_edge(f as u32, corner), way);
             let ways = [
@@ -199,7 +199,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 };
                 window = part;
             }
-            let (list, len) = self.front.push(spawn.exit, Arrival::AsRightChild, window);
+            let (list, len) = self.front.push(spawn.exit, ChildSide::AsRightChild, window);
             self.close(spawn.exit, list, len, probe);
         }
         probe.raise(Counter::PeakWindows, self.front.waiting() as u64);
@@ -210,7 +210,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     #[inline]
     fn close<B: Probe>(&mut self, h: u32, list: u32, start: usize, probe: &mut B) {
         if !S::BY_VERTEX && !self.front.contains(parts(h).0) {
-            let gate = self.surface.gate(h, [f64::INFINITY; 2]);
+            let gate = self.layout.gate(h, [f64::INFINITY; 2]);
             let program = Least {
                 list: self.front.columns(list),
                 start,
@@ -230,7 +230,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     /// Takes the list on `h` across its face.
     fn cross<B: Probe>(&mut self, h: u32, probe: &mut B) {
         let (f, corner) = parts(h);
-        let face = self.surface.faces[f];
+        let face = self.layout.faces[f];
         let [tail, head, apex] = [corner, next(corner), prev(corner)].map(|k| face.vertex[k]);
         let gate = Gate {
             l: face.length[corner],
@@ -240,7 +240,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         probe.enter(Phase::Pruning);
         let lists = self.front.lists(h);
         let arrived = lists[0].len() + lists[1].len();
-        let program = Inspect::<P>::new(lists, &mut self.active, &self.surface, h, &gate);
+        let program = Inspect::<P>::new(lists, &mut self.active, &self.layout, h, &gate);
         let found = self.simd.run(program);
         self.front.clear(h);
         probe.enter(Phase::Propagation);
@@ -260,7 +260,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         }
         if B::COUNTS {
             // Only windows that start from the vertex behind the edge have their source there.
-            let behind = self.surface.behind(h);
+            let behind = self.layout.behind(h);
             let children = self.active.iter().filter(|w| w.source() != behind);
             probe.add(Counter::Kept, children.count() as u64);
         }
@@ -297,7 +297,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     fn send_children<B: Probe>(
         &mut self,
         h: u32,
-        face: &Face,
+        face: &FaceLayout,
         gate: Gate,
         best: BestPath,
         distance: f64,
@@ -305,8 +305,8 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         probe: &mut B,
     ) {
         let (f, corner) = parts(h);
-        let exits = self.surface.exits(h);
-        let arrivals = [Arrival::AsLeftChild, Arrival::AsRightChild];
+        let exits = self.layout.exits(h);
+        let arrivals = [ChildSide::AsLeftChild, ChildSide::AsRightChild];
         let is_new = (M::PRESERVES_ORDER || B::COUNTS) && self.front.is_new(f);
         let (mut lists, mut alone) = ([NO_LIST; 2], [false; 2]);
         for side in 0..2 {
@@ -322,14 +322,14 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         let before = lists.map(|list| self.front.len(list));
         let triangle = face.triangle(corner);
         let (carried, after) = {
-            let rule = self.exits.enter(&Crossing {
+            let rule = self.exits.enter(&ListCrossing {
                 h,
                 active: &self.active,
                 gate,
                 best,
                 distance,
                 front: &self.front,
-                surface: &self.surface,
+                layout: &self.layout,
                 simd: self.simd,
             });
             let blocks = self.front.blocks(lists);
@@ -400,15 +400,15 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     fn prefetch(&self) {
         if let Some(h) = self.front.upcoming(6) {
             let f = parts(h).0;
-            self.surface.prefetch(f);
+            self.layout.prefetch(f);
             self.front.prefetch(f);
         }
         if let Some(h) = self.front.upcoming(3) {
-            for exit in self.surface.exits(h) {
+            for exit in self.layout.exits(h) {
                 self.front.prefetch(parts(exit).0);
             }
             let (f, corner) = parts(h);
-            let apex = self.surface.faces[f].vertex[prev(corner)];
+            let apex = self.layout.faces[f].vertex[prev(corner)];
             prefetch(&self.distances, apex as usize);
         }
     }
@@ -470,10 +470,10 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
             }
             match turn {
                 // An entry is void once its vertex has improved or its face has joined.
-                Some((d, Turn::Vertex(v))) if d == self.distances[v as usize] => {
+                Some((d, Scheduled::Vertex(v))) if d == self.distances[v as usize] => {
                     self.pass(v, false, probe);
                 }
-                Some((_, Turn::Face(f))) if !self.front.contains(f as usize) => {
+                Some((_, Scheduled::Face(f))) if !self.front.contains(f as usize) => {
                     self.front.advance();
                     self.front.join(f as usize);
                 }
@@ -482,7 +482,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
             }
         }
         if B::TRACES {
-            self.surface.renumber(&self.mesh, &self.numbering, probe);
+            self.layout.renumber(&self.mesh, &self.numbering, probe);
         }
         Solution::new(self.numbering.restore(&self.distances))
     }

@@ -1,4 +1,4 @@
-//! Which windows of a list are compared with each other.
+//! The choice of the windows of a list that are compared with each other.
 
 // Kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
@@ -9,16 +9,16 @@ use geobench_window::Window;
 
 use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::settle;
-use crate::engine::surface::Surface;
-use crate::pairs::{Edge, Verdict, check_pair};
+use crate::engine::layout::MeshLayout;
+use crate::pairs::{SharedEdge, Verdict, check_pair};
 use crate::trim::trim_pair;
 use geobench_window::simd::Lanes;
 
-/// Which windows of a list are compared before it crosses its face, and how.
+/// Chooses and compares the windows of a list before it crosses its face.
 pub trait Pairs: Send {
-    /// Cuts or drops windows of `hand`, the list on half-edge `h` of `surface`.
+    /// Cuts or drops windows of `active`, the list on half-edge `h` of `layout`.
     #[doc(hidden)]
-    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, surface: &Surface, h: u32);
+    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, layout: &MeshLayout, h: u32);
 }
 
 /// Neighbours in the list: rules 2 and 3 (Qin et al. 2016, sections 4.2 and 4.3). A window is
@@ -29,8 +29,8 @@ pub struct Neighbours;
 
 impl Pairs for Neighbours {
     #[inline(always)]
-    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, surface: &Surface, h: u32) {
-        settle_neighbours::<L, false>(simd, active, surface, h);
+    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, layout: &MeshLayout, h: u32) {
+        settle_neighbours::<L, false>(simd, active, layout, h);
     }
 }
 
@@ -41,16 +41,16 @@ impl Pairs for Neighbours {
 fn settle_neighbours<L: Lanes, const TRIM: bool>(
     simd: L::Token,
     active: &mut ActiveList,
-    surface: &Surface,
+    layout: &MeshLayout,
     h: u32,
 ) -> bool {
     let len = active.len;
     if len < 2 {
         return true;
     }
-    let l = surface.length(h);
+    let l = layout.length(h);
     let (block, cuts, again) = active.parts();
-    let (len, settled) = settle::<L, TRIM>(simd, block, len, l, || surface.behind(h), cuts, again);
+    let (len, settled) = settle::<L, TRIM>(simd, block, len, l, || layout.behind(h), cuts, again);
     active.len = len;
     settled
 }
@@ -61,21 +61,21 @@ pub struct NoPairs;
 
 impl Pairs for NoPairs {
     #[inline(always)]
-    fn prune<L: Lanes>(_: L::Token, _: &mut ActiveList, _: &Surface, _: u32) {}
+    fn prune<L: Lanes>(_: L::Token, _: &mut ActiveList, _: &MeshLayout, _: u32) {}
 }
 
 /// Compares windows one by one: `push` adds each to those that have been checked so far, or drops
 /// it, and cuts or drops those with which it is compared.
 fn one_by_one(
     active: &mut ActiveList,
-    surface: &Surface,
+    layout: &MeshLayout,
     h: u32,
-    push: impl Fn(&mut Vec<Window>, Window, &Edge),
+    push: impl Fn(&mut Vec<Window>, Window, &SharedEdge),
 ) {
     if active.len < 2 {
         return;
     }
-    let edge = Edge::new(surface.length(h), surface.behind(h));
+    let edge = SharedEdge::new(layout.length(h), layout.behind(h));
     let mut checked = std::mem::take(&mut active.windows);
     checked.clear();
     for w in active.iter() {
@@ -90,13 +90,13 @@ fn one_by_one(
 pub struct AllPairs;
 
 impl Pairs for AllPairs {
-    fn prune<L: Lanes>(_: L::Token, active: &mut ActiveList, surface: &Surface, h: u32) {
-        one_by_one(active, surface, h, push_to_all);
+    fn prune<L: Lanes>(_: L::Token, active: &mut ActiveList, layout: &MeshLayout, h: u32) {
+        one_by_one(active, layout, h, push_to_all);
     }
 }
 
 /// Compares `new` with all of `checked`.
-fn push_to_all(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) {
+fn push_to_all(checked: &mut Vec<Window>, mut new: Window, edge: &SharedEdge) {
     let mut alive = true;
     checked.retain_mut(|w| {
         if !alive {
@@ -114,20 +114,20 @@ fn push_to_all(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) {
 /// Neighbours in the list, as in rules 2 and 3; what these leave of an overlap is cut at the tie
 /// points, as in MMP, so that neighbours never overlap.
 #[derive(Clone, Copy, Debug)]
-pub struct TiePoints;
+pub struct TrimmedNeighbours;
 
-impl Pairs for TiePoints {
+impl Pairs for TrimmedNeighbours {
     #[inline(always)]
-    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, surface: &Surface, h: u32) {
-        if !settle_neighbours::<L, true>(simd, active, surface, h) {
-            one_by_one(active, surface, h, push_and_trim);
+    fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, layout: &MeshLayout, h: u32) {
+        if !settle_neighbours::<L, true>(simd, active, layout, h) {
+            one_by_one(active, layout, h, push_and_trim);
         }
     }
 }
 
 /// Compares `new` with the last of `checked`, and the next to last if that dies, and so on, and
 /// trims overlaps.
-fn push_and_trim(checked: &mut Vec<Window>, mut new: Window, edge: &Edge) {
+fn push_and_trim(checked: &mut Vec<Window>, mut new: Window, edge: &SharedEdge) {
     while let Some(last) = checked.last_mut() {
         match check_pair(last, &mut new, edge) {
             Verdict::BothStay => {}
@@ -178,11 +178,11 @@ mod tests {
         let positions = positions.map(|[x, y]| [x, y, 0.0]).to_vec();
         let soup = TriangleSoup::new(positions, vec![[0, 1, 2], [1, 0, 3]]);
         let (mesh, _) = Mesh::from_soup(soup).unwrap();
-        let surface = Surface::new(&mesh, &Numbering::same());
-        assert_eq!(surface.behind(0), [0.5, -1.0]);
+        let layout = MeshLayout::new(&mesh, &Numbering::same());
+        assert_eq!(layout.behind(0), [0.5, -1.0]);
         let mut active = ActiveList::new();
         active.replace(windows);
-        P::prune::<Scalar>((), &mut active, &surface, 0);
+        P::prune::<Scalar>((), &mut active, &layout, 0);
         active.iter().collect()
     }
 
@@ -193,7 +193,7 @@ mod tests {
         let list = [&dear[..], &[better]].concat();
         assert_eq!(prune::<Neighbours>(&list), [better]);
         assert_eq!(prune::<AllPairs>(&list), [better]);
-        assert_eq!(prune::<TiePoints>(&list), [better]);
+        assert_eq!(prune::<TrimmedNeighbours>(&list), [better]);
         assert_eq!(prune::<NoPairs>(&list), list);
     }
 
@@ -217,7 +217,7 @@ mod tests {
         for list in [[w, w], [w, noisy], [noisy, w]] {
             assert_eq!(prune::<Neighbours>(&list), list);
             assert_eq!(prune::<AllPairs>(&list), list);
-            assert_eq!(prune::<TiePoints>(&list), list);
+            assert_eq!(prune::<TrimmedNeighbours>(&list), list);
         }
     }
 
@@ -226,7 +226,7 @@ mod tests {
         let left = window(0.0, 0.8, 0.0, -1.0, 0.0);
         let right = window(0.2, 1.0, 1.0, -1.0, 0.0);
         for list in [[left, right], [right, left]] {
-            let checked = prune::<TiePoints>(&list);
+            let checked = prune::<TrimmedNeighbours>(&list);
             let ends: Vec<_> = checked.iter().map(|w| [w.b0, w.b1]).collect();
             assert_eq!(ends, [[0.0, 0.5], [0.5, 1.0]]);
         }
@@ -236,7 +236,7 @@ mod tests {
     fn a_better_window_in_the_middle_parts_the_other_one() {
         let dear = window(0.0, 1.0, 0.5, -1.0, 5.0);
         let cheap = window(0.4, 0.6, 0.5, -0.5, 0.0);
-        let checked = prune::<TiePoints>(&[dear, cheap]);
+        let checked = prune::<TrimmedNeighbours>(&[dear, cheap]);
         let ends: Vec<_> = checked.iter().map(|w| [w.b0, w.b1]).collect();
         assert_eq!(ends, [[0.0, 0.4], [0.4, 0.6], [0.6, 1.0]]);
     }

@@ -3,9 +3,9 @@
 use geobench_window::queue::MinHeap;
 use geobench_window::{Counter, Probe};
 
-/// Whose turn it is.
+/// The next element of a schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Turn {
+pub enum Scheduled {
     /// A vertex.
     Vertex(u32),
     /// A face, which joins the traversed area alone.
@@ -22,7 +22,7 @@ pub trait Schedule: Send {
     /// solver.
     fn new(faces: usize) -> Self;
 
-    /// Forgets the last run.
+    /// Removes all elements.
     fn reset(&mut self);
 
     /// Vertex `v` is to have a turn, at distance `d`.
@@ -32,11 +32,11 @@ pub trait Schedule: Send {
     /// their edge has length `offer`.
     fn wait<P: Probe>(&mut self, face: u32, offer: f64, probe: &mut P);
 
-    /// The distance of the next turn; infinite without any.
+    /// The distance of the next element; infinite if there is none.
     fn next(&self) -> f64;
 
-    /// Takes the next turn, with the distance that it was queued for.
-    fn pop(&mut self) -> Option<(f64, Turn)>;
+    /// Takes the next element, with the distance that it was queued for.
+    fn pop(&mut self) -> Option<(f64, Scheduled)>;
 }
 
 /// Nearest vertex first (Qin et al. 2016, section 5.2).
@@ -70,9 +70,9 @@ impl Schedule for NearestVertex {
     }
 
     #[inline]
-    fn pop(&mut self) -> Option<(f64, Turn)> {
+    fn pop(&mut self) -> Option<(f64, Scheduled)> {
         let (d, v) = self.front.pop()?;
-        Some((d, Turn::Vertex(v)))
+        Some((d, Scheduled::Vertex(v)))
     }
 }
 
@@ -80,8 +80,8 @@ impl Schedule for NearestVertex {
 /// al. 2016, section 5.1). Pseudo-sources have turns in the same queue, by their distances.
 #[derive(Clone, Debug)]
 pub struct NearestFace {
-    front: MinHeap<Turn>,
-    /// For each face the least offer so far: what it stands in the queue with.
+    front: MinHeap<Scheduled>,
+    /// For each face the least offer so far, its label in the queue.
     offers: Vec<f64>,
 }
 
@@ -101,14 +101,14 @@ impl Schedule for NearestFace {
     }
 
     fn push_vertex<P: Probe>(&mut self, v: u32, d: f64, probe: &mut P) {
-        push(&mut self.front, d, Turn::Vertex(v), probe);
+        push(&mut self.front, d, Scheduled::Vertex(v), probe);
     }
 
     fn wait<P: Probe>(&mut self, face: u32, offer: f64, probe: &mut P) {
         let least = &mut self.offers[face as usize];
         if offer < *least {
             *least = offer;
-            push(&mut self.front, offer, Turn::Face(face), probe);
+            push(&mut self.front, offer, Scheduled::Face(face), probe);
         }
     }
 
@@ -116,7 +116,7 @@ impl Schedule for NearestFace {
         self.front.peek().map_or(f64::INFINITY, |(d, _)| d)
     }
 
-    fn pop(&mut self) -> Option<(f64, Turn)> {
+    fn pop(&mut self) -> Option<(f64, Scheduled)> {
         self.front.pop()
     }
 }

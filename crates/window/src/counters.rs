@@ -1,4 +1,4 @@
-//! What an algorithm counts, each thing defined once, here.
+//! The counters of all algorithms, with their definitions.
 
 use crate::wavefront::WavefrontRecord;
 
@@ -34,7 +34,7 @@ macro_rules! counters {
 }
 
 counters! {
-    /// Child windows tried: pairs of a window that crosses a triangle and an exit of it that no
+    /// Child windows tried: pairs of a window that crosses a triangle and an exit that no
     /// rule has excluded beforehand, whether or not rays of the window lead there. This is the
     /// "number of window propagations" of the papers' tables.
     Propagated = "propagated",

@@ -1,5 +1,5 @@
-//! Crossing a triangle: where a window's cone splits, what it leaves on the two exits, and what
-//! distance it offers to the apex.
+//! Crossing a triangle: the abscissa at which a window's cone splits, its two children, and the
+//! distance that it offers to the apex.
 
 use crate::frame::Frame;
 use crate::window::{Window, norm};

@@ -1,4 +1,4 @@
-//! A window crossing a triangle whole, as the algorithms do that take one window at a time.
+//! The whole crossing of a triangle by one window, for algorithms that take one window at a time.
 //!
 //! It does what [`left_child`](crate::left_child) and its neighbours do, without the
 //! division for the separating abscissa: with D0 = cy·px - py·cx and e = cy - py, of which that is

@@ -3,10 +3,10 @@
 use crate::precision::MARGIN;
 use crate::window::{Window, norm};
 
-/// Whether a window is dropped when a path through a known vertex beats all of it.
+/// Whether a window is dropped when a path through a known vertex beats all its rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VertexFilter {
-    /// As in ICH: theorem 3.2 of Xin and Wang 2009, all three tests of it or those that the
+    /// As in ICH: theorem 3.2 of Xin and Wang 2009, all three tests or those that the
     /// algorithm names.
     #[default]
     On,

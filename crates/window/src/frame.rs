@@ -2,6 +2,7 @@
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
 
+use crate::origins::Way;
 use crate::prefetch::prefetch;
 
 /// A triangle seen from one of its half-edges: tail A at the origin, head B at `(l, 0)`, apex C
@@ -188,6 +189,19 @@ impl HalfEdge {
     }
 }
 
+/// A path along an edge from a (pseudo-)source.
+#[derive(Clone, Copy, Debug)]
+pub struct EdgePath {
+    /// The other end of the edge.
+    pub end: VertexId,
+    /// Length of the edge.
+    pub length: f64,
+    /// The half-edge that starts at the other end, in a face of the edge.
+    pub corner: HalfEdgeId,
+    /// How the path crosses that face.
+    pub way: Way,
+}
+
 /// The faces of a mesh laid out for crossing: one record a half-edge instead of one array a
 /// quantity. A crossing reads two of them, that of the entrance and that of the exit, which are
 /// neighbours in memory.
@@ -339,19 +353,28 @@ impl Faces {
         self.half_edge(h).exit_edge.half_edge()
     }
 
-    /// The edges at the tail of `h` that come with it when those of a vertex are gone through by
-    /// its outgoing half-edges: its own, and the other one of its face if that is on the boundary.
-    /// The other end of each and its length.
+    /// The paths from the tail of `h` along the edge of `h`, and along the other edge of its face
+    /// if that is on the boundary. Those of all half-edges that leave a vertex go along each of its
+    /// edges once.
     #[inline]
-    pub fn edges_at_tail(&self, h: HalfEdgeId) -> [Option<(VertexId, f64)>; 2] {
+    pub fn edge_paths(&self, h: HalfEdgeId) -> impl Iterator<Item = EdgePath> + use<> {
         let own = self.half_edge(h);
         let back = self.half_edge(own.exits[0]);
         let [tail, ..] = back.corners();
         let is_boundary = back.exit_edge.half_edge().is_none();
-        [
-            Some((own.corners()[1], own.length)),
-            is_boundary.then_some((tail, back.length)),
-        ]
+        let along = EdgePath {
+            end: own.corners()[1],
+            length: own.length,
+            corner: h.next(),
+            way: Way::FromHead,
+        };
+        let along_boundary = EdgePath {
+            end: tail,
+            length: back.length,
+            corner: h.prev(),
+            way: Way::FromTail,
+        };
+        std::iter::once(along).chain(is_boundary.then_some(along_boundary))
     }
 
     /// Where a window that enters through `h` can go on: the half-edge A → C of the neighbour on

@@ -1,4 +1,4 @@
-//! Runs that end when all that is wanted of them is final.
+//! Runs that end when the distances that were asked for are final.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,4 +1,4 @@
-//! Windows on half-edges: their geometry, and what every solver shares.
+//! Windows on half-edges: their geometry, and the parts that all solvers share.
 //!
 //! A *window* is a cone of straight paths from a source, or from a vertex at which paths turn (a
 //! *pseudo-source*), through an interval of a half-edge. Unfolded into the plane of the frame of
@@ -10,16 +10,16 @@
 //! in the windows that they can prove useless, and in the order in which they take the others.
 //!
 //! * The kernels are small pure functions: [`separating_abscissa`], the two children, the apex
-//!   distance, all of these in one as [`Crossing`], [`tie_points`], the vertex filter
-//!   ([`is_beaten_from_ends`]), [`spawn_window`]. None of them takes a square
-//!   root or an angle that it can do without, and all tolerances are relative, so that a model in
-//!   millimetres gives the same digits as in metres.
+//!   distance, these three together as [`Crossing`], [`tie_points`], the vertex filter
+//!   ([`is_beaten_from_ends`]), [`spawn_window`]. They avoid square
+//!   roots and angles, and all tolerances are relative, so that a model in millimetres gives the same
+//!   digits as in metres.
 //! * [`Faces`] lays the mesh out for crossing, and gives the [`Frame`] of a half-edge.
 //! * [`continuous`] is the frame of the algorithms that take one window at a time: a policy under a
 //!   [discipline](queue::Discipline).
-//! * [`Solver`] is all that a runner sees. What an algorithm implements is [`Propagate`]: one run,
-//!   generic over a [`Probe`] that observes nothing (and costs nothing), counts, or tells its
-//!   phase to a [`PhaseSampler`].
+//! * [`Solver`] is the interface for callers. An algorithm implements [`Propagate`]: one run, generic
+//!   over a [`Probe`] that observes nothing (and costs nothing), counts, or tells its phase to a
+//!   [`PhaseSampler`].
 
 pub mod continuous;
 mod counters;
@@ -48,7 +48,7 @@ pub use cross::{apex_distance, left_child, right_child, separating_abscissa};
 pub use crossing::Crossing;
 pub use crossings::{CrossedChild, Crossings, LANES};
 pub use filter::{VertexFilter, is_beaten_from_ends};
-pub use frame::{Exit, ExitEdge, FaceView, Faces, Frame, Side};
+pub use frame::{EdgePath, Exit, ExitEdge, FaceView, Faces, Frame, Side};
 pub use goal::{Goal, Lookout, Stop};
 pub use origins::{Origin, Origins, Way};
 pub use phases::{PhaseProbe, PhaseSampler, Phases};

@@ -1,4 +1,4 @@
-//! Where the shortest path to each vertex comes from.
+//! The origin of the shortest path to each vertex.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
@@ -60,11 +60,11 @@ pub enum Origin {
 /// Where the shortest paths to all vertices of a mesh come from; 24 bytes a vertex.
 #[derive(Clone, Debug, Default)]
 pub struct Origins {
-    of: Vec<Record>,
+    of: Vec<OriginRecord>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Record {
+struct OriginRecord {
     way: [f64; 2],
     /// The half-edge that starts at the vertex, in the face that the path crosses last; none if
     /// [`NONE`].
@@ -73,7 +73,7 @@ struct Record {
 
 const NONE: u32 = u32::MAX;
 
-impl Record {
+impl OriginRecord {
     const NONE: Self = Self {
         way: [0.0; 2],
         corner: NONE,
@@ -83,13 +83,13 @@ impl Record {
 impl Origins {
     pub(crate) fn new(vertices: usize) -> Self {
         Self {
-            of: vec![Record::NONE; vertices],
+            of: vec![OriginRecord::NONE; vertices],
         }
     }
 
     /// Where the path to vertex `v` of `mesh` comes from, which is the mesh of the run.
     pub fn of(&self, mesh: &Mesh, v: VertexId) -> Origin {
-        let Record { way, corner } = self.of[v.index()];
+        let OriginRecord { way, corner } = self.of[v.index()];
         if corner == NONE {
             return Origin::None;
         }
@@ -106,7 +106,7 @@ impl Origins {
     /// The shortest path to `v` crosses the face of `corner`, which starts at `v`.
     #[inline]
     pub(crate) fn set(&mut self, v: VertexId, corner: HalfEdgeId, way: Way) {
-        self.of[v.index()] = Record {
+        self.of[v.index()] = OriginRecord {
             way: match way {
                 Way::FromTail => [f64::NAN, 0.0],
                 Way::FromHead => [f64::NAN, 1.0],
@@ -131,7 +131,7 @@ impl Origins {
             let ring = mesh.outgoing(v);
             let place = (0..ring.len()).find(|&i| corner(v, i).raw() == record.corner);
             let corner = place.map_or(NONE, |i| ring[i].raw());
-            Record { corner, ..record }
+            OriginRecord { corner, ..record }
         });
         self.of = of.collect();
     }

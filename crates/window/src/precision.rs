@@ -1,13 +1,13 @@
-//! How far rounding may move a window, and what every comparison that deletes one allows for it.
+//! Bounds of rounding, and the margins of all comparisons that delete windows.
 //!
 //! A solver deletes windows because a real path is shorter than all of their rays. It computes in
 //! `f64`, so each of these comparisons must be safe against the rounding that both sides have
-//! gathered. This page says how much that is. What deletes a window takes its margin from the
-//! four numbers here, [`MARGIN`], [`GRAIN`], [`PLACE`] and [`RESOLUTION`]. Two older ones stand
+//! gathered. This page derives bounds. All comparisons that delete windows take their margins from
+//! four numbers, [`MARGIN`], [`GRAIN`], [`PLACE`] and [`RESOLUTION`]. Two older margins stand
 //! beside their code: how close two rays to an apex count as one (`geobench-ich`), and how narrow
 //! a window is that trimming drops ([`trimming::is_sliver`](crate::trimming::is_sliver)).
 //!
-//! # What is exact to begin with
+//! # Exact quantities
 //!
 //! Let ε = 1.1e-16. The frame of a half-edge ([`Faces`](crate::Faces)) has a length, and the
 //! abscissa and the ordinate of the apex, each with a relative error of a few ε. No quantity of a
@@ -31,7 +31,7 @@
 //!   it, which is a lateral error of ε·|p - b|.
 //!
 //! After n faces the length of a path errs by at most some n·ε of itself and of the longest side
-//! that it has crossed; errors have either sign, so √n·ε is what is seen. An image that comes out
+//! that it has crossed; errors have either sign, so √n·ε is observed. An image that comes out
 //! above its edge, where no ray can come from, is mirrored: its distance from every point of the
 //! edge stays what it was, and no path becomes too short.
 //!
@@ -40,7 +40,7 @@
 //! lengthens a path by at most δ²/2 of itself. So an error of δ in a direction costs δ²/2 in a
 //! distance, and a gap of ε·S beside a source at distance r costs (ε·S/r)²·r.
 //!
-//! # Comparisons that delete what is longer
+//! # Comparisons that delete longer paths
 //!
 //! The vertex filter, rules 1, 2 and 3 and the giving up of lists delete a window only if another
 //! path is shorter by [`MARGIN`] of its length and of the extent of the face: ten thousand ε. A
@@ -75,8 +75,8 @@
 //! A place on a side of length L is a multiple of ε·L. Where all distances are far less than L, an
 //! error of ε·L is not small beside them, and no order of operations helps: the abscissa itself is
 //! rounded. Nor does it where one distance is less than what a path gathers on its way across many
-//! such faces, [`PLACE`]·L on each where windows are equal. [`doubt`] names the faces and bounds the
-//! error, so that no such distance is given in silence.
+//! such faces, [`PLACE`]·L on each where windows are equal. [`doubt`] names the faces and bounds
+//! the error, so that no such distance is given in silence.
 //!
 //! # Work
 //!

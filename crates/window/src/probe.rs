@@ -1,4 +1,4 @@
-//! How a run is observed: not at all, or counted; [`phases`](crate::phases) samples its phases.
+//! Observation of a run: none, or counts; [`phases`](crate::phases) samples its phases.
 //!
 //! Solvers are generic over a [`Probe`] and call it at every event. Timings are taken with `()`,
 //! whose methods are empty and compile to nothing; counts and phases come from separate runs, so
@@ -8,7 +8,7 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
 use crate::counters::{Counter, Counters};
 use crate::origins::Way;
-use crate::wavefront::Wavefront;
+use crate::wavefront::WavefrontSampler;
 
 /// What a solver does at a moment, for [`Phases`](crate::Phases).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,7 +133,7 @@ pub struct Count {
     values: [u64; Counter::ALL.len()],
     /// The K of the round that is under way, of a queue that works in rounds.
     k: Option<u64>,
-    wavefront: Wavefront,
+    wavefront: WavefrontSampler,
 }
 
 impl Count {

@@ -1,4 +1,4 @@
-//! The one interface through which a runner reaches an algorithm.
+//! The interface through which a caller reaches an algorithm.
 
 use geobench_mesh::VertexId;
 
@@ -279,7 +279,7 @@ pub trait Propagate: Send {
     ///
     /// # Errors
     ///
-    /// Says what is missing.
+    /// Names the missing resource.
     fn check(&self) -> Result<(), SolveError> {
         Ok(())
     }

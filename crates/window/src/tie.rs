@@ -1,4 +1,4 @@
-//! Tie points: where two windows of one edge offer the same distance.
+//! Tie points: the abscissae at which two windows of one edge offer the same distance.
 
 use crate::window::Window;
 

@@ -1,4 +1,4 @@
-//! How many windows a wavefront has and how far apart they are, sampled over a run.
+//! The number of windows of a wavefront and the spread of their distances, sampled over a run.
 
 /// Most samples kept; when they are reached every second one is dropped.
 const CAPACITY: usize = 512;
@@ -24,7 +24,7 @@ pub struct WavefrontRecord {
 
 /// Samples at even intervals of propagated windows, however many these will be.
 #[derive(Clone, Debug)]
-pub(crate) struct Wavefront {
+pub(crate) struct WavefrontSampler {
     samples: Vec<WavefrontRecord>,
     parents: u64,
     /// Windows propagated from one sample to the next, and those left until the next one.
@@ -32,7 +32,7 @@ pub(crate) struct Wavefront {
     left: u64,
 }
 
-impl Default for Wavefront {
+impl Default for WavefrontSampler {
     fn default() -> Self {
         Self {
             samples: Vec::with_capacity(CAPACITY),
@@ -43,7 +43,7 @@ impl Default for Wavefront {
     }
 }
 
-impl Wavefront {
+impl WavefrontSampler {
     /// `parents` more windows were propagated; returns whether a sample is due.
     #[inline]
     pub(crate) fn advance(&mut self, parents: u64) -> bool {
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn deviation_of_known_labels() {
-        let mut wavefront = Wavefront::default();
+        let mut wavefront = WavefrontSampler::default();
         assert_eq!(wavefront.deviation(), None);
         wavefront.advance(7);
         wavefront.sample([2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0].into_iter(), None);
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn samples_stay_few_and_even() {
-        let mut wavefront = Wavefront::default();
+        let mut wavefront = WavefrontSampler::default();
         let mut taken = 0;
         for _ in 0..100_000 {
             if wavefront.advance(1) {

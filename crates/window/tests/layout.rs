@@ -9,7 +9,7 @@ fn faces_in_another_order_are_the_same_faces() {
     // With a boundary, and numbered by rows, which the other order does not follow.
     let spec = "plate".parse().expect("the name of a generator");
     let soup = generate(&spec).expect("its parameters have defaults");
-    let (mesh, _) = Mesh::from_soup(soup).expect("what is generated is valid");
+    let (mesh, _) = Mesh::from_soup(soup).expect("generated meshes are valid");
     let plain = Faces::new(&mesh);
     for (numbering, is_other) in [
         (Numbering::same(), false),

@@ -6,7 +6,7 @@ use geobench_mesh::{Mesh, VertexId};
 use geobench_window::queue::mean_edge_length;
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution};
 
-use crate::order::{Order, Tidy, Untidy};
+use crate::order::{Tidy, Untidy, VertexQueue};
 use stencil::Stencils;
 
 /// Fast marching on a triangle mesh (Kimmel, Sethian 1998).
@@ -83,7 +83,7 @@ struct March<Q> {
     queue: Q,
 }
 
-impl<Q: Order> March<Q> {
+impl<Q: VertexQueue> March<Q> {
     fn new(mesh: &Mesh, unfold: bool, queue: Q) -> Self {
         Self {
             stencils: Stencils::new(mesh, unfold),

@@ -13,7 +13,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Par, Side, Spec};
 
-use super::Face;
+use super::FlowFace;
 
 /// By how much the diagonal grows first where rounding leaves a matrix without a factor.
 const FIRST_GROWTH: f64 = 1e-13;
@@ -24,16 +24,16 @@ pub(super) struct Pattern {
     /// The lower triangle by columns; each starts with the diagonal.
     places: SymbolicSparseColMat<usize>,
     weights: Vec<f64>,
-    order: Arc<Order>,
+    order: Arc<EliminationOrder>,
 }
 
 /// The order of elimination, and the places of the factors.
 #[derive(Debug)]
-struct Order {
+struct EliminationOrder {
     symbolic: SymbolicCholesky<usize>,
     /// The vertex that each row is of.
     vertices: Vec<u32>,
-    blocks: Vec<Block>,
+    blocks: Vec<Supernode>,
     /// The rows below the blocks.
     rows: Vec<u32>,
     /// Most rows below a block.
@@ -43,10 +43,10 @@ struct Order {
 /// Neighbouring columns of a factor with the same rows below them (a supernode). Its entries are a
 /// dense matrix by columns, whose first rows are those of its own columns.
 #[derive(Clone, Copy, Debug)]
-struct Block {
+struct Supernode {
     /// The first column, and behind the last one.
     columns: [usize; 2],
-    /// Where its rows start in [`Order::rows`], and behind the last one.
+    /// Where its rows start in [`EliminationOrder::rows`], and behind the last one.
     rows: [usize; 2],
     /// Where its entries start.
     values: usize,
@@ -55,13 +55,13 @@ struct Block {
 /// A factorised matrix.
 #[derive(Debug)]
 pub(super) struct Factor {
-    order: Arc<Order>,
+    order: Arc<EliminationOrder>,
     values: Vec<f64>,
 }
 
 impl Pattern {
     /// The cotangent matrix of `faces`; `None` if there is no memory for its factors.
-    pub(super) fn new(vertices: usize, faces: &[Face]) -> Option<Self> {
+    pub(super) fn new(vertices: usize, faces: &[FlowFace]) -> Option<Self> {
         // Entries (row, weight) by columns, several for an edge.
         let mut starts = vec![0_usize; vertices + 1];
         for_edges(faces, |low, _, _| starts[low + 1] += 1);
@@ -93,7 +93,7 @@ impl Pattern {
             columns.push(rows.len());
         }
         let places = SymbolicSparseColMat::new_checked(vertices, vertices, columns, None, rows);
-        let order = Arc::new(Order::new(&places)?);
+        let order = Arc::new(EliminationOrder::new(&places)?);
         Some(Self {
             places,
             weights,
@@ -145,7 +145,7 @@ impl Pattern {
 }
 
 /// Calls `visit` with the ends of each edge of each face, the lower first, and its weight there.
-fn for_edges(faces: &[Face], mut visit: impl FnMut(usize, usize, f64)) {
+fn for_edges(faces: &[FlowFace], mut visit: impl FnMut(usize, usize, f64)) {
     for face in faces {
         let cotangents = face.cotangents();
         for (k, cotangent) in cotangents.into_iter().enumerate() {
@@ -158,7 +158,7 @@ fn for_edges(faces: &[Face], mut visit: impl FnMut(usize, usize, f64)) {
     }
 }
 
-impl Order {
+impl EliminationOrder {
     /// `None` if there is no memory for it.
     fn new(places: &SymbolicSparseColMat<usize>) -> Option<Self> {
         let parameters = CholeskySymbolicParams {
@@ -178,13 +178,13 @@ impl Order {
             let start = rows.len();
             let pattern = blocks.supernode(i).pattern();
             rows.extend(pattern.iter().map(|&row| row as u32));
-            Block {
+            Supernode {
                 columns: [blocks.supernode_begin()[i], blocks.supernode_end()[i]],
                 rows: [start, rows.len()],
                 values: blocks.col_ptr_for_val()[i],
             }
         };
-        let blocks: Vec<Block> = (0..blocks.n_supernodes()).map(block).collect();
+        let blocks: Vec<Supernode> = (0..blocks.n_supernodes()).map(block).collect();
         let most = blocks.iter().map(|block| block.rows[1] - block.rows[0]);
         Some(Self {
             most: most.max().unwrap_or(0),
@@ -246,7 +246,7 @@ impl Factor {
     }
 
     /// The columns of a block, and its rows below them.
-    fn parts(&self, block: &Block) -> (ChunksExact<'_, f64>, &[u32]) {
+    fn parts(&self, block: &Supernode) -> (ChunksExact<'_, f64>, &[u32]) {
         let rows = &self.order.rows[block.rows[0]..block.rows[1]];
         let own = block.columns[1] - block.columns[0];
         let height = own + rows.len();
@@ -255,7 +255,7 @@ impl Factor {
     }
 
     /// Solves for the unknowns of a block, and takes them out of the rows below.
-    fn solve_block(&self, block: &Block, x: &mut [f64], below: &mut [f64]) {
+    fn solve_block(&self, block: &Supernode, x: &mut [f64], below: &mut [f64]) {
         let (columns, rows) = self.parts(block);
         let below = &mut below[..rows.len()];
         below.fill(0.0);
@@ -277,7 +277,7 @@ impl Factor {
     }
 
     /// The same for the transposed factor: takes the rows below out of the unknowns, then solves.
-    fn solve_transposed(&self, block: &Block, x: &mut [f64], below: &mut [f64]) {
+    fn solve_transposed(&self, block: &Supernode, x: &mut [f64], below: &mut [f64]) {
         let (columns, rows) = self.parts(block);
         let below = &mut below[..rows.len()];
         for (known, &row) in below.iter_mut().zip(rows) {
@@ -322,7 +322,7 @@ mod tests {
             "sphere,subdiv=4",
         ] {
             let mesh = Mesh::generate(spec).unwrap();
-            let faces: Vec<Face> = Intrinsic::new(&mesh).faces().collect();
+            let faces: Vec<FlowFace> = Intrinsic::new(&mesh).faces().collect();
             let n = mesh.vertex_count();
             let pattern = Pattern::new(n, &faces).unwrap();
             let factor = pattern.factor(|_, w| 1.0 + w, |_, _, w| w).unwrap();

@@ -3,7 +3,7 @@
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
 use geobench_window::queue::mean_edge_length;
 
-use super::Face;
+use super::FlowFace;
 
 /// By how much two sides of a face exceed the third at least, in mean edge lengths: faces without
 /// area have no cotangents.
@@ -86,10 +86,10 @@ impl Intrinsic {
         [0, 1, 2].map(|k| self.lengths[3 * face + k])
     }
 
-    pub(super) fn faces(&self) -> impl Iterator<Item = Face> {
+    pub(super) fn faces(&self) -> impl Iterator<Item = FlowFace> {
         (0..self.tails.len() / 3).map(|face| {
             let sides = self.sides(face);
-            Face {
+            FlowFace {
                 vertices: [0, 1, 2].map(|k| self.tails[3 * face + k]),
                 length: sides[0],
                 apex: apex(sides),

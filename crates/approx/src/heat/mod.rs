@@ -30,7 +30,7 @@ pub struct HeatOptions {
     pub boundary: Boundary,
     /// Whether edges are flipped first, inside the surface, until they are Delaunay.
     pub delaunay: bool,
-    /// What is added to the diagonal of the Laplace matrix, which has no inverse. With 0 the
+    /// A number added to the diagonal of the Laplace matrix, which has no inverse. With 0 the
     /// distance of one vertex is fixed instead, which changes no distance.
     pub shift: f64,
 }
@@ -63,7 +63,7 @@ const SOURCE: f64 = f64::from_bits((1023 + 900) << 52);
 pub struct Heat {
     /// The mean edge length of the mesh, which is 1 in `faces`.
     unit: f64,
-    faces: Vec<Face>,
+    faces: Vec<FlowFace>,
     /// The component of each vertex.
     components: Vec<u32>,
     boundary: Vec<bool>,
@@ -80,14 +80,14 @@ struct Factors {
 
 /// A face of the triangulation on which heat flows.
 #[derive(Clone, Copy, Debug)]
-struct Face {
+struct FlowFace {
     vertices: [u32; 3],
     /// The corners: the first at 0, the second on the x-axis.
     length: f64,
     apex: [f64; 2],
 }
 
-impl Face {
+impl FlowFace {
     fn cotangents(&self) -> [f64; 3] {
         let (l, [x, y]) = (self.length, self.apex);
         [x / y, (l - x) / y, (x * (x - l) + y * y) / (l * y)]
@@ -121,14 +121,14 @@ impl Face {
 }
 
 impl Heat {
-    /// Sets up for `mesh`: lays out the triangulation and factorises two matrices, or three if there
-    /// is a boundary.
+    /// Sets up for `mesh`: lays out the triangulation and factorises two matrices, or three if
+    /// there is a boundary.
     pub fn new(mesh: &Mesh, options: HeatOptions) -> Self {
         let mut surface = Intrinsic::new(mesh);
         if options.delaunay {
             surface.flip_to_delaunay();
         }
-        let faces: Vec<Face> = surface.faces().collect();
+        let faces: Vec<FlowFace> = surface.faces().collect();
         let vertices = mesh.vertex_count();
         let boundary: Vec<bool> = mesh.vertices().map(|v| mesh.is_boundary(v)).collect();
         let (components, component_count) = components(vertices, &faces);
@@ -245,7 +245,7 @@ impl Propagate for Heat {
 impl Factors {
     /// `None` if there is no memory for them.
     fn new(
-        faces: &[Face],
+        faces: &[FlowFace],
         components: &[u32],
         boundary: &[bool],
         options: &HeatOptions,
@@ -306,7 +306,7 @@ impl Factors {
 }
 
 /// The component of each vertex, numbered in the order of their first vertices, and their number.
-fn components(vertices: usize, faces: &[Face]) -> (Vec<u32>, usize) {
+fn components(vertices: usize, faces: &[FlowFace]) -> (Vec<u32>, usize) {
     let mut roots: Vec<u32> = (0..vertices as u32).collect();
     let find = |roots: &mut Vec<u32>, mut v: u32| {
         while roots[v as usize] != v {

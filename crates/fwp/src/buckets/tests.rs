@@ -1,4 +1,4 @@
-//! Buckets on their own.
+//! Tests of the bucket queue without an algorithm.
 
 use std::collections::{BTreeMap, VecDeque};
 

@@ -24,7 +24,7 @@ use crate::exec::source::{SourceSpec, TargetSpec};
 use crate::measure::instructions;
 use crate::plan::sampling::{Seconds, Share};
 use crate::plan::suite::{self, MOST_RUNS};
-use crate::registry::{self, MOST_THREADS, Selection, Simd};
+use crate::registry::{self, MOST_THREADS, Selection, SimdChoice};
 use crate::report::{Form, Tables, Wanted};
 use crate::schema::Shard;
 use crate::table::output::{self, OutputFile};
@@ -197,7 +197,7 @@ pub(super) struct RunOptions {
     /// narrower ones where the processor lacks them. Distances and counts do not depend on it
     /// [default: auto; scalar for the papers' algorithms without --algo and --config]
     #[arg(long, value_name = "SIMD")]
-    pub(super) simd: Option<Simd>,
+    pub(super) simd: Option<SimdChoice>,
 
     /// Cells that run at the same time; more than 1 disturbs the times, and tables and files say so
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
@@ -408,7 +408,7 @@ pub(super) struct VerifyOptions {
     /// Instructions of every algorithm: auto (the widest of the processor), scalar, avx2 or avx512;
     /// narrower ones where the processor lacks them. Distances and counts do not depend on it
     #[arg(long, value_name = "SIMD", default_value_t)]
-    pub(super) simd: Simd,
+    pub(super) simd: SimdChoice,
 
     /// Where answers disagree, prove which are right, as `geobench certify` does
     #[arg(long)]
@@ -618,7 +618,7 @@ pub(super) struct DistanceOptions {
     /// Instructions of every algorithm: auto (the widest of the processor), scalar, avx2 or avx512;
     /// narrower ones where the processor lacks them. Distances and counts do not depend on it
     #[arg(long, value_name = "SIMD", default_value_t)]
-    pub(super) simd: Simd,
+    pub(super) simd: SimdChoice,
 
     #[command(flatten)]
     pub(super) reading: ReadingOptions,

@@ -29,7 +29,7 @@ const NORMAL_MAD: f64 = 0.674_489_750_196_081_7;
 
 /// A change of the level of a series.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Change {
+pub struct LevelChange {
     /// Index of the first value of the new level.
     pub place: usize,
     /// Median of the piece before.
@@ -38,7 +38,7 @@ pub struct Change {
     pub after: f64,
 }
 
-impl Change {
+impl LevelChange {
     /// The new level, relative to the old one.
     pub fn ratio(&self) -> f64 {
         self.after / self.before
@@ -49,7 +49,7 @@ impl Change {
 /// than a fifth of that counts as so much.
 ///
 /// O(n²).
-pub fn changes(values: &[f64], least: f64) -> Vec<Change> {
+pub fn changes(values: &[f64], least: f64) -> Vec<LevelChange> {
     if values.len() < 2 * SHORTEST || values.iter().any(|v| !(v.is_finite() && *v > 0.0)) {
         return Vec::new();
     }
@@ -70,7 +70,7 @@ pub fn changes(values: &[f64], least: f64) -> Vec<Change> {
     for piece in &pieces[1..] {
         let after = level(piece);
         if (after / before).ln().abs() >= (1.0 + least).ln() {
-            found.push(Change {
+            found.push(LevelChange {
                 place: piece.0,
                 before,
                 after,

@@ -4,7 +4,7 @@
 use anyhow::bail;
 use serde::Serialize;
 
-use crate::history::compare::{Key, Measure, Rules, Subject, percent};
+use crate::history::compare::{CellKey, Measure, Rules, Subject, percent};
 use crate::history::records::{CellRecord, Record};
 use crate::measure::statistics::median;
 use crate::schema::Status;
@@ -29,7 +29,7 @@ pub struct Gate {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GateLine {
     /// The cell.
-    pub cell: Key,
+    pub cell: CellKey,
     /// The figure.
     pub figure: &'static str,
     /// The level of the base: of a time the median over its commits, else its last value.

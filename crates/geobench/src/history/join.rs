@@ -33,7 +33,7 @@ pub fn join(files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
     };
     for (name, file) in rest {
         check_machine(&joined.file, &first, &name, &file)?;
-        let kept = add(&mut joined, &first, &name, file, Of::Joined)?;
+        let kept = add(&mut joined, &first, &name, file, Winner::Joined)?;
         if kept > 0 {
             joined.notes.push(format!(
                 "{name}: {kept} of its cells are in the files before it, whose times are kept"
@@ -58,7 +58,7 @@ pub fn extend(
         notes: Vec::new(),
     };
     check_machine(&joined.file, earlier_name, new_name, &new)?;
-    add(&mut joined, earlier_name, new_name, new, Of::Added)?;
+    add(&mut joined, earlier_name, new_name, new, Winner::Added)?;
     Ok(joined)
 }
 
@@ -123,7 +123,7 @@ pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
                 file.host.in_words()
             ));
         }
-        add(&mut joined, &first, &name, file, Of::Joined)?;
+        add(&mut joined, &first, &name, file, Winner::Joined)?;
     }
     Ok(joined)
 }
@@ -173,7 +173,7 @@ fn check_goals(
 
 /// Which file has a cell that is in both.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Of {
+enum Winner {
     Joined,
     Added,
 }
@@ -184,7 +184,7 @@ fn add(
     first: &str,
     name: &str,
     mut file: ResultFile,
-    wins: Of,
+    wins: Winner,
 ) -> anyhow::Result<usize> {
     let whole = &mut joined.file;
     check_goals(whole, first, name, &file)?;
@@ -227,7 +227,7 @@ fn add(
         match whole.cells.iter().position(same) {
             Some(place) => {
                 in_both += 1;
-                if wins == Of::Added {
+                if wins == Winner::Added {
                     whole.cells[place] = cell;
                 }
             }
@@ -350,7 +350,7 @@ fn differences(whole: &ResultFile, first: &str, name: &str, file: &ResultFile) -
                 "" => String::new(),
                 group => format!("group {group}"),
             };
-            // Files without a plan say nothing of it.
+            // Files without a plan have no settings to compare.
             if !known["plan"].is_null() && !settings["plan"].is_null() {
                 note(&place, known, settings);
             }

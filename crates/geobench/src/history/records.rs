@@ -9,7 +9,7 @@ use anyhow::{Context, anyhow, bail};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::history::compare::{Key, Measure};
+use crate::history::compare::{CellKey, Measure};
 use crate::schema::{Cell, Host, ResultFile, Status};
 
 /// The schema of a record.
@@ -38,7 +38,7 @@ pub struct Record {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CellRecord {
     /// The identity of the cell.
-    pub cell: Key,
+    pub cell: CellKey,
     /// Its outcome.
     pub status: Status,
     /// Every sample of its time.
@@ -136,7 +136,7 @@ fn record(file: &ResultFile, cell: &Cell) -> CellRecord {
         Some((measure.name().to_owned(), value))
     });
     CellRecord {
-        cell: Key::of(file, cell),
+        cell: CellKey::of(file, cell),
         status: cell.status,
         samples: cell.time.samples.clone(),
         figures: figures.collect(),

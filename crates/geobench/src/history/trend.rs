@@ -2,17 +2,17 @@
 
 use serde::Serialize;
 
-use crate::history::changes::{self, Change};
-use crate::history::compare::Key;
+use crate::history::changes::{self, LevelChange};
+use crate::history::compare::CellKey;
 use crate::history::records::{CellRecord, Record};
 use crate::measure::statistics::{mann_whitney, summarise};
 use crate::schema::Status;
 
 /// A figure of a cell over the commits of one class of machines and one suite.
 #[derive(Clone, Debug)]
-pub struct Series {
+pub struct TrendSeries {
     /// The cell.
-    pub cell: Key,
+    pub cell: CellKey,
     /// The machine, in words.
     pub machine: String,
     /// The suite, if there was one.
@@ -20,14 +20,14 @@ pub struct Series {
     /// The name of the figure.
     pub figure: &'static str,
     /// Its values, the oldest first.
-    pub points: Vec<Point>,
+    pub points: Vec<TrendPoint>,
     /// Changes of its level, each with the index of its first point.
-    pub changes: Vec<Change>,
+    pub changes: Vec<LevelChange>,
 }
 
 /// A figure at a commit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Point {
+pub struct TrendPoint {
     /// The commit, shortened.
     pub commit: String,
     /// The value.
@@ -40,7 +40,7 @@ pub struct Point {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChangePoint {
     /// The cell.
-    pub cell: Key,
+    pub cell: CellKey,
     /// The machine, in words.
     pub machine: String,
     /// The suite; null without one.
@@ -61,7 +61,7 @@ pub struct ChangePoint {
 }
 
 /// A figure of a record.
-struct Figure {
+struct TrendFigure {
     name: &'static str,
     /// The least change that is reported.
     least: f64,
@@ -70,32 +70,32 @@ struct Figure {
 /// The figures whose trends are shown, with the least changes that are reported. Code that does not
 /// change takes up to 1.5 % more or fewer instructions from commit to commit, because of changes
 /// elsewhere in the program, so that less than 2 % is none.
-const FIGURES: [Figure; 5] = [
-    Figure {
+const FIGURES: [TrendFigure; 5] = [
+    TrendFigure {
         name: "time",
         least: 0.03,
     },
-    Figure {
+    TrendFigure {
         name: "instructions",
         least: 0.02,
     },
-    Figure {
+    TrendFigure {
         name: "heap_peak_bytes",
         least: 0.01,
     },
-    Figure {
+    TrendFigure {
         name: "propagated",
         least: 1e-4,
     },
-    Figure {
+    TrendFigure {
         name: "kept",
         least: 1e-4,
     },
 ];
 
 /// All series of `records`, which are in order.
-pub fn series(records: &[Record]) -> Vec<Series> {
-    let mut all: Vec<Series> = Vec::new();
+pub fn series(records: &[Record]) -> Vec<TrendSeries> {
+    let mut all: Vec<TrendSeries> = Vec::new();
     for record in records {
         for cell in record.cells.iter().filter(|c| c.status == Status::Ok) {
             for figure in &FIGURES {
@@ -103,7 +103,7 @@ pub fn series(records: &[Record]) -> Vec<Series> {
                     continue;
                 };
                 let machine = record.machine();
-                let same = |s: &&mut Series| {
+                let same = |s: &&mut TrendSeries| {
                     s.figure == figure.name
                         && s.machine == machine
                         && s.suite == record.suite
@@ -111,7 +111,7 @@ pub fn series(records: &[Record]) -> Vec<Series> {
                 };
                 match all.iter_mut().find(same) {
                     Some(series) => series.points.push(point),
-                    None => all.push(Series {
+                    None => all.push(TrendSeries {
                         cell: cell.cell.clone(),
                         machine,
                         suite: record.suite.clone(),
@@ -131,7 +131,7 @@ pub fn series(records: &[Record]) -> Vec<Series> {
     all
 }
 
-fn point(record: &Record, cell: &CellRecord, figure: &str) -> Option<Point> {
+fn point(record: &Record, cell: &CellRecord, figure: &str) -> Option<TrendPoint> {
     let (value, interval) = match figure {
         "time" => {
             let summary = summarise(&cell.samples)?;
@@ -139,7 +139,7 @@ fn point(record: &Record, cell: &CellRecord, figure: &str) -> Option<Point> {
         }
         name => (*cell.figures.get(name)?, None),
     };
-    Some(Point {
+    Some(TrendPoint {
         commit: record.short().to_owned(),
         value,
         interval,
@@ -147,11 +147,11 @@ fn point(record: &Record, cell: &CellRecord, figure: &str) -> Option<Point> {
 }
 
 /// The change points of all series, in their order.
-pub fn change_points(all: &[Series]) -> Vec<ChangePoint> {
-    let of = |series: &Series| {
+pub fn change_points(all: &[TrendSeries]) -> Vec<ChangePoint> {
+    let of = |series: &TrendSeries| {
         let values: Vec<f64> = series.points.iter().map(|point| point.value).collect();
         let ends: Vec<usize> = series.changes.iter().map(|change| change.place).collect();
-        let point = |(i, change): (usize, &Change)| {
+        let point = |(i, change): (usize, &LevelChange)| {
             let start = if i == 0 { 0 } else { ends[i - 1] };
             let end = ends.get(i + 1).copied().unwrap_or(values.len());
             let (before, after) = (&values[start..change.place], &values[change.place..end]);

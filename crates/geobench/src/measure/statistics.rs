@@ -1,4 +1,4 @@
-//! What is reported of repeated times: robust figures, never the mean alone.
+//! Statistics of repeated times: robust figures, never the mean alone.
 //!
 //! * One set of samples: [`summarise`], median, deviation, interval and outliers.
 //! * Two sets that were taken in turns: [`paired_ratio`], which a drifting machine does not

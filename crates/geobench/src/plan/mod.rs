@@ -14,7 +14,7 @@ use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
 use crate::plan::sampling::Sampling;
-use crate::registry::{self, Programs, Selection, Simd, Value};
+use crate::registry::{self, Programs, Selection, SimdChoice, Value};
 use crate::schema::{
     GroupRecord, IsolationRecord, PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel, Shard,
 };
@@ -49,7 +49,7 @@ pub struct Plan {
     /// Seed of the order of the runs.
     pub seed: u64,
     /// Instructions of all algorithms; each of them knows.
-    pub simd: Simd,
+    pub simd: SimdChoice,
     /// The part of the plan that this process runs; `None` for the whole.
     pub shard_range: Option<ShardRange>,
     /// Limits of each run.

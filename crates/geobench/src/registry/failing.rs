@@ -1,4 +1,4 @@
-//! Algorithms that fail, for tests of what a run makes of it. They are built with the feature
+//! Algorithms that fail, for tests of how runs report failures. They are built with the feature
 //! `failing-algorithms` only, which no release has, and are selected by name only.
 
 use std::hint::black_box;

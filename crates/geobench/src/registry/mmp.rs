@@ -12,7 +12,7 @@ use geobench_window::{Counter, Solver, VertexFilter};
 use super::parameter::{THRESHOLD, threshold_width};
 use super::{Algorithm, Parameter, Values, single};
 
-/// What is propagated at once.
+/// The unit of propagation.
 pub(super) const TURN: Parameter = Parameter::word(
     "turn",
     &["window", "list"],

@@ -26,7 +26,7 @@ mod select;
 mod voronoi;
 mod vtp;
 
-pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, Simd, Value, Values};
+pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, SimdChoice, Value, Values};
 pub(crate) use program::{Call, PLACEHOLDERS};
 pub use program::{ProcessLifetime, Program, Programs};
 pub use select::{Selection, select, select_one};

@@ -44,7 +44,7 @@ pub struct Parameter {
     pub allowed: Allowed,
     /// Its meaning, in one line.
     pub meaning: &'static str,
-    /// Another parameter and the value of it that this one depends on.
+    /// The parameter on which this one depends, and the value that it must have.
     pub only_with: Option<(&'static str, &'static str)>,
 }
 
@@ -362,7 +362,7 @@ pub(super) const SIMD: Parameter = Parameter::word(
 
 /// The instructions of a run, the value of `--simd`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Simd {
+pub enum SimdChoice {
     /// The widest of the processor.
     #[default]
     Auto,
@@ -370,7 +370,7 @@ pub enum Simd {
     AtMost(Instructions),
 }
 
-impl fmt::Display for Simd {
+impl fmt::Display for SimdChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Auto => f.write_str("auto"),
@@ -379,7 +379,7 @@ impl fmt::Display for Simd {
     }
 }
 
-impl FromStr for Simd {
+impl FromStr for SimdChoice {
     type Err = UsageError;
 
     /// Parses `auto`, `scalar`, `avx2` or `avx512`, in any letter case.

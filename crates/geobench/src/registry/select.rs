@@ -10,7 +10,7 @@ use geobench_window::simd::Instructions;
 use super::parameter::{THREADS, THRESHOLD};
 use super::program::{OUTSIDE, PREFIX};
 use super::program::{Program, Programs};
-use super::{Algorithm, Parameter, Simd, Value, Values, algorithms, by_name_only};
+use super::{Algorithm, Parameter, SimdChoice, Value, Values, algorithms, by_name_only};
 use crate::UsageError;
 
 /// An algorithm with the values of its parameters.
@@ -151,10 +151,10 @@ impl Selection {
 
     /// The same with the instructions of a run. The label stays the same.
     #[must_use]
-    pub fn with_simd(self, simd: Simd) -> Self {
+    pub fn with_simd(self, simd: SimdChoice) -> Self {
         match simd {
-            Simd::Auto => self,
-            Simd::AtMost(widest) => self.at_most(widest),
+            SimdChoice::Auto => self,
+            SimdChoice::AtMost(widest) => self.at_most(widest),
         }
     }
 
@@ -222,7 +222,7 @@ impl Selection {
 ///
 /// # Errors
 ///
-/// Names the first invalid item and what is allowed.
+/// Names the first invalid item and the allowed values.
 pub fn select(list: &str) -> Result<Vec<Selection>, UsageError> {
     let mut chosen: Vec<Selection> = Vec::new();
     for item in split_outside_braces(list) {

@@ -4,7 +4,7 @@ use crate::measure::statistics::{Variable, interval_of, median};
 use crate::schema::{Cell, ResultFile, Status};
 use crate::table::disturbance;
 use crate::table::figures::time;
-use crate::table::group::{Group, pairs};
+use crate::table::group::{GroupCells, pairs};
 
 /// Largest relative difference of an answer that counts as exact.
 pub(super) const EXACT: f64 = 1e-6;
@@ -14,7 +14,7 @@ pub(super) const EXACT: f64 = 1e-6;
 ///
 /// Approximate answers do not count. The factor is the geometric mean over all models and sources
 /// that both solved; its interval is a bootstrap over the samples of each.
-pub(crate) fn headline(group: &Group<'_>) -> Option<String> {
+pub(crate) fn headline(group: &GroupCells<'_>) -> Option<String> {
     let exact: Vec<&str> = group
         .algorithms
         .iter()
@@ -76,7 +76,7 @@ pub(crate) fn headline(group: &Group<'_>) -> Option<String> {
 }
 
 /// Whether no answer of an algorithm differs from the reference by more than rounding.
-fn is_exact(group: &Group<'_>, algorithm: &str) -> bool {
+fn is_exact(group: &GroupCells<'_>, algorithm: &str) -> bool {
     let mut cells = group
         .cells
         .iter()
@@ -89,7 +89,7 @@ fn is_exact(group: &Group<'_>, algorithm: &str) -> bool {
 
 /// The geometric mean of the ratios of the times of `over` to those of `under`, with its 95 %
 /// interval if each cell has enough samples.
-fn factor(group: &Group<'_>, over: &str, under: &str) -> Option<(f64, Option<[f64; 2]>)> {
+fn factor(group: &GroupCells<'_>, over: &str, under: &str) -> Option<(f64, Option<[f64; 2]>)> {
     let solved = |name: &str| -> Vec<&Cell> {
         let cells = group.cells.iter().copied();
         cells
@@ -202,7 +202,7 @@ mod tests {
             ratios_to: Some(base.to_owned()),
             ..GroupRecord::unnamed()
         };
-        headline(&Group::new(&record, &result.models, &result.cells))
+        headline(&GroupCells::new(&record, &result.models, &result.cells))
     }
 
     #[test]
@@ -244,7 +244,7 @@ mod tests {
         let mut result = result(&[("a", "heat", 0.1), ("a", "mmp", 2.0), ("a", "vtp", 1.0)]);
         result.cells[0].check.max_rel = Some(0.01);
         let record = GroupRecord::unnamed();
-        let group = Group::new(&record, &result.models, &result.cells);
+        let group = GroupCells::new(&record, &result.models, &result.cells);
         let text = headline(&group).unwrap();
         assert!(
             text.starts_with("vtp is fastest on the only model, 2.0"),

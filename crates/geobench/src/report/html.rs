@@ -13,7 +13,7 @@ use super::document::{Block, Document, Plot, Section};
 use super::tables::by_algorithm;
 use crate::table::{self, escape::xml as escape};
 
-const STYLE: &str = include_str!("assets/page.css");
+pub(super) const STYLE: &str = include_str!("assets/page.css");
 
 /// The scripts, in the order in which they run.
 const SCRIPTS: &str = concat!(
@@ -23,8 +23,8 @@ const SCRIPTS: &str = concat!(
     include_str!("assets/explore.js"),
 );
 
-/// What the page may do: run this one script, show its own style and images in the page. Nothing
-/// may be loaded, and no other script runs, even if a name should slip through unescaped.
+/// The content security policy: this one script, the page's own style, images in the page. Nothing
+/// is loaded, and no other script runs, even if a name were unescaped.
 fn policy() -> String {
     let hash = STANDARD.encode(Sha256::digest(SCRIPTS));
     format!(
@@ -32,28 +32,27 @@ fn policy() -> String {
     )
 }
 
+/// The start of a page: its head with `meta` and style sheets, and its heading.
+pub(super) fn head(title: &str, meta: &str, styles: [&str; 2]) -> String {
+    let (title, styles) = (escape(title), styles.concat());
+    // Browsers request an icon unless the page has one.
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <link rel=\"icon\" href=\"data:,\">\n{meta}<title>{title}</title>\n\
+         <style>\n{styles}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n</header>\n"
+    )
+}
+
 /// The page.
 pub fn page(report: &Report) -> String {
     let document = &report.document;
-    let mut html = String::new();
-    html += "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
-    html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
-    html += "<meta name=\"color-scheme\" content=\"light dark\">\n";
-    // Browsers request an icon unless the page has one.
-    html += "<link rel=\"icon\" href=\"data:,\">\n";
-    html += &format!(
+    let policy = format!(
         "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n",
         policy()
     );
-    html += &format!("<title>{}</title>\n", escape(&document.title));
-    html += &format!(
-        "<style>\n{}{STYLE}</style>\n</head>\n<body>\n",
-        chart::STYLE
-    );
-    html += &format!(
-        "<header>\n<h1>{}</h1>\n</header>\n",
-        escape(&document.title)
-    );
+    let mut html = head(&document.title, &policy, [chart::STYLE, STYLE]);
     contents(&mut html, document);
     html += "<main>\n";
     for part in &document.sections {

@@ -38,7 +38,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::exec::limits::DecompressionLimit;
 use crate::schema::{GroupRecord, ResultFile};
-use crate::table::group::{Group, algorithms};
+use crate::table::group::{GroupCells, algorithms};
 use crate::table::{Format, Note, results};
 use document::{Block, Document, Link, Section, slug};
 
@@ -271,7 +271,7 @@ fn of_result(
 }
 
 /// The headline of a group, under its name if there are several.
-fn named(group: &Group<'_>, groups: usize) -> Option<String> {
+fn named(group: &GroupCells<'_>, groups: usize) -> Option<String> {
     let text = headline::headline(group)?;
     Some(match &group.record.name {
         Some(name) if groups > 1 => format!("{name}: {text}"),
@@ -279,7 +279,7 @@ fn named(group: &Group<'_>, groups: usize) -> Option<String> {
     })
 }
 
-fn of_group(group: &Group<'_>, setting: Setting<'_>) -> Vec<Block> {
+fn of_group(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Block> {
     let mut blocks = Vec::new();
     if let Some(shows) = &group.record.shows {
         blocks.push(Block::Text(

@@ -7,10 +7,10 @@ use super::document::{Plot, slug};
 use super::{Setting, scaling, tradeoff};
 use crate::schema::{Cell, ModelRecord, Phases, Status, WavefrontRecord};
 use crate::table::figures::{Figure, figures, time};
-use crate::table::group::{Group, Value};
+use crate::table::group::{Estimate, GroupCells};
 
 /// All plots of a group.
-pub(crate) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
+pub(crate) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
     let mut plots = Vec::new();
     plots.extend(values(group, setting, time()));
     plots.extend(setting.base.and_then(|base| ratios(group, setting, base)));
@@ -33,10 +33,10 @@ pub(crate) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
 /// A lane for each algorithm on each model, with its `value`. If the value needs a figure of `base`
 /// and `base` failed, the lane shows that failure.
 fn bands(
-    group: &Group<'_>,
+    group: &GroupCells<'_>,
     setting: Setting<'_>,
     base: Option<&str>,
-    value: impl Fn(&str, &str) -> Option<Value>,
+    value: impl Fn(&str, &str) -> Option<Estimate>,
 ) -> Vec<Band> {
     let lane = |model: &str, algorithm: &&str| {
         let found = value(model, algorithm);
@@ -79,7 +79,7 @@ fn drawn(bands: &[Band]) -> impl Iterator<Item = f64> {
 }
 
 /// The points of one figure, if there are any.
-fn values(group: &Group<'_>, setting: Setting<'_>, figure: &'static Figure) -> Option<Plot> {
+fn values(group: &GroupCells<'_>, setting: Setting<'_>, figure: &'static Figure) -> Option<Plot> {
     let bands = bands(group, setting, None, |model, algorithm| {
         group.value(figure, model, algorithm)
     });
@@ -105,7 +105,7 @@ fn values(group: &Group<'_>, setting: Setting<'_>, figure: &'static Figure) -> O
 }
 
 /// The ratios of times to those of `base`.
-fn ratios(group: &Group<'_>, setting: Setting<'_>, base: &str) -> Option<Plot> {
+fn ratios(group: &GroupCells<'_>, setting: Setting<'_>, base: &str) -> Option<Plot> {
     let mut bands = bands(group, setting, Some(base), |model, algorithm| {
         group.ratio(time(), model, algorithm, base)
     });
@@ -136,7 +136,7 @@ fn ratios(group: &Group<'_>, setting: Setting<'_>, base: &str) -> Option<Plot> {
 }
 
 /// The time by phase.
-fn phases(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
+fn phases(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     let parts = |phases: &Phases| Some([phases.propagation?, phases.pruning?, phases.management?]);
     let mut groups = Vec::new();
     for model in &group.models {
@@ -196,7 +196,7 @@ fn phases(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
 }
 
 /// The samples of each cell relative to their median: how far single runs lie from the figure.
-fn spread(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
+fn spread(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     let relative = |cell: &&Cell| -> Vec<f64> {
         let median = cell.time.median.filter(|median| *median > 0.0);
         let samples = cell.time.samples.iter();
@@ -212,7 +212,7 @@ fn spread(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
                 style: setting.style(algorithm),
                 name: (*algorithm).to_owned(),
                 model: Some(model.to_owned()),
-                value: Value {
+                value: Estimate {
                     value: 1.0,
                     interval: match &cells[..] {
                         [cell] => cell
@@ -272,7 +272,7 @@ const FEWEST_FOR_SPREAD: usize = 3;
 const FEWEST_FOR_QUANTILES: usize = 3;
 
 /// For each algorithm the times of its cells, sorted: how many it solves within a time.
-fn quantiles(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
+fn quantiles(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     let series = |name: &&str| {
         let solved = group.cells.iter().filter(|cell| {
             cell.algorithm == **name && cell.status == Status::Ok && cell.time.median.is_some()
@@ -330,7 +330,7 @@ fn quantiles(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
 
 /// The wavefronts of a run, a plot for each model: windows that wait over their mean distance, with
 /// the deviation of the distances, and K where the queue has rounds.
-fn wavefronts(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
+fn wavefronts(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
     let models = group.models.iter().enumerate();
     models
         .filter_map(|(number, model)| wavefront(group, setting, number, model))
@@ -338,7 +338,7 @@ fn wavefronts(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
 }
 
 fn wavefront(
-    group: &Group<'_>,
+    group: &GroupCells<'_>,
     setting: Setting<'_>,
     number: usize,
     model: &ModelRecord,

@@ -9,7 +9,7 @@ use crate::measure::number::grouped;
 use crate::measure::statistics::{FEWEST_FOR_FIT, power_law};
 use crate::schema::ModelRecord;
 use crate::table::figures::time;
-use crate::table::group::{Group, Value, distinct};
+use crate::table::group::{Estimate, GroupCells, distinct};
 
 /// The property in which models differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,7 +78,7 @@ impl Against {
 const ALL: &str = "all models";
 
 /// Time, and its ratio to the base, against the property in which the models of the group differ.
-pub(super) fn plots(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
+pub(super) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
     let mut plots = Vec::new();
     for against in Against::ALL {
         let mut models: Vec<(f64, &ModelRecord)> = Vec::new();
@@ -122,14 +122,14 @@ fn differ(models: &[(f64, &ModelRecord)]) -> usize {
 }
 
 fn against_plots(
-    group: &Group<'_>,
+    group: &GroupCells<'_>,
     setting: Setting<'_>,
     against: Against,
     (number, family): (usize, &str),
     models: &[(f64, &ModelRecord)],
     joined: bool,
 ) -> Vec<Plot> {
-    let series = |value: &dyn Fn(&str, &str) -> Option<Value>| -> Vec<Series> {
+    let series = |value: &dyn Fn(&str, &str) -> Option<Estimate>| -> Vec<Series> {
         let series = group.algorithms.iter().map(|name| Series {
             style: setting.style(name),
             name: (*name).to_owned(),

@@ -2,11 +2,11 @@
 
 use crate::measure::number::grouped;
 use crate::schema::{ModelRecord, ResultFile};
-use crate::table::group::{Group, distinct};
+use crate::table::group::{GroupCells, distinct};
 use crate::table::{Column, Entry, Mark, Note, Part, Table, results};
 
 /// The figures of a group: a part for each model, a column for each algorithm.
-pub(crate) fn figures(id: &str, group: &Group<'_>) -> Table {
+pub(crate) fn figures(id: &str, group: &GroupCells<'_>) -> Table {
     let mut table = Table {
         id: id.to_owned(),
         title: String::new(),
@@ -159,8 +159,8 @@ fn ranges(texts: &[&str]) -> String {
 
 /// The properties of the models.
 pub(crate) fn models(id: &str, result: &ResultFile) -> Table {
-    type Of = fn(&ModelRecord) -> Option<String>;
-    let columns: [(&str, Of); 11] = [
+    type Field = fn(&ModelRecord) -> Option<String>;
+    let columns: [(&str, Field); 11] = [
         ("Vertices", |m| m.vertices.map(grouped)),
         ("Faces", |m| m.faces.map(grouped)),
         ("Edges", |m| m.edges.map(grouped)),

@@ -8,7 +8,7 @@ use super::chart::{Axis, Bars, Chart, Dots, Lines, Point, pgf_mark};
 use super::document::Plot;
 use crate::table::Table;
 use crate::table::escape::printable;
-use crate::table::group::{Value, distinct};
+use crate::table::group::{Estimate, distinct};
 use crate::table::latex::{self, escape};
 
 /// A `tabular` under its caption.
@@ -117,7 +117,7 @@ fn dots(chart: &Dots) -> String {
 }
 
 /// The lengths of an interval to both sides, for pgfplots.
-fn errors(value: Value, at: impl Fn(f64) -> String) -> String {
+fn errors(value: Estimate, at: impl Fn(f64) -> String) -> String {
     value.interval.map_or_else(String::new, |[low, high]| {
         let (up, down) = ((high - value.value).max(0.0), (value.value - low).max(0.0));
         format!(" += {} -= {}", at(up), at(down))

@@ -7,7 +7,7 @@ use super::headline::EXACT;
 use crate::measure::number::grouped;
 use crate::schema::{Cell, Check, ModelRecord};
 use crate::table::figures::{figure, time};
-use crate::table::group::{Group, distinct};
+use crate::table::group::{GroupCells, distinct};
 use crate::table::{Column, Entry, Part, Table};
 
 /// The least relative error that is drawn: half a unit in the last place of `f64`.
@@ -15,7 +15,7 @@ const LEAST_ERROR: f64 = f64::EPSILON / 2.0;
 
 /// Errors against times. Of approximate algorithms the mean and the largest error, an exact one
 /// beside them counts as exact; else the differences of exact ones by rounding.
-pub(super) fn errors(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
+pub(super) fn errors(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
     if group.cells.iter().any(|cell| cell.approximate) {
         let mean = error_of_models(group, setting, "mean-error", "Mean", |c| c.mean_rel);
         let largest = error_of_models(group, setting, "error", "Largest", |c| c.max_rel);
@@ -26,7 +26,7 @@ pub(super) fn errors(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
 
 /// One kind of error against time, a point for each algorithm on each model, with the Pareto front.
 fn error_of_models(
-    group: &Group<'_>,
+    group: &GroupCells<'_>,
     setting: Setting<'_>,
     id: &str,
     kind: &str,
@@ -80,7 +80,7 @@ fn error_of_models(
 }
 
 /// The algorithms on the fronts, in words: those that no other one beats in time and error.
-fn on_fronts(group: &Group<'_>, series: &[Series]) -> String {
+fn on_fronts(group: &GroupCells<'_>, series: &[Series]) -> String {
     let points = |model: &str| -> Vec<(&str, [f64; 2])> {
         let of = |series: &Series| {
             let mut points = series.points.iter();
@@ -115,7 +115,7 @@ fn on_fronts(group: &Group<'_>, series: &[Series]) -> String {
 }
 
 /// The largest relative difference from the reference against the time, a point for each cell.
-fn rounding(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
+fn rounding(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     let point = |cell: &&Cell| {
         let check = &cell.check;
         if check.reference.as_deref() == Some(&cell.algorithm) {
@@ -157,7 +157,7 @@ fn rounding(group: &Group<'_>, setting: Setting<'_>) -> Option<Plot> {
 
 /// Markers for each algorithm that has `points`.
 fn series(
-    group: &Group<'_>,
+    group: &GroupCells<'_>,
     setting: Setting<'_>,
     points: impl Fn(&str) -> Vec<LinePoint>,
 ) -> Vec<Series> {
@@ -189,7 +189,7 @@ struct Cost<'a> {
 
 /// From how many sources on an algorithm is faster than another one, set-up included.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Crossing {
+enum BreakEven {
     /// From one source on.
     Always,
     /// From this number on, at least two; the lines meet at `at` sources.
@@ -207,28 +207,28 @@ impl Cost<'_> {
         self.setup + sources * self.solve
     }
 
-    fn against(self, other: Self) -> Crossing {
+    fn against(self, other: Self) -> BreakEven {
         let (more, less) = (self.setup - other.setup, other.solve - self.solve);
         // Where the totals are equal.
         let at = more / less;
         if self.total(1.0) < other.total(1.0) {
             return if less < 0.0 {
-                Crossing::Until((at.ceil() as u64).saturating_sub(1))
+                BreakEven::Until((at.ceil() as u64).saturating_sub(1))
             } else {
-                Crossing::Always
+                BreakEven::Always
             };
         }
         if less > 0.0 && at.is_finite() {
             let sources = (at.floor() as u64).saturating_add(1);
-            return Crossing::From { sources, at };
+            return BreakEven::From { sources, at };
         }
-        Crossing::Never
+        BreakEven::Never
     }
 }
 
 /// The algorithms on a model with the times of their set-up and of a solve, and among them the
 /// fastest for one source: an exact one, if any is. `None` unless there are two.
-fn costs<'a>(group: &Group<'a>, model: &str) -> Option<(Vec<Cost<'a>>, Cost<'a>)> {
+fn costs<'a>(group: &GroupCells<'a>, model: &str) -> Option<(Vec<Cost<'a>>, Cost<'a>)> {
     let setup = figure("setup").ok()?;
     let cost = |algorithm: &&'a str| {
         Some(Cost {
@@ -251,7 +251,7 @@ fn winners<'a>(costs: &[Cost<'a>], base: Cost<'a>) -> Vec<(Cost<'a>, u64, f64)> 
     let mut winners: Vec<(Cost<'a>, u64, f64)> = costs
         .iter()
         .filter_map(|cost| match cost.against(base) {
-            Crossing::From { sources, at } => Some((*cost, sources, at)),
+            BreakEven::From { sources, at } => Some((*cost, sources, at)),
             _ => None,
         })
         .collect();
@@ -263,7 +263,7 @@ fn winners<'a>(costs: &[Cost<'a>], base: Cost<'a>) -> Vec<(Cost<'a>, u64, f64)> 
 const DRAWN: [f64; 2] = [100.0, 1e6];
 
 /// The time for a number of sources on each model where the order of algorithms depends on it.
-pub(super) fn sources(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
+pub(super) fn sources(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
     let models = group.models.iter().enumerate();
     let plot = |(number, model): (usize, &&ModelRecord)| {
         let (costs, base) = costs(group, &model.name)?;
@@ -305,7 +305,7 @@ pub(super) fn sources(group: &Group<'_>, setting: Setting<'_>) -> Vec<Plot> {
     models.filter_map(plot).collect()
 }
 
-fn fastest(group: &Group<'_>, base: Cost<'_>) -> &'static str {
+fn fastest(group: &GroupCells<'_>, base: Cost<'_>) -> &'static str {
     if group.is_approximate(base.algorithm) {
         "the fastest for one source"
     } else {
@@ -357,7 +357,7 @@ fn sources_series(
 
 /// From how many sources on each algorithm is faster than the fastest exact one for one source, on
 /// the models that [`sources`] draws.
-pub(super) fn crossings(id: &str, group: &Group<'_>) -> Option<Table> {
+pub(super) fn crossings(id: &str, group: &GroupCells<'_>) -> Option<Table> {
     let part = |model: &&ModelRecord| {
         let (costs, base) = costs(group, &model.name)?;
         if winners(&costs, base).is_empty() {
@@ -368,10 +368,10 @@ pub(super) fn crossings(id: &str, group: &Group<'_>) -> Option<Table> {
                 String::new()
             } else {
                 match cost.against(base) {
-                    Crossing::Always => "always".to_owned(),
-                    Crossing::From { sources, .. } => format!("from {} on", grouped(sources)),
-                    Crossing::Until(sources) => format!("up to {}", grouped(sources)),
-                    Crossing::Never => "never".to_owned(),
+                    BreakEven::Always => "always".to_owned(),
+                    BreakEven::From { sources, .. } => format!("from {} on", grouped(sources)),
+                    BreakEven::Until(sources) => format!("up to {}", grouped(sources)),
+                    BreakEven::Never => "never".to_owned(),
                 }
             };
             let totals = [1.0, 100.0, 10_000.0].map(|sources| cost.total(sources));
@@ -442,30 +442,30 @@ mod tests {
         // 5 + k = 1 + 2 k at 4, where both are equal.
         assert_eq!(
             of(5.0, 1.0),
-            Crossing::From {
+            BreakEven::From {
                 sources: 5,
                 at: 4.0
             }
         );
         assert_eq!(
             of(5.5, 1.0),
-            Crossing::From {
+            BreakEven::From {
                 sources: 5,
                 at: 4.5
             }
         );
-        assert_eq!(of(0.0, 2.25), Crossing::Until(3));
-        assert_eq!(of(0.0, 1.0), Crossing::Always);
-        assert_eq!(of(0.5, 2.0), Crossing::Always);
-        assert_eq!(of(2.0, 2.0), Crossing::Never);
-        assert_eq!(of(1.0, 3.0), Crossing::Never);
-        assert_eq!(base.against(base), Crossing::Never);
+        assert_eq!(of(0.0, 2.25), BreakEven::Until(3));
+        assert_eq!(of(0.0, 1.0), BreakEven::Always);
+        assert_eq!(of(0.5, 2.0), BreakEven::Always);
+        assert_eq!(of(2.0, 2.0), BreakEven::Never);
+        assert_eq!(of(1.0, 3.0), BreakEven::Never);
+        assert_eq!(base.against(base), BreakEven::Never);
         for (setup, solve) in [(5.0, 1.0), (5.5, 1.0), (0.0, 2.25)] {
             let other = cost(setup, solve);
             let faster = |k: u64| other.total(k as f64) < base.total(k as f64);
             match other.against(base) {
-                Crossing::From { sources, .. } => assert!(!faster(sources - 1) && faster(sources)),
-                Crossing::Until(sources) => assert!(faster(sources) && !faster(sources + 1)),
+                BreakEven::From { sources, .. } => assert!(!faster(sources - 1) && faster(sources)),
+                BreakEven::Until(sources) => assert!(faster(sources) && !faster(sources + 1)),
                 other => panic!("{other:?}"),
             }
         }

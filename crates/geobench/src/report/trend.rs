@@ -1,12 +1,11 @@
 //! The page of a history: every cell over the commits, with the change points marked.
 
+use super::html::{STYLE, head};
 use super::svg::Svg;
 use crate::history::compare::{exact, percent};
 use crate::history::records::Record;
-use crate::history::trend::{ChangePoint, Series};
+use crate::history::trend::{ChangePoint, TrendSeries};
 use crate::table::escape::xml as escape;
-
-const STYLE: &str = include_str!("assets/page.css");
 
 /// Style of the charts, in the colours of the text.
 const CHARTS: &str = "
@@ -26,14 +25,8 @@ const TOP: f64 = 14.0;
 const BOTTOM: f64 = 26.0;
 
 /// The page: the change points first, then a chart for each series.
-pub fn page(records: &[Record], series: &[Series], found: &[ChangePoint]) -> String {
-    let mut html = String::new();
-    html += "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
-    html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
-    html += "<meta name=\"color-scheme\" content=\"light dark\">\n";
-    html += "<link rel=\"icon\" href=\"data:,\">\n<title>Trend of run times</title>\n";
-    html += &format!("<style>\n{STYLE}{CHARTS}</style>\n</head>\n<body>\n");
-    html += "<header>\n<h1>Trend of run times</h1>\n</header>\n<main>\n";
+pub fn page(records: &[Record], series: &[TrendSeries], found: &[ChangePoint]) -> String {
+    let mut html = head("Trend of run times", "", [STYLE, CHARTS]) + "<main>\n";
     let ends = [records.first(), records.last()].map(|r| r.map_or("none", Record::short));
     html += &format!(
         "<p>{} records, from commit {} to {}. Dashed lines are change points: the first commits of \
@@ -98,7 +91,7 @@ fn figure(name: &str, value: f64) -> String {
 }
 
 /// The values of a series as a line, from 0 on unless they hardly differ.
-fn chart(series: &Series) -> String {
+fn chart(series: &TrendSeries) -> String {
     let points = &series.points;
     let ends = points
         .iter()

@@ -10,13 +10,13 @@ use crate::exec::mock::MockBackend;
 use crate::exec::model::ModelRef;
 use crate::plan::sampling::Sampling;
 use crate::plan::{Plan, Reference};
-use crate::registry::{self, Simd};
+use crate::registry::{self, SimdChoice};
 use crate::schema::{GroupRecord, Host, ResultFile, SCHEMA, Tool};
 
 /// A plan for models that do not exist.
 pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
     // Scalar, so that snapshots do not depend on the machine.
-    let simd = Simd::AtMost(Instructions::Scalar);
+    let simd = SimdChoice::AtMost(Instructions::Scalar);
     let algorithms = registry::select(algorithms).unwrap();
     let algorithms: Vec<_> = algorithms.into_iter().map(|a| a.with_simd(simd)).collect();
     Plan {

@@ -472,8 +472,8 @@ pub struct Time {
     /// For an outside program, for each run the seconds that it claims.
     #[serde(default)]
     pub claimed: Vec<f64>,
-    /// Whether the claims are more than the time from outside or a small part of it. The samples
-    /// are then those from outside.
+    /// Whether the claims exceed the time from outside, or are a small part of that time. The
+    /// samples are then those from outside.
     #[serde(default)]
     pub doubted: bool,
 }
@@ -628,7 +628,7 @@ pub(crate) mod counters_as_map {
     /// The value of a counter in a file.
     #[derive(Clone, Copy, Deserialize)]
     #[serde(untagged)]
-    enum Figure {
+    enum CounterValue {
         Count(u64),
         Real(f64),
     }
@@ -636,20 +636,22 @@ pub(crate) mod counters_as_map {
     pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
         deserializer: D,
     ) -> Result<Counters, D::Error> {
-        let map = BTreeMap::<String, Option<Figure>>::deserialize(deserializer)?;
+        let map = BTreeMap::<String, Option<CounterValue>>::deserialize(deserializer)?;
         let figure = |key| map.get(key).copied().flatten();
         let mut counters = Counters::default();
         for &counter in Counter::ALL {
             match figure(counter.key()) {
-                Some(Figure::Count(count)) => counters.set(counter, count),
-                Some(Figure::Real(_)) => return Err(D::Error::custom("a count is not whole")),
+                Some(CounterValue::Count(count)) => counters.set(counter, count),
+                Some(CounterValue::Real(_)) => {
+                    return Err(D::Error::custom("a count is not whole"));
+                }
                 None => {}
             }
         }
         counters.wavefront_deviation =
             figure(Counters::WAVEFRONT_DEVIATION).map(|figure| match figure {
-                Figure::Count(count) => count as f64,
-                Figure::Real(real) => real,
+                CounterValue::Count(count) => count as f64,
+                CounterValue::Real(real) => real,
             });
         Ok(counters)
     }

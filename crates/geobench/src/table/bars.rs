@@ -2,12 +2,12 @@
 
 use super::escape::printable;
 use super::figures::time;
-use super::group::Group;
+use super::group::GroupCells;
 use crate::schema::{Cell, GroupRecord, ModelRecord};
 
 /// An algorithm with its bar.
 #[derive(Debug)]
-struct Bar {
+struct TimeBar {
     /// Its label.
     label: String,
     /// Its time in seconds, if known.
@@ -24,7 +24,7 @@ const LONGEST_LABEL: usize = 32;
 
 /// One line for each algorithm, no wider than `width`: its time, the ratio to the time of `base`
 /// and a bar. The longest bar fills the width. A narrow terminal has no bars.
-fn lines(bars: &[Bar], base: Option<&str>, width: usize) -> Vec<String> {
+fn lines(bars: &[TimeBar], base: Option<&str>, width: usize) -> Vec<String> {
     let known = || bars.iter().filter_map(|bar| bar.seconds);
     let longest = known().fold(0.0, f64::max);
     let base = base.and_then(|base| bars.iter().find(|bar| bar.label == base)?.seconds);
@@ -36,7 +36,7 @@ fn lines(bars: &[Bar], base: Option<&str>, width: usize) -> Vec<String> {
             (None, None) => String::new(),
         })
         .collect();
-    let ratio = |bar: &Bar| match (bar.seconds, base) {
+    let ratio = |bar: &TimeBar| match (bar.seconds, base) {
         (Some(seconds), Some(base)) if base > 0.0 => times_as_much(seconds / base),
         _ => String::new(),
     };
@@ -77,18 +77,18 @@ pub fn model_bars(
     cells: &[Cell],
     width: usize,
 ) -> String {
-    let group = Group::new(group, std::slice::from_ref(model), cells);
+    let group = GroupCells::new(group, std::slice::from_ref(model), cells);
     let Some(base) = group.base() else {
         return String::new();
     };
-    let bar = |name: &&str| Bar {
+    let bar = |name: &&str| TimeBar {
         label: printable(name).into_owned(),
         seconds: group
             .value(time(), &model.name, name)
             .map(|time| time.value),
         failure: group.failure(&model.name, name),
     };
-    let bars: Vec<Bar> = group.algorithms.iter().map(bar).collect();
+    let bars: Vec<TimeBar> = group.algorithms.iter().map(bar).collect();
     if bars.iter().filter(|bar| bar.seconds.is_some()).count() < 2 {
         return String::new();
     }
@@ -135,8 +135,8 @@ fn blocks(share: f64, room: usize) -> String {
 mod tests {
     use super::*;
 
-    fn bars() -> Vec<Bar> {
-        let bar = |label: &str, seconds: Option<f64>| Bar {
+    fn bars() -> Vec<TimeBar> {
+        let bar = |label: &str, seconds: Option<f64>| TimeBar {
             label: label.to_owned(),
             seconds,
             failure: None,
@@ -145,7 +145,7 @@ mod tests {
             bar("mmp", Some(1.35)),
             bar("vtp", Some(0.296)),
             bar("vtp-fast", Some(0.0601)),
-            Bar {
+            TimeBar {
                 failure: Some("timeout".to_owned()),
                 ..bar("ich", None)
             },

@@ -8,7 +8,7 @@ use super::model::{Column, Entry, Mark, Table};
 use super::terminal::{self, Look};
 use super::{UnknownEnding, markdown, of_ending};
 use crate::history::compare::{
-    CellChange, Comparison, FigureChange, Key, Regression, Several, Side, TimeMethod, exact,
+    CellChange, CellKey, Comparison, FigureChange, Regression, Several, Side, TimeMethod, exact,
     percent,
 };
 use crate::measure::number::decimals;
@@ -299,12 +299,12 @@ fn worse(comparison: &Comparison) -> Vec<String> {
         .collect()
 }
 
-fn listed(keys: &[Key]) -> Vec<String> {
+fn listed(keys: &[CellKey]) -> Vec<String> {
     keys.iter().map(ToString::to_string).collect()
 }
 
 /// The names of cells in tables. Group and source are left out if all cells share them.
-fn name(comparison: &Comparison, key: &Key) -> String {
+fn name(comparison: &Comparison, key: &CellKey) -> String {
     let keys = || comparison.cells.iter().map(|c| &c.cell);
     let groups = keys().any(|other| other.group != key.group);
     let sources = keys().any(|other| other.source != key.source);

@@ -10,8 +10,8 @@ use geobench_mesh::{FaceId, Mesh, Refined, SurfacePoint};
 use geobench_voronoi::{Arc, Diagram, NO_SOURCE};
 use serde::Serialize;
 
-use super::polylines::Polylines;
-use super::{UnknownEnding, of_ending};
+use super::polylines::{LineScalars, Polylines};
+use super::{UnknownEnding, json_line, of_ending};
 use crate::schema::SourceLabel;
 
 /// A diagram and where it comes from.
@@ -224,14 +224,25 @@ impl BorderFormat {
                 };
                 lines.ply()
             }
-            Self::Vtk => vtk(file, &lines),
+            Self::Vtk => {
+                let arcs = || file.diagram.arcs().iter();
+                let [left, right] = [("left", 0), ("right", 1)].map(|(name, side)| {
+                    LineScalars::new(name, "int", arcs().map(|arc| arc.sources[side]))
+                });
+                let lines = Polylines {
+                    title: "Voronoi diagram".to_owned(),
+                    lines,
+                    scalars: vec![left, right],
+                };
+                lines.vtk()
+            }
         };
         Ok(text.into_bytes())
     }
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct DiagramDocument<'a> {
     schema: &'static str,
     model: &'a str,
     algorithm: &'a str,
@@ -308,7 +319,7 @@ fn json(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
         offsets: arc.bisector.map(|bisector| bisector.sigmas),
         nodes: arc.nodes,
     });
-    let document = Document {
+    let document = DiagramDocument {
         schema: "geobench-voronoi/1",
         model: file.model,
         algorithm: file.algorithm,
@@ -318,9 +329,7 @@ fn json(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
         arcs: arcs.collect(),
         stage_seconds: file.stage_seconds,
     };
-    let mut bytes = serde_json::to_vec(&document)?;
-    bytes.push(b'\n');
-    Ok(bytes)
+    json_line(&document)
 }
 
 fn without_coordinates(file: &DiagramFile<'_>) -> String {
@@ -358,7 +367,7 @@ pub(crate) fn long_lines(diagram: &Diagram) -> Option<Vec<Vec<[f64; 3]>>> {
     let mut lines = Vec::new();
     let is_end = |node: u32| at_node.get(&node).is_none_or(|around| around.len() != 2);
     let starts = arcs.iter().flat_map(|arc| arc.nodes);
-    // Lines with ends first, then what is left: loops.
+    // Lines with ends first, then loops.
     let starts = starts.clone().filter(|&node| is_end(node)).chain(starts);
     for start in starts {
         for &first in at_node.get(&start).into_iter().flatten() {
@@ -413,35 +422,6 @@ fn obj(lines: &[Vec<[f64; 3]>]) -> String {
         }
         text.push('\n');
         next += line.len();
-    }
-    text
-}
-
-fn vtk(file: &DiagramFile<'_>, lines: &[Vec<[f64; 3]>]) -> String {
-    let points: usize = lines.iter().map(Vec::len).sum();
-    // Writing to a string cannot fail.
-    let mut text = format!(
-        "# vtk DataFile Version 3.0\nVoronoi diagram\nASCII\nDATASET POLYDATA\nPOINTS {points} double\n"
-    );
-    for [x, y, z] in lines.iter().flatten() {
-        let _ = writeln!(text, "{x} {y} {z}");
-    }
-    let _ = writeln!(text, "LINES {} {}", lines.len(), points + lines.len());
-    let mut next = 0;
-    for line in lines {
-        let _ = write!(text, "{}", line.len());
-        for number in next..next + line.len() {
-            let _ = write!(text, " {number}");
-        }
-        text.push('\n');
-        next += line.len();
-    }
-    let _ = writeln!(text, "CELL_DATA {}", lines.len());
-    for (name, side) in [("left", 0), ("right", 1)] {
-        let _ = writeln!(text, "SCALARS {name} int 1\nLOOKUP_TABLE default");
-        for arc in file.diagram.arcs() {
-            let _ = writeln!(text, "{}", arc.sources[side]);
-        }
     }
     text
 }

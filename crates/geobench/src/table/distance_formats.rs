@@ -6,7 +6,7 @@ use geobench_mesh::io::PlyWriter;
 use geobench_mesh::{Mesh, VertexId, threads};
 use serde::Serialize;
 
-use super::{UnknownEnding, of_ending};
+use super::{UnknownEnding, json_line, of_ending};
 use crate::schema::SourceLabel;
 
 /// Distances and where they come from.
@@ -24,8 +24,8 @@ pub struct DistanceField<'a> {
     pub radius: Option<f64>,
     /// The mesh.
     pub mesh: &'a Mesh,
-    /// Distance of each vertex in the file's order, or of each target; infinite where no path leads,
-    /// or none within the radius.
+    /// Distance of each vertex in the file's order, or of each target; infinite where no path
+    /// leads, or none within the radius.
     pub distances: &'a [f64],
 }
 
@@ -98,7 +98,8 @@ pub(crate) fn csv_word(label: &SourceLabel) -> String {
 /// A form in which a distance field can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldFormat {
-    /// `vertex,distance`, one line for each vertex, or `target,distance`; `inf` where no path leads.
+    /// `vertex,distance`, one line for each vertex, or `target,distance`; `inf` where no path
+    /// leads.
     Csv,
     /// The distances with their sources and the number of unreachable vertices, which are `null`.
     Json,
@@ -209,7 +210,7 @@ fn append<T, const N: usize>(
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct DistanceDocument<'a> {
     model: &'a str,
     algorithm: &'a str,
     sources: &'a [SourceLabel],
@@ -232,7 +233,7 @@ fn json(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
         .iter()
         .map(|d| d.is_finite().then_some(*d))
         .collect();
-    let document = Document {
+    let document = DistanceDocument {
         model: field.model,
         algorithm: field.algorithm,
         sources: field.sources,
@@ -242,9 +243,7 @@ fn json(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
         unreachable: distances.iter().filter(|d| d.is_none()).count(),
         distances,
     };
-    let mut bytes = serde_json::to_vec(&document)?;
-    bytes.push(b'\n');
-    Ok(bytes)
+    json_line(&document)
 }
 
 /// Start of a `NumPy` array, version 1.0 (`numpy.lib.format`): magic and version. The length of the
@@ -273,7 +272,8 @@ pub(super) fn npy_of(descr: &str, shape: &str, numbers: impl Iterator<Item = u8>
 }
 
 /// The mesh with `quality`, the name under which mesh programs know a vertex scalar, and colours.
-/// VTK reads no scalars from PLY files, but texture coordinates, of which the distance is the first.
+/// VTK reads no scalars from PLY files, but texture coordinates, of which the distance is the
+/// first.
 fn ply(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
     let triangles: Vec<[u32; 3]> = field
         .mesh

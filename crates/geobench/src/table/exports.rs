@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::history::compare::{Key, Measure};
+use crate::history::compare::{CellKey, Measure};
 use crate::schema::{Cell, ResultFile, Status};
 
 /// Figures that are exported beside the time, with the name and the unit that they have there.
@@ -18,7 +18,7 @@ const NANOSECONDS: f64 = 1e9;
 /// Cells that ended well, each with its name.
 fn cells(result: &ResultFile) -> impl Iterator<Item = (String, &Cell)> {
     let well = result.cells.iter().filter(|c| c.status == Status::Ok);
-    well.map(|cell| (Key::of(result, cell).to_string(), cell))
+    well.map(|cell| (CellKey::of(result, cell).to_string(), cell))
 }
 
 /// The figures of a cell: its name there, its unit and its value.

@@ -19,7 +19,7 @@ pub struct Figure {
     pub(crate) style: Style,
     /// Whether less is better. The least value is then marked, and ratios are shown.
     pub(crate) less_is_better: bool,
-    of: Of,
+    of: FigureSource,
 }
 
 /// A number format.
@@ -35,7 +35,7 @@ pub(crate) enum Style {
 
 /// The source of a figure.
 #[derive(Clone, Copy, Debug)]
-enum Of {
+enum FigureSource {
     Counter(Counter),
     Computed(fn(&Cell) -> Option<f64>),
     /// From the cell and the number of vertices of its model.
@@ -99,7 +99,7 @@ impl Figure {
             label: label.to_owned(),
             style,
             less_is_better: true,
-            of: Of::Computed(of),
+            of: FigureSource::Computed(of),
         }
     }
 
@@ -113,9 +113,9 @@ impl Figure {
     /// The figure of a cell on a model with this number of vertices, if known.
     pub(crate) fn of(&self, cell: &Cell, vertices: Option<u64>) -> Option<f64> {
         match self.of {
-            Of::Counter(counter) => count(cell, counter),
-            Of::Computed(of) => of(cell),
-            Of::OnModel(of) => of(cell, vertices? as f64),
+            FigureSource::Counter(counter) => count(cell, counter),
+            FigureSource::Computed(of) => of(cell),
+            FigureSource::OnModel(of) => of(cell, vertices? as f64),
         }
     }
 }
@@ -211,7 +211,7 @@ fn all() -> &'static [Figure] {
             })
             .informative(),
             Figure {
-                of: Of::OnModel(|c, vertices| {
+                of: FigureSource::OnModel(|c, vertices| {
                     let levels = count(c, Counter::Levels)?;
                     (levels > 0.0).then(|| libm::pow(vertices, levels.recip()))
                 }),
@@ -248,7 +248,7 @@ fn all() -> &'static [Figure] {
             label: label(counter),
             style: Count,
             less_is_better: counter == Counter::Propagated,
-            of: Of::Counter(counter),
+            of: FigureSource::Counter(counter),
         }));
         all
     });

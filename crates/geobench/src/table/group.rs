@@ -6,7 +6,7 @@ use crate::schema::{Cell, GroupRecord, ModelRecord, Status};
 
 /// A group with its models and algorithms.
 #[derive(Debug)]
-pub(crate) struct Group<'r> {
+pub(crate) struct GroupCells<'r> {
     pub(crate) record: &'r GroupRecord,
     pub(crate) cells: Vec<&'r Cell>,
     pub(crate) models: Vec<&'r ModelRecord>,
@@ -16,13 +16,13 @@ pub(crate) struct Group<'r> {
 
 /// A value with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub(crate) struct Value {
+pub(crate) struct Estimate {
     pub(crate) value: f64,
     /// The ends of its 95 % interval.
     pub(crate) interval: Option<[f64; 2]>,
 }
 
-impl From<f64> for Value {
+impl From<f64> for Estimate {
     fn from(value: f64) -> Self {
         Self {
             value,
@@ -46,7 +46,7 @@ pub(crate) fn algorithms<'r>(cells: impl IntoIterator<Item = &'r Cell>) -> Vec<&
     distinct(cells.into_iter().map(|cell| cell.algorithm.as_str()))
 }
 
-impl<'r> Group<'r> {
+impl<'r> GroupCells<'r> {
     /// The group of `record`, with its models and cells out of `models` and `cells`.
     pub(crate) fn new(
         record: &'r GroupRecord,
@@ -79,14 +79,14 @@ impl<'r> Group<'r> {
 
     /// The figure of an algorithm on a model: the median over the sources. The time of a single
     /// source has an interval.
-    pub(crate) fn value(&self, figure: &Figure, model: &str, algorithm: &str) -> Option<Value> {
+    pub(crate) fn value(&self, figure: &Figure, model: &str, algorithm: &str) -> Option<Estimate> {
         let cells = self.of(model, algorithm);
         let value = overall(figure, &cells, self.vertices(model))?;
         let interval = match (&cells[..], figure.key) {
             ([cell], "time") => cell.time.ci95,
             _ => None,
         };
-        Some(Value { value, interval })
+        Some(Estimate { value, interval })
     }
 
     /// The ratio of a figure of an algorithm on a model to that of `base`. From one source, the
@@ -98,7 +98,7 @@ impl<'r> Group<'r> {
         model: &str,
         algorithm: &str,
         base: &str,
-    ) -> Option<Value> {
+    ) -> Option<Estimate> {
         let (over, under) = (self.of(model, algorithm), self.of(model, base));
         // An algorithm that failed from one source has no figure.
         overall(figure, &over, self.vertices(model))?;
@@ -107,11 +107,11 @@ impl<'r> Group<'r> {
             let under = under.iter().find(|under| under.source == over.source)?;
             Some(ratio(figure, over, under))
         });
-        match &pairs.collect::<Option<Vec<Value>>>()?[..] {
+        match &pairs.collect::<Option<Vec<Estimate>>>()?[..] {
             [one] => Some(*one),
             several => {
                 let ratios: Vec<f64> = several.iter().map(|ratio| ratio.value).collect();
-                median(&ratios).map(Value::from)
+                median(&ratios).map(Estimate::from)
             }
         }
     }
@@ -161,12 +161,12 @@ pub(crate) fn pairs<'c>(over: &'c Cell, under: &'c Cell) -> (&'c [f64], &'c [f64
 }
 
 /// The ratio of a figure between two cells of the same source.
-fn ratio(figure: &Figure, over: &Cell, under: &Cell) -> Option<Value> {
+fn ratio(figure: &Figure, over: &Cell, under: &Cell) -> Option<Estimate> {
     let (above, below) = pairs(over, under);
     if figure.key == "time"
         && let Some(ratio) = paired_ratio(above, below)
     {
-        return Some(Value {
+        return Some(Estimate {
             value: ratio.ratio,
             interval: ratio.ci95,
         });

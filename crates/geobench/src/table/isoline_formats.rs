@@ -6,8 +6,8 @@ use geobench_isolines::{Isoline, Line};
 use geobench_mesh::Mesh;
 use serde::Serialize;
 
-use super::polylines::Polylines;
-use super::{UnknownEnding, of_ending};
+use super::polylines::{LineScalars, Polylines};
+use super::{UnknownEnding, json_line, of_ending};
 use crate::schema::SourceLabel;
 
 /// The isolines of a field.
@@ -93,19 +93,19 @@ impl IsolineSet<'_> {
 
     fn polylines(&self) -> Polylines {
         let lines = self.lines();
+        let distances = self.lines().map(|(distance, _)| distance);
         Polylines {
             title: format!("isolines of the geodesic distance, model {}", self.model),
             lines: lines
                 .map(|(_, line)| line.polyline(self.mesh, self.tolerance))
                 .collect(),
-            value: "distance",
-            values: self.lines().map(|(distance, _)| distance).collect(),
+            scalars: vec![LineScalars::new("distance", "double", distances)],
         }
     }
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct IsolineDocument<'a> {
     schema: &'static str,
     model: &'a str,
     sources: &'a [SourceLabel],
@@ -164,13 +164,11 @@ fn json(set: &IsolineSet<'_>) -> anyhow::Result<Vec<u8>> {
         length: isoline.length(),
         loops: isoline.lines.iter().map(line).collect(),
     };
-    let document = Document {
+    let document = IsolineDocument {
         schema: "geobench-isolines/1",
         model: set.model,
         sources: set.sources,
         levels: set.isolines.iter().map(level).collect(),
     };
-    let mut bytes = serde_json::to_vec(&document)?;
-    bytes.push(b'\n');
-    Ok(bytes)
+    json_line(&document)
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use self::group::Group;
+use self::group::GroupCells;
 use crate::schema::{Cell, GroupRecord, ModelRecord, ResultFile};
 
 mod bars;
@@ -142,6 +142,13 @@ pub(crate) fn of_ending<F: Copy>(
     })
 }
 
+/// `document` as one line of JSON.
+pub(crate) fn json_line(document: &impl serde::Serialize) -> anyhow::Result<Vec<u8>> {
+    let mut bytes = serde_json::to_vec(document)?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
 impl Format {
     /// The form for the ending of `path`, in any letter case.
     ///
@@ -215,18 +222,18 @@ pub fn group_heading(group: &GroupRecord, look: Look) -> String {
 
 /// The table of one model of a group, under a line with its name, followed by an empty line.
 pub fn model_table(group: &GroupRecord, model: &ModelRecord, cells: &[Cell], look: Look) -> String {
-    let group = Group::new(group, std::slice::from_ref(model), cells);
+    let group = GroupCells::new(group, std::slice::from_ref(model), cells);
     part(&group, &results::part(&group, model), look)
 }
 
 /// The table of the ratios in a group of `result`, if the group has a base for ratios.
 pub fn ratio_table(group: &GroupRecord, result: &ResultFile, look: Look) -> String {
-    let group = Group::new(group, &result.models, &result.cells);
+    let group = GroupCells::new(group, &result.models, &result.cells);
     let ratios = results::ratios(&group);
     ratios.map_or_else(String::new, |ratios| part(&group, &ratios, look))
 }
 
-fn part(group: &Group<'_>, part: &Part, look: Look) -> String {
+fn part(group: &GroupCells<'_>, part: &Part, look: Look) -> String {
     let table = Table::new(results::columns(group), Vec::new());
     terminal::part(&table, part, look)
 }

@@ -20,7 +20,7 @@ pub struct OutputFile {
     replace: bool,
 }
 
-/// What standard output is called, which is no path.
+/// The name of standard output in messages.
 const STANDARD_OUTPUT: &str = "standard output";
 
 impl OutputFile {

@@ -8,8 +8,8 @@ use geobench_paths::Path;
 use serde::Serialize;
 
 use super::distance_formats::csv_word;
-use super::polylines::Polylines;
-use super::{UnknownEnding, of_ending};
+use super::polylines::{LineScalars, Polylines};
+use super::{UnknownEnding, json_line, of_ending};
 use crate::schema::SourceLabel;
 
 /// Paths to some vertices, and where they come from.
@@ -106,11 +106,11 @@ impl PathSet<'_> {
     }
 
     fn polylines(&self) -> Polylines {
+        let lengths = self.found().map(|path| path.length);
         Polylines {
             title: format!("shortest paths by {}, model {}", self.algorithm, self.model),
             lines: self.found().map(|path| path.polyline(self.mesh)).collect(),
-            value: "length",
-            values: self.found().map(|path| path.length).collect(),
+            scalars: vec![LineScalars::new("length", "double", lengths)],
         }
     }
 }
@@ -136,7 +136,7 @@ fn csv(set: &PathSet<'_>) -> String {
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct PathDocument<'a> {
     schema: &'static str,
     model: &'a str,
     algorithm: &'a str,
@@ -180,13 +180,11 @@ fn json(set: &PathSet<'_>) -> anyhow::Result<Vec<u8>> {
             edges: edges.map(|([a, b], t)| (a.raw(), b.raw(), t)).collect(),
         }
     }
-    let document = Document {
+    let document = PathDocument {
         schema: "geobench-path/1",
         model: set.model,
         algorithm: set.algorithm,
         paths: set.paths.iter().map(|found| record(set, found)).collect(),
     };
-    let mut bytes = serde_json::to_vec(&document)?;
-    bytes.push(b'\n');
-    Ok(bytes)
+    json_line(&document)
 }

@@ -2,17 +2,39 @@
 
 use std::fmt::Write;
 
-/// Lines, and a number of each.
+/// Lines with numbers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Polylines {
-    /// What they are, for a comment.
+    /// The contents, for a comment.
     pub(crate) title: String,
-    /// Their points.
+    /// The points of each line.
     pub(crate) lines: Vec<Vec<[f64; 3]>>,
-    /// The name of the number.
-    pub(crate) value: &'static str,
-    /// The number of each line.
-    pub(crate) values: Vec<f64>,
+    /// The numbers of the lines.
+    pub(crate) scalars: Vec<LineScalars>,
+}
+
+/// A number for each line.
+#[derive(Clone, Debug)]
+pub(crate) struct LineScalars {
+    pub(crate) name: &'static str,
+    /// The type in VTK.
+    pub(crate) kind: &'static str,
+    pub(crate) values: Vec<String>,
+}
+
+impl LineScalars {
+    /// Numbers of type `kind`, in this order.
+    pub(crate) fn new<T: ToString>(
+        name: &'static str,
+        kind: &'static str,
+        values: impl Iterator<Item = T>,
+    ) -> Self {
+        Self {
+            name,
+            kind,
+            values: values.map(|value| value.to_string()).collect(),
+        }
+    }
 }
 
 impl Polylines {
@@ -93,13 +115,12 @@ impl Polylines {
             text.push('\n');
             next += line.len();
         }
-        let _ = writeln!(
-            text,
-            "CELL_DATA {count}\nSCALARS {} double 1\nLOOKUP_TABLE default",
-            self.value
-        );
-        for value in &self.values {
-            let _ = writeln!(text, "{value}");
+        let _ = writeln!(text, "CELL_DATA {count}");
+        for LineScalars { name, kind, values } in &self.scalars {
+            let _ = writeln!(text, "SCALARS {name} {kind} 1\nLOOKUP_TABLE default");
+            for value in values {
+                let _ = writeln!(text, "{value}");
+            }
         }
         text
     }

@@ -1,26 +1,26 @@
 //! Results as tables: per model the rows of the papers' tables, a column per algorithm.
 
 use super::figures::{Figure, Style, figures};
-use super::group::{Group, algorithms, distinct, overall, pairs};
+use super::group::{GroupCells, algorithms, distinct, overall, pairs};
 use super::model::{Column, Entry, Mark, Note, Part, Table};
 use crate::measure::number::{decimals, group, grouped, scientific};
 use crate::measure::statistics::{FEWEST_FOR_INTERVAL, Ratio, paired_ratio};
 use crate::schema::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
 
 /// The groups of `result`, in the order of the run.
-pub(crate) fn groups(result: &ResultFile) -> Vec<Group<'_>> {
+pub(crate) fn groups(result: &ResultFile) -> Vec<GroupCells<'_>> {
     static ALONE: GroupRecord = GroupRecord::unnamed();
     let groups = if result.groups.is_empty() {
         std::slice::from_ref(&ALONE)
     } else {
         &result.groups
     };
-    let group = |record| Group::new(record, &result.models, &result.cells);
+    let group = |record| GroupCells::new(record, &result.models, &result.cells);
     groups.iter().map(group).collect()
 }
 
 /// The figures of a group: a part for each model, and one for ratios if the group has a base.
-pub(crate) fn table(group: &Group<'_>) -> Table {
+pub(crate) fn table(group: &GroupCells<'_>) -> Table {
     let text = |text: &Option<String>| text.as_deref().unwrap_or_default().trim().to_owned();
     let models = group.models.iter().map(|model| part(group, model));
     Table {
@@ -34,7 +34,7 @@ pub(crate) fn table(group: &Group<'_>) -> Table {
 }
 
 /// A column for the labels of rows, and one for each algorithm.
-pub(super) fn columns(group: &Group<'_>) -> Vec<Column> {
+pub(super) fn columns(group: &GroupCells<'_>) -> Vec<Column> {
     let algorithms = group.algorithms.iter().map(|name| {
         if group.is_approximate(name) {
             Column::number(&format!("{name} (approx.)"))
@@ -64,7 +64,7 @@ fn insert_after(after: &str, names: &[&str], into: &mut Vec<&'static Figure>) {
 }
 
 /// The figures of a model.
-pub(super) fn part(group: &Group<'_>, model: &ModelRecord) -> Part {
+pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
     let names = group.algorithms.iter();
     let columns: Vec<Vec<&Cell>> = names.map(|name| group.of(&model.name, name)).collect();
     let own = group.cells.iter().copied();
@@ -331,7 +331,7 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
 
 /// The mean and the standard deviation of the ratio to the base of the group, for each figure for
 /// which less is better. `None` if the group has no base or no ratio.
-pub(super) fn ratios(group: &Group<'_>) -> Option<Part> {
+pub(super) fn ratios(group: &GroupCells<'_>) -> Option<Part> {
     let baseline = group.record.ratios_to.as_deref()?;
     let figures = figures(&group.record.rows).into_iter();
     let rows = figures
@@ -376,7 +376,7 @@ pub(crate) fn mean_and_deviation(values: &[f64]) -> Option<(f64, Option<f64>)> {
 }
 
 /// The ratio of a figure of an algorithm on a model to that of the base of the group.
-fn ratio(group: &Group<'_>, figure: &Figure, model: &str, algorithm: &str) -> Option<f64> {
+fn ratio(group: &GroupCells<'_>, figure: &Figure, model: &str, algorithm: &str) -> Option<f64> {
     let over = group.of(model, algorithm);
     let under = group.of(model, group.record.ratios_to.as_deref()?);
     if figure.key == "time" {
@@ -390,7 +390,10 @@ fn ratio(group: &Group<'_>, figure: &Figure, model: &str, algorithm: &str) -> Op
 /// The row of a model's table with the ratios of the times to those of the base of the group, and a
 /// note on it. A column holds the cells of an algorithm. `None` if the group has no base or no
 /// ratio.
-fn ratio_times(group: &Group<'_>, columns: &[Vec<&Cell>]) -> Option<(Vec<Entry>, Option<Note>)> {
+fn ratio_times(
+    group: &GroupCells<'_>,
+    columns: &[Vec<&Cell>],
+) -> Option<(Vec<Entry>, Option<Note>)> {
     let baseline = group.record.ratios_to.as_deref()?;
     let place = group.algorithms.iter().position(|name| *name == baseline)?;
     let others = columns.iter().enumerate();

@@ -169,7 +169,7 @@ impl Merger {
         }
     }
 
-    /// Inserts `new` by dividing the whole overlap; several intervals of it may survive.
+    /// Inserts `new` by dividing the whole overlap; several of its intervals may survive.
     #[cold]
     #[allow(clippy::too_many_arguments)] // Private, and one step of `merge`.
     fn divide<P: Probe>(

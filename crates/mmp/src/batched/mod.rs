@@ -1,4 +1,4 @@
-//! All due windows of a half-edge at a time.
+//! MMP with all due windows of a half-edge propagated together.
 //!
 //! Distances do not depend on the order in which windows are taken. The rounds of FWP and the
 //! vertex order of VTP leave the order within a round open, and a priority queue can accept some

@@ -1,15 +1,26 @@
-//! Nearest list first.
+//! A queue of lists, the one with the nearest window first.
 
 use geobench_mesh::Mesh;
 use geobench_window::queue::{Discipline, Event, Priority, mean_edge_length};
 use geobench_window::{Counter, Probe};
 
-/// A [`Priority`] queue of lists. The list with the nearest window is taken; its windows that are at
-/// most a slack further are due with it.
+/// A [`Priority`] queue of lists. The list with the nearest window is taken; its windows that are
+/// at most a slack further are due with it.
 ///
 /// # Cost
 ///
 /// That of [`Priority`], for each time a list is queued.
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_mmp::{Batched, NearestLists};
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let mut solver = Batched::new(&mesh, NearestLists::new(&mesh, NearestLists::SLACK));
+/// assert_eq!(solver.distances_from(5)?[5], 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct NearestLists {
     queue: Priority,

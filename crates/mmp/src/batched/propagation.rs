@@ -256,8 +256,8 @@ impl<Q: Discipline> State<Q> {
         self.queue.ends(label, &mut self.lookout, distance, probe)
     }
 
-    /// Offers `v` a path of length `d`. Only pseudo-sources are queued, unless the discipline orders
-    /// all vertices. Returns whether it is the shortest so far.
+    /// Offers `v` a path of length `d`. Only pseudo-sources are queued, unless the discipline
+    /// orders all vertices. Returns whether it is the shortest so far.
     #[inline]
     fn offer<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) -> bool {
         let improves = self.surface.offer(v, d);
@@ -276,14 +276,9 @@ impl<Q: Discipline> State<Q> {
         let degree = self.mesh.outgoing(v).len();
         for i in 0..degree {
             let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
-            let edges = self.surface.faces().edges_at_tail(h);
-            for (k, edge) in edges.into_iter().enumerate() {
-                let Some((neighbour, length)) = edge else {
-                    continue;
-                };
-                if self.offer(neighbour, sigma + length, probe) && P::TRACES {
-                    let (corner, way) = [(h.next(), Way::FromHead), (h.prev(), Way::FromTail)][k];
-                    probe.reach(neighbour, corner, way);
+            for path in self.surface.faces().edge_paths(h) {
+                if self.offer(path.end, sigma + path.length, probe) && P::TRACES {
+                    probe.reach(path.end, path.corner, path.way);
                 }
             }
         }
@@ -405,7 +400,7 @@ fn cross_all<P: Probe>(
         batch.clear();
         batch.windows.reserve(taken.windows.len());
     }
-    let mut children = Children {
+    let mut children = ChildSink {
         taken,
         exits,
         ends: [tail, head],
@@ -443,7 +438,7 @@ fn cross_all<P: Probe>(
 }
 
 /// The children of `taken`.
-struct Children<'a, P> {
+struct ChildSink<'a, P> {
     taken: &'a Batch,
     exits: &'a [Exit; 2],
     /// The distances of tail and head.
@@ -455,7 +450,7 @@ struct Children<'a, P> {
     probe: &'a mut P,
 }
 
-impl<P: Probe> Children<'_, P> {
+impl<P: Probe> ChildSink<'_, P> {
     /// Keeps a child of window `k` on an exit, unless it is dropped; `apex` is the distance of the
     /// apex.
     #[inline(always)]

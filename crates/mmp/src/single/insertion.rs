@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use geobench_window::Window;
 
-use super::lists::{Direction, Lists, Place, Slot};
+use super::lists::{Direction, ListEntry, Lists, Slot};
 use crate::overlap_range::OverlapRange;
 use geobench_window::trimming::{Overlap, Owner, Segment, foot, is_sliver, pieces};
 
@@ -174,7 +174,7 @@ impl Inserter {
         lists.replace(i, from, to - from, &slots[..pieces]);
     }
 
-    /// Inserts `new` by dividing the whole overlap; several intervals of it may survive.
+    /// Inserts `new` by dividing the whole overlap; several of its intervals may survive.
     #[cold]
     fn divide(
         &mut self,
@@ -187,7 +187,7 @@ impl Inserter {
     ) {
         let mut met = std::mem::take(&mut self.met);
         met.clear();
-        let stored = |place: &Place| lists.windows()[place.slot as usize];
+        let stored = |place: &ListEntry| lists.windows()[place.slot as usize];
         let behind = lists.places(i)[first..].iter().map(stored);
         let first = first + behind.take_while(|w| w.b1 <= new.b0).count();
         let behind = lists.places(i)[first..].iter().map(stored);

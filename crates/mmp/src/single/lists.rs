@@ -1,6 +1,6 @@
 //! The windows of all half-edges, found by slot or by list.
 
-use geobench_window::continuous::Turn;
+use geobench_window::continuous::Dequeued;
 use geobench_window::{Window, prefetch};
 
 use crate::blocks::{FreeBlocks, GROUP, room, roomier};
@@ -41,14 +41,14 @@ impl State {
 
 /// A window of a list, with the key that a search compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct ListEntry {
     /// Where the window is.
     pub(crate) slot: Slot,
     /// The [key](end_key) of its right end.
     end: u32,
 }
 
-impl Place {
+impl ListEntry {
     /// A place without a window, behind all others.
     const NONE: Self = Self {
         slot: 0,
@@ -86,7 +86,7 @@ struct ListHead {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lists {
     heads: Vec<ListHead>,
-    places: Vec<Place>,
+    places: Vec<ListEntry>,
     free_blocks: FreeBlocks,
     windows: Vec<Window>,
     states: Vec<State>,
@@ -150,7 +150,7 @@ impl Lists {
 
     /// The windows of list `i`, by their slots.
     #[inline]
-    pub(crate) fn places(&self, i: usize) -> &[Place] {
+    pub(crate) fn places(&self, i: usize) -> &[ListEntry] {
         let ListHead { start, len, .. } = self.heads[i];
         &self.places[start as usize..][..len as usize]
     }
@@ -211,21 +211,21 @@ impl Lists {
     /// longer waits, unless its least distance has grown.
     #[inline(always)] // Keeps the window in registers on its way to its crossing.
     #[allow(clippy::inline_always)] // Called for every window, and small.
-    pub(crate) fn take(&mut self, i: usize, slot: Slot) -> Turn<()> {
+    pub(crate) fn take(&mut self, i: usize, slot: Slot) -> Dequeued<()> {
         let state = &mut self.states[slot as usize];
         if state.has(State::GONE) {
             self.free.push(slot);
-            return Turn::Void;
+            return Dequeued::Stale;
         }
         let window = self.windows[slot as usize];
         if state.has(State::OUTDATED) {
             state.0 &= !State::OUTDATED;
-            return Turn::Later(window.min_distance());
+            return Dequeued::Requeue(window.min_distance());
         }
         state.0 &= !State::WAITS;
         self.heads[i].waiting -= 1;
         self.waiting -= 1;
-        Turn::Now(window, ())
+        Dequeued::Propagate(window, ())
     }
 
     /// Stores a window of list `i` in a slot, which the caller puts into the list.
@@ -299,7 +299,7 @@ impl Lists {
         let start = self.heads[i].start as usize + first;
         for (to, &slot) in self.places[start..start + new.len()].iter_mut().zip(new) {
             let end = end_key(self.windows[slot as usize].b1);
-            *to = Place { slot, end };
+            *to = ListEntry { slot, end };
         }
     }
 
@@ -332,7 +332,7 @@ impl Lists {
             } else {
                 self.places.copy_within(behind, to);
                 if longer < len {
-                    self.places[start + longer..start + len].fill(Place::NONE);
+                    self.places[start + longer..start + len].fill(ListEntry::NONE);
                 }
             }
         }
@@ -347,10 +347,10 @@ impl Lists {
         let larger = roomier(class, len);
         let to = self.free_blocks.take(larger).unwrap_or_else(|| {
             let to = self.places.len();
-            self.places.resize(to + room(larger), Place::NONE);
+            self.places.resize(to + room(larger), ListEntry::NONE);
             to as u32
         });
-        self.places[to as usize + len..][..room(larger) - len].fill(Place::NONE);
+        self.places[to as usize + len..][..room(larger) - len].fill(ListEntry::NONE);
         self.free_blocks.give(class, start);
         let list = &mut self.heads[i];
         (list.start, list.class) = (to, larger);

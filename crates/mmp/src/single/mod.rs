@@ -1,4 +1,4 @@
-//! One window at a time, as the papers describe MMP.
+//! MMP with windows propagated one at a time, as in the papers.
 //!
 //! [`Trimming`] is the policy: a window is inserted into the sorted list of its half-edge or edge
 //! and split at tie points with the windows that it overlaps. Any

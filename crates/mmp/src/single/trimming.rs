@@ -1,7 +1,7 @@
 //! The policy of MMP: every window is stored where it is the shortest.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::continuous::{Arrival, Continuous, Policy, Surface, Turn};
+use geobench_window::continuous::{Arrival, Continuous, Dequeued, Policy, Surface};
 use geobench_window::queue::Discipline;
 use geobench_window::trimming::ThinFaces;
 use geobench_window::{Counter, Crossing, Probe, Window, is_beaten_from_ends};
@@ -246,12 +246,12 @@ impl Policy for Trimming {
         id: u32,
         surface: &Surface,
         _: &mut P,
-    ) -> Turn<u32> {
+    ) -> Dequeued<u32> {
         let (place, direction) = self.place(h, surface);
         let window = match self.lists.take(place.index(), id) {
-            Turn::Now(window, ()) => window,
-            Turn::Later(label) => return Turn::Later(label),
-            Turn::Void => return Turn::Void,
+            Dequeued::Propagate(window, ()) => window,
+            Dequeued::Requeue(label) => return Dequeued::Requeue(label),
+            Dequeued::Stale => return Dequeued::Stale,
         };
         if self.retention == Retention::Wavefront {
             if !self.lists.is_waited_for(place.index()) && !self.thin.is_beside(place.index()) {
@@ -271,7 +271,7 @@ impl Policy for Trimming {
         } else {
             0
         };
-        Turn::Now(window, level)
+        Dequeued::Propagate(window, level)
     }
 
     fn least_distance(&self, _: HalfEdgeId, id: u32, _: f64) -> Option<f64> {

@@ -30,7 +30,7 @@ impl From<Nasty> for Case {
 /// Distances; `None` is unreachable.
 pub(crate) type Expected = Vec<Option<f64>>;
 
-/// What is known of an answer.
+/// The verdict on an answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Verdict {
     Right,
@@ -48,7 +48,7 @@ impl Verdict {
     }
 }
 
-/// What is wrong with an answer.
+/// A defect of an answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Failure {
     pub(crate) kind: FailureKind,

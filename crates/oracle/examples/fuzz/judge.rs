@@ -87,7 +87,7 @@ fn sources(case: &Case) -> Vec<VertexId> {
     case.sources.iter().copied().map(VertexId::new).collect()
 }
 
-/// What is to be said of `selection` on `case`. `work` is that of `mmp-fast`, if it is bounded.
+/// The verdict on `selection` for `case`. `work` is that of `mmp-fast`, if it is bounded.
 pub(crate) fn judge(
     selection: &Selection,
     case: &Case,

@@ -1,11 +1,11 @@
-//! The kernels on lists that are made up, for the benches of this crate; no part of its interface.
+//! The kernels on synthetic lists, for the benches of this crate; not part of its interface.
 
-use geobench_window::simd::{Instructions, Lanes, Program, Simd};
+use geobench_window::simd::{Instructions, Lanes, Simd, SimdProgram};
 
 use super::kernels::{self, BestPath, Cuts, Gate, Measured, Target, Triangle};
 use super::store::{COLUMNS, NO_LIST, WindowStore};
 
-/// A list about to cross an equilateral triangle, and room for what comes of it.
+/// A list about to cross an equilateral triangle, and room for the children.
 #[derive(Debug)]
 pub struct KernelBench {
     simd: Simd,
@@ -77,21 +77,21 @@ impl KernelBench {
         bench
     }
 
-    /// Runs a kernel once; returns how many windows come of it.
+    /// Runs a kernel once; returns the number of resulting windows.
     pub fn run(&mut self, kernel: Kernel) -> usize {
-        self.simd.run(Run {
+        self.simd.run(RunKernel {
             bench: self,
             kernel,
         })
     }
 }
 
-struct Run<'a> {
+struct RunKernel<'a> {
     bench: &'a mut KernelBench,
     kernel: Kernel,
 }
 
-impl Program for Run<'_> {
+impl SimdProgram for RunKernel<'_> {
     type Output = usize;
 
     #[inline(always)]

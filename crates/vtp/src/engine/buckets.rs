@@ -12,7 +12,7 @@ const NONE: u32 = u32::MAX;
 /// less than [`RING`] ahead are lists of their own, the rest waits in one until the ring gets
 /// there.
 #[derive(Clone, Debug)]
-pub(crate) struct Buckets {
+pub(crate) struct VertexBuckets {
     inverse_width: f64,
     ring: Vec<Vec<u32>>,
     /// Entries in the ring, void ones included.
@@ -26,7 +26,7 @@ pub(crate) struct Buckets {
     bucket_of: Vec<u32>,
 }
 
-impl Buckets {
+impl VertexBuckets {
     pub(crate) fn new(vertices: usize, width: f64) -> Self {
         Self {
             inverse_width: width.recip(),
@@ -106,7 +106,7 @@ impl Buckets {
             }
             bucket += 1;
         }
-        // What is far becomes near only when its turn comes.
+        // Far vertices move into the ring only when their bucket is the next.
         self.far
             .retain(|&(v, bucket)| self.bucket_of[v as usize] == bucket);
         let far = self.far.iter().map(|&(_, bucket)| bucket).min();
@@ -170,7 +170,7 @@ impl Buckets {
         entries.len()
     }
 
-    /// Moves into the ring what it has come near to.
+    /// Moves the far vertices of buckets within reach into the ring.
     #[cold]
     fn bring_near(&mut self) {
         self.far_least = NONE;
@@ -193,7 +193,7 @@ impl Buckets {
 mod tests {
     use super::*;
 
-    fn drain(buckets: &mut Buckets) -> Vec<Vec<u32>> {
+    fn drain(buckets: &mut VertexBuckets) -> Vec<Vec<u32>> {
         let (mut turns, mut turn) = (Vec::new(), Vec::new());
         while let Some(bucket) = buckets.nearest() {
             buckets.take(bucket, &mut turn);
@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn what_is_taken_out_has_no_turn_and_one_when_it_comes_back() {
-        let mut buckets = Buckets::new(4, 1.0);
+        let mut buckets = VertexBuckets::new(4, 1.0);
         for distance in [3.5, 5000.5] {
             assert!(!buckets.remove(1));
             buckets.push(0, distance);
@@ -229,7 +229,7 @@ mod tests {
 
     #[test]
     fn vertices_come_by_buckets_however_far_apart() {
-        let mut buckets = Buckets::new(7, 0.5);
+        let mut buckets = VertexBuckets::new(7, 0.5);
         let distances = [1e30, 0.1, 600.0, 1e5, 0.4, 1e30, 1e5 + 1.0];
         for (v, d) in distances.into_iter().enumerate() {
             assert!(buckets.push(v as u32, d));
@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn only_the_last_entry_of_a_vertex_counts() {
-        let mut buckets = Buckets::new(3, 1.0);
+        let mut buckets = VertexBuckets::new(3, 1.0);
         for d in [1e4, 2e3, 5.0, 2.0, 2.5] {
             buckets.push(0, d);
         }
@@ -256,7 +256,7 @@ mod tests {
         buckets.push(2, 1.0);
         buckets.push(0, 2.0);
         assert_eq!(drain(&mut buckets), [[2], [0]]);
-        // What has had no turn is forgotten.
+        // Vertices that were not taken are dropped.
         for (v, d) in [(0, 1.0), (1, 9.0), (2, 1e5)] {
             buckets.push(v, d);
         }
@@ -269,7 +269,7 @@ mod tests {
     #[test]
     #[allow(clippy::cast_sign_loss)]
     fn looking_for_the_nearest_bucket_does_not_delay_what_is_pushed_before_it() {
-        let (mut buckets, mut turn) = (Buckets::new(4, 1.0), Vec::new());
+        let (mut buckets, mut turn) = (VertexBuckets::new(4, 1.0), Vec::new());
         assert_eq!(buckets.nearest(), None);
         for (v, d) in [(0, 2000.0), (1, 70.0), (1, 50.0)] {
             buckets.push(v, d);
@@ -286,7 +286,7 @@ mod tests {
 
     #[test]
     fn what_comes_late_has_its_turn_at_once() {
-        let mut buckets = Buckets::new(2, 1.0);
+        let mut buckets = VertexBuckets::new(2, 1.0);
         let mut turn = Vec::new();
         buckets.push(0, 5.0);
         buckets.take(5, &mut turn);

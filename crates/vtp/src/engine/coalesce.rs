@@ -1,4 +1,4 @@
-//! Windows of one source image that meet are one window.
+//! Coalescing of adjacent windows with the same source image.
 //!
 //! A vertex parts a window into one that passes on its left and one that passes on its right. Where
 //! the surface is flat, the two come together again on the edge behind the vertex, side by side,
@@ -6,8 +6,8 @@
 //! No rule drops a window for being narrow; so without this a plane is crossed by a window for
 //! every vertex that the source sees.
 
+use super::layout::{FaceLayout, MeshLayout, next, prev};
 use super::store::{COLUMNS, WindowStore};
-use super::surface::{Face, Surface, next, prev};
 
 /// Lists with so many windows or fewer cross one by one where windows are coalesced: most lists are
 /// no longer, and one number is computed sooner than eight of which seven are of no use.
@@ -23,7 +23,7 @@ const SAME_IMAGE: f64 = 1e-13;
 /// How wide, relative to the edge, a gap between two intervals may be that rounding has left.
 const GAP: f64 = 1e-12;
 
-impl Surface {
+impl MeshLayout {
     /// Whether so many windows can be coalesced that looking for them pays.
     pub(crate) fn has_many_flat_vertices(&self) -> bool {
         let behind = self.faces.iter().flat_map(|face| face.flat);
@@ -39,7 +39,7 @@ impl WindowStore {
     #[inline(always)]
     pub(crate) fn coalesce_behind(
         &mut self,
-        face: &Face,
+        face: &FaceLayout,
         corner: usize,
         lists: [u32; 2],
         before: [usize; 2],
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
     use crate::engine::store::NO_LIST;
 
-    /// What is left of `waiting` and of those that `came`, on a half-edge of length 1.
+    /// The remaining windows of `waiting` and of those that `came`, on a half-edge of length 1.
     fn coalesced(waiting: &[[f64; COLUMNS]], came: &[[f64; COLUMNS]]) -> Vec<[f64; COLUMNS]> {
         let mut store = WindowStore::new();
         let len = waiting.len() + came.len();

@@ -1,5 +1,5 @@
-//! What list propagation for speed is built of: the mesh laid out for crossing, lists as structures
-//! of arrays, and the passes over them in vector instructions.
+//! The parts of list propagation: the mesh laid out for crossing, lists as structures of arrays,
+//! and the passes over them in vector instructions.
 
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
@@ -11,10 +11,10 @@ pub(crate) mod buckets;
 pub(crate) mod coalesce;
 pub(crate) mod face_state;
 pub(crate) mod kernels;
+pub(crate) mod layout;
 pub(crate) mod levels;
 pub(crate) mod prefetch;
 pub(crate) mod sample;
 pub(crate) mod sent;
 pub(crate) mod spawn_wedge;
 pub(crate) mod store;
-pub(crate) mod surface;

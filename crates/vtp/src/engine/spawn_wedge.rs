@@ -1,18 +1,18 @@
-//! Where a shortest path that bends at a vertex can go on.
+//! The wedge into which a shortest path that bends at a vertex can continue.
 
 use std::f32::consts::PI;
 
-use super::surface::{Surface, half_edge, parts, prev};
+use super::layout::{MeshLayout, half_edge, parts, prev};
 
 /// By how much, in radians, the shadow of a path is widened: far more than the angles err.
 const PENUMBRA: f32 = 1e-3;
 
 /// How a path reached the apex of a half-edge.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Origin {
+pub(crate) struct PathOrigin {
     /// The half-edge that it crossed last.
     pub(crate) h: u32,
-    /// Where.
+    /// The abscissa of that crossing.
     pub(crate) entry: f64,
 }
 
@@ -36,23 +36,23 @@ impl SpawnWedge {
     /// A shortest path bends at an interior vertex only if it leaves it at an angle of π or more on
     /// both sides, so only in a wedge as wide as the excess over 2π, opposite to where it came
     /// from.
-    pub(crate) fn of(surface: &Surface, v: u32, origin: Origin) -> Self {
-        let places = surface.ring_places(v);
-        let (ring, angles) = (&surface.rings[places.clone()], &surface.angles[places]);
+    pub(crate) fn of(layout: &MeshLayout, v: u32, origin: PathOrigin) -> Self {
+        let places = layout.ring_places(v);
+        let (ring, angles) = (&layout.rings[places.clone()], &layout.angles[places]);
         let (f, corner) = parts(origin.h);
         let own = half_edge(f as u32, prev(corner));
         let Some(start) = ring.iter().position(|&h| h == own) else {
             return Self::all(ring.len());
         };
         // At the apex, counter-clockwise from the side that ends at the tail to the path.
-        let [x, y] = surface.faces[f].apex(corner);
+        let [x, y] = layout.faces[f].apex(corner);
         let across = y * origin.entry;
         let along = y * y - x * (origin.entry - x);
         let size = across.abs() + along.abs();
         let turned = libm::atan2f((across / size) as f32, (along / size) as f32);
         let (from, to) = (
             PI - PENUMBRA,
-            surface.vertices[v as usize].total_angle - PI + PENUMBRA,
+            layout.vertices[v as usize].total_angle - PI + PENUMBRA,
         );
         // The first corner that ends within, and the last that starts within.
         let mut wedge = Self { first: 0, count: 0 };

@@ -1,4 +1,4 @@
-//! Where windows wait: structures of arrays in one arena.
+//! Lists of waiting windows: structures of arrays in one arena.
 //!
 //! A list is a *block* of five columns, b0, b1, px, py and σ, each a whole number of cache lines;
 //! 40 bytes a window. Blocks come in classes by size and are used again, last freed first, so that
@@ -71,7 +71,7 @@ fn class_for(windows: usize) -> u8 {
 
 /// A list of windows.
 #[derive(Clone, Copy, Debug, Default)]
-struct List {
+struct ListHeader {
     /// First line of its block.
     start: u32,
     len: u32,
@@ -80,7 +80,7 @@ struct List {
     class: u8,
 }
 
-impl List {
+impl ListHeader {
     /// Windows for which there is room.
     #[inline]
     fn room(self) -> usize {
@@ -94,7 +94,7 @@ pub(crate) struct WindowStore {
     lines: Vec<Line>,
     /// Number of lines that belong to blocks.
     used: usize,
-    lists: Vec<List>,
+    lists: Vec<ListHeader>,
     /// For each class the lists whose blocks are free.
     free: Vec<Vec<u32>>,
     waiting: usize,
@@ -125,7 +125,7 @@ impl WindowStore {
             lines: vec![Line::default(); 1],
             used: 0,
             // Stands for `NO_LIST`.
-            lists: vec![List::default()],
+            lists: vec![ListHeader::default()],
             free: vec![Vec::new(); CLASSES],
             waiting: 0,
         }
@@ -160,7 +160,7 @@ impl WindowStore {
     }
 
     /// Takes `list`, which is `old`, to a block with room for `more` windows.
-    fn move_to_larger(&mut self, list: u32, old: List, more: usize) -> u32 {
+    fn move_to_larger(&mut self, list: u32, old: ListHeader, more: usize) -> u32 {
         if list == NO_LIST {
             // As many are likely to come from the other side of the face below.
             return self.allocate(class_for(2 * more));
@@ -193,7 +193,7 @@ impl WindowStore {
         let column = lines_of(class);
         self.used += COLUMNS * column as usize;
         self.lines.resize(self.used + 1, Line::default());
-        self.lists.push(List {
+        self.lists.push(ListHeader {
             start,
             len: 0,
             column,
@@ -219,7 +219,7 @@ impl WindowStore {
     /// Writes a window at place `i` of `list`, which has room there.
     #[inline]
     pub(crate) fn put(&mut self, list: u32, i: usize, window: [f64; COLUMNS]) {
-        let List { start, column, .. } = self.lists[list as usize];
+        let ListHeader { start, column, .. } = self.lists[list as usize];
         let mut line = start as usize + i / Line::LANES;
         for value in window {
             self.lines[line].0[i % Line::LANES] = value;
@@ -229,7 +229,7 @@ impl WindowStore {
 
     /// Adds the windows of `list` to `columns`, a column behind the other.
     pub(crate) fn copy_out(&self, list: u32, columns: &mut Vec<f64>) {
-        let List {
+        let ListHeader {
             start, len, column, ..
         } = self.lists[list as usize];
         let mut line = start as usize;
@@ -249,7 +249,7 @@ impl WindowStore {
         }
         let list = self.reserve(list, more);
         let len = self.len(list);
-        let List { start, column, .. } = self.lists[list as usize];
+        let ListHeader { start, column, .. } = self.lists[list as usize];
         let mut first = start as usize;
         for numbers in columns.chunks_exact(more) {
             for (i, &number) in (len..).zip(numbers) {
@@ -263,7 +263,7 @@ impl WindowStore {
     /// The block of `list` and the line behind it, which is free or belongs to another block.
     #[inline]
     pub(crate) fn padded_block(&mut self, list: u32) -> PaddedBlock<'_> {
-        let List { start, column, .. } = self.lists[list as usize];
+        let ListHeader { start, column, .. } = self.lists[list as usize];
         PaddedBlock::new(&mut self.lines[start as usize..], column)
     }
 
@@ -276,14 +276,14 @@ impl WindowStore {
     /// The first `len` windows in the block of `list`.
     #[inline(always)]
     pub(crate) fn first(&self, list: u32, len: usize) -> Columns<'_> {
-        let List { start, column, .. } = self.lists[list as usize];
+        let ListHeader { start, column, .. } = self.lists[list as usize];
         Columns::new(&self.lines[start as usize..], column, len)
     }
 
     /// The window at place `i` of `list`.
     #[inline]
     pub(crate) fn get(&self, list: u32, i: usize) -> [f64; COLUMNS] {
-        let List { start, column, .. } = self.lists[list as usize];
+        let ListHeader { start, column, .. } = self.lists[list as usize];
         let first = start as usize + i / Line::LANES;
         std::array::from_fn(|c| self.lines[first + c * column as usize].0[i % Line::LANES])
     }
@@ -306,7 +306,7 @@ impl WindowStore {
         assert!(!twice, "a list is there twice");
         let lists = lists.map(|list| self.lists[list as usize]);
         let lines = self.lines.as_mut_ptr();
-        lists.map(|List { start, column, .. }| {
+        lists.map(|ListHeader { start, column, .. }| {
             let (start, len) = (start as usize, COLUMNS * column as usize);
             // SAFETY: every block lies within `lines`, and `grow` makes it of lines that no other
             // block has; that of no list is empty.

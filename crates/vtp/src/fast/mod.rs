@@ -1,4 +1,4 @@
-//! One wavefront on one thread.
+//! `vtp-fast`: one wavefront on one thread.
 
 // The kernels must be inlined into the functions that have the features of the processor.
 #![allow(clippy::inline_always)]
@@ -6,7 +6,7 @@
 mod serial_state;
 
 use geobench_mesh::{Mesh, Numbering, VertexId};
-use geobench_window::simd::{Instructions, Lanes, Program, Simd};
+use geobench_window::simd::{Instructions, Lanes, Simd, SimdProgram};
 use geobench_window::{Counter, Probe, Propagate, Solution};
 
 use self::serial_state::SerialState;
@@ -95,9 +95,9 @@ impl VtpFast {
                 instructions,
                 ..options
             },
-            coalesces: options.coalesce && state.surface().has_many_flat_vertices(),
+            coalesces: options.coalesce && state.layout().has_many_flat_vertices(),
             numbering,
-            wavefront: Wavefront::new(state.surface(), &options),
+            wavefront: Wavefront::new(state.layout(), &options),
             state,
         }
     }
@@ -108,15 +108,15 @@ impl VtpFast {
     }
 }
 
-/// A run whose sources have had their turns.
-struct Turns<'s, P, const COALESCE: bool> {
+/// The propagation of a run whose sources have spawned their windows.
+struct RunFromSources<'s, P, const COALESCE: bool> {
     wavefront: &'s mut Wavefront,
     state: &'s mut SerialState,
     numbering: &'s Numbering,
     probe: &'s mut P,
 }
 
-impl<P: Probe, const COALESCE: bool> Program for Turns<'_, P, COALESCE> {
+impl<P: Probe, const COALESCE: bool> SimdProgram for RunFromSources<'_, P, COALESCE> {
     type Output = ();
 
     #[inline(always)]
@@ -180,14 +180,14 @@ impl Propagate for VtpFast {
             wavefront.start_from(state, s, probe);
         }
         if self.coalesces {
-            simd.run(Turns::<P, true> {
+            simd.run(RunFromSources::<P, true> {
                 wavefront,
                 state,
                 numbering: &self.numbering,
                 probe,
             });
         } else {
-            simd.run(Turns::<P, false> {
+            simd.run(RunFromSources::<P, false> {
                 wavefront,
                 state,
                 numbering: &self.numbering,
@@ -195,8 +195,8 @@ impl Propagate for VtpFast {
             });
         }
         if P::TRACES {
-            let surface = self.state.surface();
-            surface.renumber(&self.mesh, &self.numbering, probe);
+            let layout = self.state.layout();
+            layout.renumber(&self.mesh, &self.numbering, probe);
         }
         Solution::new(self.numbering.restore(&self.state.distances))
     }

@@ -1,16 +1,16 @@
-//! The field of a wavefront that is alone on it.
+//! The state of the surface under a single wavefront.
 
 use geobench_mesh::{Mesh, Numbering};
 
+use crate::engine::layout::MeshLayout;
 use crate::engine::prefetch::prefetch;
-use crate::engine::surface::Surface;
 use crate::wavefront::SurfaceState;
 use geobench_window::prefetch_line;
 
 /// A surface that one wavefront runs over; what changes of a face is in its record.
 #[derive(Clone, Debug)]
 pub(super) struct SerialState {
-    surface: Surface,
+    layout: MeshLayout,
     /// The number of this run: faces that joined in it belong to the traversed area.
     run: u8,
     pub(super) distances: Vec<f64>,
@@ -19,7 +19,7 @@ pub(super) struct SerialState {
 impl SerialState {
     pub(super) fn new(mesh: &Mesh, numbering: &Numbering) -> Self {
         Self {
-            surface: Surface::new(mesh, numbering),
+            layout: MeshLayout::new(mesh, numbering),
             run: 0,
             distances: Vec::new(),
         }
@@ -29,13 +29,13 @@ impl SerialState {
     pub(super) fn reset(&mut self) {
         if self.run == u8::MAX {
             self.run = 0;
-            for face in &mut self.surface.faces {
+            for face in &mut self.layout.faces {
                 face.state.leave();
             }
         }
         self.run += 1;
         self.distances.clear();
-        let vertices = self.surface.vertices.len();
+        let vertices = self.layout.vertices.len();
         self.distances.resize(vertices, f64::INFINITY);
     }
 }
@@ -44,37 +44,37 @@ impl SurfaceState for SerialState {
     const COUNTS_LEVELS: bool = true;
 
     #[inline(always)]
-    fn surface(&self) -> &Surface {
-        &self.surface
+    fn layout(&self) -> &MeshLayout {
+        &self.layout
     }
 
     #[inline(always)]
     fn list(&self, f: usize, corner: usize) -> u32 {
-        self.surface.faces[f].state.list(corner)
+        self.layout.faces[f].state.list(corner)
     }
 
     #[inline(always)]
     fn set_list(&mut self, f: usize, corner: usize, list: u32) {
-        self.surface.faces[f].state.set_list(corner, list);
+        self.layout.faces[f].state.set_list(corner, list);
     }
 
     #[inline(always)]
     fn take_list(&mut self, f: usize, corner: usize) -> u32 {
-        self.surface.faces[f].state.take_list(corner)
+        self.layout.faces[f].state.take_list(corner)
     }
 
     #[inline(always)]
     fn enqueue(&mut self, f: usize, corner: usize) -> bool {
-        self.surface.faces[f].state.enqueue(corner, self.run)
+        self.layout.faces[f].state.enqueue(corner, self.run)
     }
 
     fn contains(&self, f: usize) -> bool {
-        self.surface.faces[f].state.has_joined(self.run)
+        self.layout.faces[f].state.has_joined(self.run)
     }
 
     #[inline(always)]
     fn join(&mut self, f: usize) -> bool {
-        self.surface.faces[f].state.join(self.run)
+        self.layout.faces[f].state.join(self.run)
     }
 
     #[inline(always)]
@@ -99,12 +99,12 @@ impl SurfaceState for SerialState {
 
     #[inline(always)]
     fn prefetch_face(&self, f: usize) {
-        self.surface.prefetch(f);
+        self.layout.prefetch(f);
     }
 
     #[inline(always)]
     fn prefetch_lists(&self, f: usize) {
-        if let Some(face) = self.surface.faces.get(f) {
+        if let Some(face) = self.layout.faces.get(f) {
             prefetch_line(face);
         }
     }

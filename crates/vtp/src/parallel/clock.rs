@@ -1,4 +1,4 @@
-//! How long a thread has worked.
+//! The time that a thread has worked.
 
 /// A reading of a clock: the processor's own counter, at 12 ns, where the system's takes 70.
 /// Threads read it after each turn, which takes some microseconds on models of some thousand faces.
@@ -26,7 +26,7 @@ impl Clock {
         }
     }
 
-    /// Without what it has waited, in no unit but the same for all threads.
+    /// The time less the waits, in a unit that is the same for all threads.
     #[inline(always)]
     pub(super) fn busy(&self) -> u64 {
         since(self.started).saturating_sub(self.waited)

@@ -1,4 +1,4 @@
-//! Parts of the wavefront that one thread hands off to another.
+//! Handoffs: parts of the wavefront that move from one thread to another.
 
 use std::mem;
 use std::sync::atomic::AtomicBool;
@@ -11,8 +11,8 @@ use super::lag_limit::LagLimit;
 use super::padded::Padded;
 use super::schedule_fuzz::schedule_fuzz;
 use super::thread_view::ThreadView;
+use crate::engine::layout::{half_edge, parts};
 use crate::engine::store::{COLUMNS, NO_LIST};
-use crate::engine::surface::{half_edge, parts};
 use crate::wavefront::{Improvement, SurfaceState, Wavefront};
 
 /// Vertices whose turns are to come, with all windows of the sender that wait on the faces around
@@ -62,8 +62,8 @@ impl Handoff {
         });
         let mut weight = 0;
         // A list may wait on a face only if the turn of one of its vertices is to come.
-        for place in view.surface().ring_places(v) {
-            let (f, _) = parts(view.surface().rings[place]);
+        for place in view.layout().ring_places(v) {
+            let (f, _) = parts(view.layout().rings[place]);
             for corner in 0..3 {
                 let list = view.list(f, corner);
                 if list != NO_LIST {
@@ -229,9 +229,9 @@ mod tests {
     #[test]
     fn what_changes_hands_arrives_whole() {
         let (shared, [mut a, mut b]) = two_threads();
-        let v = saddle(&shared.surface);
-        a.find(&shared, path(&shared.surface, v, 0, 2.5));
-        let (f, _) = parts(shared.surface.ring(v)[1]);
+        let v = saddle(&shared.layout);
+        a.find(&shared, path(&shared.layout, v, 0, 2.5));
+        let (f, _) = parts(shared.layout.ring(v)[1]);
         let lists = [0, 2].map(|corner| {
             let windows: Vec<_> = (0..9 + corner).map(|i| [i as f64; COLUMNS]).collect();
             (half_edge(f as u32, corner), windows)
@@ -265,11 +265,11 @@ mod tests {
     #[test]
     fn a_vertex_that_was_given_away_has_a_turn_when_the_wave_comes_back() {
         let (shared, [mut a, mut b]) = two_threads();
-        let v = saddle(&shared.surface);
-        a.find(&shared, path(&shared.surface, v, 0, 2.5));
+        let v = saddle(&shared.layout);
+        a.find(&shared, path(&shared.layout, v, 0, 2.5));
         give(&shared, &mut a, &mut b, v);
         for _ in 0..2 {
-            a.find(&shared, path(&shared.surface, v, 1, 3.5));
+            a.find(&shared, path(&shared.layout, v, 1, 3.5));
             assert_eq!(
                 (a.wavefront.buckets.nearest(), a.wavefront.buckets.len()),
                 (Some(2), 1)
@@ -280,10 +280,10 @@ mod tests {
     #[test]
     fn windows_start_from_a_vertex_that_was_given_away_once() {
         let (shared, [mut a, mut b]) = two_threads();
-        let v = saddle(&shared.surface);
-        a.find(&shared, path(&shared.surface, v, 0, 2.5));
+        let v = saddle(&shared.layout);
+        a.find(&shared, path(&shared.layout, v, 0, 2.5));
         give(&shared, &mut a, &mut b, v);
-        a.find(&shared, path(&shared.surface, v, 1, 3.5));
+        a.find(&shared, path(&shared.layout, v, 1, 3.5));
         let started = [a, b].map(|mut thread| {
             let mut count = Count::default();
             let (wavefront, mut view) = thread.view(&shared);
@@ -298,12 +298,12 @@ mod tests {
     #[test]
     fn what_comes_to_a_vertex_that_has_had_its_turn_crosses_at_once() {
         let (shared, [mut a, mut b]) = two_threads();
-        let v = saddle(&shared.surface);
-        b.find(&shared, path(&shared.surface, v, 0, 4.0));
+        let v = saddle(&shared.layout);
+        b.find(&shared, path(&shared.layout, v, 0, 4.0));
         let (wavefront, mut view) = b.view(&shared);
         wavefront.take_turn(&mut view, 4, &mut ());
-        a.find(&shared, path(&shared.surface, v, 2, 2.5));
-        let h = shared.surface.ring(v)[0];
+        a.find(&shared, path(&shared.layout, v, 2, 2.5));
+        let h = shared.layout.ring(v)[0];
         let (wavefront, mut view) = a.view(&shared);
         put(wavefront, &mut view, h, &[[7.0; COLUMNS]]);
         give(&shared, &mut a, &mut b, v);
@@ -311,7 +311,7 @@ mod tests {
         // What it sends for the shorter path it knows of now.
         assert_eq!(
             (view.reached(v), wavefront.origins[v as usize].h),
-            (2.5, path(&shared.surface, v, 2, 0.0).h)
+            (2.5, path(&shared.layout, v, 2, 0.0).h)
         );
         let (f, corner) = parts(h);
         assert!(!view.join(f) && !view.enqueue(f, corner));
@@ -326,7 +326,7 @@ mod tests {
         let (handoffs, lag) = (&shared.handoffs, &shared.lag);
         let vertices: Vec<u32> = (100..103).collect();
         for &v in &vertices {
-            a.find(&shared, path(&shared.surface, v, 0, 2.5));
+            a.find(&shared, path(&shared.layout, v, 0, 2.5));
         }
         let mut send = |v| {
             let (wavefront, mut view) = a.view(&shared);

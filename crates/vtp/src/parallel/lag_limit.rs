@@ -1,4 +1,4 @@
-//! How far threads may be ahead of each other, how they wait, and when a run is over.
+//! The limit of the distance between threads, their waiting, and the detection of the end of a run.
 
 use std::hint::spin_loop;
 use std::sync::atomic::Ordering::{Acquire, Relaxed, Release};

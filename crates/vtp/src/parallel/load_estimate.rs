@@ -1,4 +1,4 @@
-//! How long the work of each thread will take, and which thread hands off how much to which.
+//! Estimates of the remaining time of each thread, and the handoffs that balance them.
 
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;

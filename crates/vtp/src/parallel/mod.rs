@@ -19,7 +19,7 @@ mod worker;
 use std::sync::{Mutex, PoisonError};
 
 use geobench_mesh::{Mesh, Numbering, VertexId};
-use geobench_window::simd::{Lanes, Program, Simd};
+use geobench_window::simd::{Lanes, Simd, SimdProgram};
 use geobench_window::{Count, Counter, Probe, Propagate, Solution, SolveError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -27,7 +27,7 @@ use self::lag_limit::BreakOnPanic;
 use self::placement::Placement;
 use self::shared::Shared;
 use self::worker::Worker;
-use crate::engine::surface::Surface;
+use crate::engine::layout::MeshLayout;
 use crate::fast::{FastOptions, VtpFast};
 
 /// The most threads of a run.
@@ -77,7 +77,7 @@ impl Pvtp {
         } else {
             Numbering::same()
         };
-        let surface = Surface::new(mesh, &numbering);
+        let layout = MeshLayout::new(mesh, &numbering);
         let placement = Placement::new(mesh, &numbering, threads);
         numbering.keep_new_vertices();
         Self {
@@ -87,8 +87,8 @@ impl Pvtp {
                 ..options
             },
             numbering,
-            workers: workers(threads, &surface, &options),
-            shared: Shared::new(surface, &options, threads, placement),
+            workers: workers(threads, &layout, &options),
+            shared: Shared::new(layout, &options, threads, placement),
             pool: pool_of(threads - 1),
         }
     }
@@ -104,9 +104,9 @@ impl Pvtp {
     }
 }
 
-fn workers(threads: usize, surface: &Surface, options: &FastOptions) -> Vec<Worker> {
+fn workers(threads: usize, layout: &MeshLayout, options: &FastOptions) -> Vec<Worker> {
     (0..threads)
-        .map(|thread| Worker::new(thread, surface, options))
+        .map(|thread| Worker::new(thread, layout, options))
         .collect()
 }
 
@@ -117,21 +117,21 @@ fn pool_of(threads: usize) -> Option<ThreadPool> {
     pool.and_then(Result::ok)
 }
 
-/// What all threads know of a run.
+/// The data of a run that all threads share.
 #[derive(Clone, Copy)]
-struct Run<'a> {
+struct RunContext<'a> {
     shared: &'a Shared,
     numbering: &'a Numbering,
     sources: &'a [u32],
     simd: Simd,
 }
 
-impl Run<'_> {
+impl RunContext<'_> {
     /// The task of `worker`, after which it has filled its share of the distances, in the mesh's
     /// order.
     fn task<P: Probe>(self, worker: &mut Worker, distances: &mut [f64], probe: &mut P) {
         if self.shared.coalesces {
-            let task = Task::<P, true> {
+            let task = ThreadTask::<P, true> {
                 run: self,
                 worker,
                 distances,
@@ -139,7 +139,7 @@ impl Run<'_> {
             };
             self.simd.run(task);
         } else {
-            let task = Task::<P, false> {
+            let task = ThreadTask::<P, false> {
                 run: self,
                 worker,
                 distances,
@@ -150,20 +150,20 @@ impl Run<'_> {
     }
 }
 
-/// What one thread does in a run.
-struct Task<'a, P, const COALESCE: bool> {
-    run: Run<'a>,
+/// The work of one thread in a run.
+struct ThreadTask<'a, P, const COALESCE: bool> {
+    run: RunContext<'a>,
     worker: &'a mut Worker,
     distances: &'a mut [f64],
     probe: &'a mut P,
 }
 
-impl<P: Probe, const COALESCE: bool> Program for Task<'_, P, COALESCE> {
+impl<P: Probe, const COALESCE: bool> SimdProgram for ThreadTask<'_, P, COALESCE> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, simd: L::Token) {
-        let Run {
+        let RunContext {
             shared,
             numbering,
             sources,
@@ -250,8 +250,8 @@ impl Pvtp {
         others: &mut [Q],
     ) -> Solution {
         if self.shared.lag.is_broken() {
-            // A probe has panicked, and the caller goes on all the same.
-            self.workers = workers(self.threads(), &self.shared.surface, &self.options);
+            // A probe panicked in the last run, and the caller continues.
+            self.workers = workers(self.threads(), &self.shared.layout, &self.options);
             self.shared.recover();
         }
         // Without a pool the first thread does everything.
@@ -263,7 +263,7 @@ impl Pvtp {
             .collect();
         let vertices = self.mesh.vertex_count();
         let mut distances = vec![0.0; vertices];
-        let run = Run {
+        let run = RunContext {
             shared: &self.shared,
             numbering: &self.numbering,
             sources: &sources,

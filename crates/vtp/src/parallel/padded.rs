@@ -1,4 +1,4 @@
-//! Values that threads do not slow each other down by.
+//! Values with a cache line of their own, against false sharing.
 
 /// A value in cache lines of its own; two, since processors fetch lines in pairs.
 #[derive(Debug, Default)]

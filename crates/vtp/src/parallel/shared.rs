@@ -8,7 +8,7 @@ use super::handoff::Handoffs;
 use super::lag_limit::LagLimit;
 use super::load_estimate::LoadEstimates;
 use super::placement::Placement;
-use crate::engine::surface::Surface;
+use crate::engine::layout::MeshLayout;
 use crate::fast::FastOptions;
 
 /// The state of a run that threads share.
@@ -20,11 +20,11 @@ use crate::fast::FastOptions;
 /// ([`ThreadState::repair`](super::part::ThreadState::repair)).
 #[derive(Debug)]
 pub(super) struct Shared {
-    pub(super) surface: Surface,
+    pub(super) layout: MeshLayout,
     /// Whether windows parted by flat vertices become one again.
     pub(super) coalesces: bool,
     pub(super) threads: usize,
-    pub(super) distances: Vec<Distance>,
+    pub(super) distances: Vec<AtomicDistance>,
     pub(super) estimates: LoadEstimates,
     pub(super) handoffs: Handoffs,
     pub(super) lag: LagLimit,
@@ -33,21 +33,21 @@ pub(super) struct Shared {
 
 impl Shared {
     pub(super) fn new(
-        surface: Surface,
+        layout: MeshLayout,
         options: &FastOptions,
         threads: usize,
         placement: Placement,
     ) -> Self {
-        let vertices = surface.vertices.len();
+        let vertices = layout.vertices.len();
         Self {
-            coalesces: options.coalesce && surface.has_many_flat_vertices(),
+            coalesces: options.coalesce && layout.has_many_flat_vertices(),
             threads,
-            distances: (0..vertices).map(|_| Distance::unknown()).collect(),
+            distances: (0..vertices).map(|_| AtomicDistance::unknown()).collect(),
             estimates: LoadEstimates::new(threads),
             handoffs: Handoffs::new(threads),
             lag: LagLimit::new(threads),
             placement,
-            surface,
+            layout,
         }
     }
 
@@ -59,7 +59,7 @@ impl Shared {
     /// Starts another run of so many threads. No handoff may be on its way, as after a run or after
     /// [`recover`](Self::recover).
     pub(super) fn start(&mut self, threads: usize) {
-        self.distances.fill_with(Distance::unknown);
+        self.distances.fill_with(AtomicDistance::unknown);
         self.placement.reset();
         self.estimates.reset();
         self.lag.reset(threads);
@@ -75,9 +75,9 @@ impl Shared {
 
 /// A distance that threads can see, not negative.
 #[derive(Debug)]
-pub(super) struct Distance(AtomicU64);
+pub(super) struct AtomicDistance(AtomicU64);
 
-impl Distance {
+impl AtomicDistance {
     pub(super) fn unknown() -> Self {
         Self(AtomicU64::new(f64::INFINITY.to_bits()))
     }

@@ -6,7 +6,7 @@ use geobench_mesh::{Mesh, Numbering};
 use super::placement::Placement;
 use super::shared::Shared;
 use super::thread_view::{ThreadState, ThreadView};
-use crate::engine::surface::{Surface, half_edge, next, parts};
+use crate::engine::layout::{MeshLayout, half_edge, next, parts};
 use crate::fast::FastOptions;
 use crate::wavefront::{Improvement, SurfaceState, Wavefront};
 
@@ -42,36 +42,36 @@ pub(super) fn two_threads() -> (Shared, [Thread; 2]) {
     let soup = generate(&"gen:terrain,n=20,seed=2".parse().unwrap()).unwrap();
     let (mesh, _) = Mesh::from_soup(soup).unwrap();
     let numbering = Numbering::breadth_first(&mesh);
-    let surface = Surface::new(&mesh, &numbering);
+    let layout = MeshLayout::new(&mesh, &numbering);
     let placement = Placement::new(&mesh, &numbering, 2);
     let options = FastOptions {
-        bucket: 1.0 / surface.mean_length,
+        bucket: 1.0 / layout.mean_length,
         ..FastOptions::default()
     };
     let threads = [0, 1].map(|_| {
         let mut thread = Thread {
-            wavefront: Wavefront::new(&surface, &options),
-            state: ThreadState::new(&surface),
+            wavefront: Wavefront::new(&layout, &options),
+            state: ThreadState::new(&layout),
         };
         thread.wavefront.reset();
         thread.state.reset();
         thread
     });
-    let mut shared = Shared::new(surface, &options, 2, placement);
+    let mut shared = Shared::new(layout, &options, 2, placement);
     shared.start(2);
     (shared, threads)
 }
 
 /// A vertex inside from which windows start into the shadow of a path.
-pub(super) fn saddle(surface: &Surface) -> u32 {
-    let mut vertices = (0..).zip(&surface.vertices);
+pub(super) fn saddle(layout: &MeshLayout) -> u32 {
+    let mut vertices = (0..).zip(&layout.vertices);
     let saddle = vertices.find(|(_, v)| v.pseudo_source && !v.all_around);
     saddle.unwrap().0
 }
 
 /// A path of length `distance` to `vertex`, across the face at `place` of its ring.
-pub(super) fn path(surface: &Surface, vertex: u32, place: usize, distance: f64) -> Improvement {
-    let (f, corner) = parts(surface.ring(vertex)[place]);
+pub(super) fn path(layout: &MeshLayout, vertex: u32, place: usize, distance: f64) -> Improvement {
+    let (f, corner) = parts(layout.ring(vertex)[place]);
     Improvement {
         vertex,
         h: half_edge(f as u32, next(corner)),

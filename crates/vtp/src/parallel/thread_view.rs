@@ -3,10 +3,10 @@
 use std::hint::select_unpredictable;
 
 use super::schedule_fuzz::schedule_fuzz;
-use super::shared::{Distance, Shared};
+use super::shared::{AtomicDistance, Shared};
 use crate::engine::face_state::FaceState;
+use crate::engine::layout::MeshLayout;
 use crate::engine::prefetch::prefetch;
-use crate::engine::surface::Surface;
 use crate::wavefront::SurfaceState;
 use geobench_window::prefetch_line;
 
@@ -21,17 +21,17 @@ pub(super) struct ThreadState {
     /// has had its turn in this wavefront or waits for it.
     reached: Vec<f64>,
     /// The target of writes that have no effect, which saves a branch.
-    nowhere: Distance,
+    nowhere: AtomicDistance,
     /// The number of this run.
     run: u8,
 }
 
 impl ThreadState {
-    pub(super) fn new(surface: &Surface) -> Self {
+    pub(super) fn new(layout: &MeshLayout) -> Self {
         Self {
-            faces: vec![FaceState::default(); surface.faces.len()],
-            reached: vec![f64::INFINITY; surface.vertices.len()],
-            nowhere: Distance::unknown(),
+            faces: vec![FaceState::default(); layout.faces.len()],
+            reached: vec![f64::INFINITY; layout.vertices.len()],
+            nowhere: AtomicDistance::unknown(),
             run: 0,
         }
     }
@@ -48,7 +48,7 @@ impl ThreadState {
 
     /// Lowers the shared distances to those that this thread has found: threads write without
     /// atomic minima, so a longer path may have overwritten a shorter one.
-    pub(super) fn repair(&self, distances: &[Distance]) {
+    pub(super) fn repair(&self, distances: &[AtomicDistance]) {
         for (distance, &reached) in distances.iter().zip(&self.reached) {
             if reached < f64::INFINITY && reached < distance.get() {
                 distance.lower(reached);
@@ -60,18 +60,18 @@ impl ThreadState {
 /// A thread's view of the surface: references to shared and to own state.
 #[derive(Debug)]
 pub(super) struct ThreadView<'a> {
-    surface: &'a Surface,
-    distances: &'a [Distance],
+    layout: &'a MeshLayout,
+    distances: &'a [AtomicDistance],
     faces: &'a mut [FaceState],
     reached: &'a mut [f64],
-    nowhere: &'a Distance,
+    nowhere: &'a AtomicDistance,
     run: u8,
 }
 
 impl<'a> ThreadView<'a> {
     pub(super) fn new(shared: &'a Shared, state: &'a mut ThreadState) -> Self {
         Self {
-            surface: &shared.surface,
+            layout: &shared.layout,
             distances: &shared.distances,
             faces: &mut state.faces,
             reached: &mut state.reached,
@@ -98,8 +98,8 @@ impl SurfaceState for ThreadView<'_> {
     const COUNTS_LEVELS: bool = false;
 
     #[inline(always)]
-    fn surface(&self) -> &Surface {
-        self.surface
+    fn layout(&self) -> &MeshLayout {
+        self.layout
     }
 
     #[inline(always)]
@@ -163,7 +163,7 @@ impl SurfaceState for ThreadView<'_> {
 
     #[inline(always)]
     fn prefetch_face(&self, f: usize) {
-        self.surface.prefetch(f);
+        self.layout.prefetch(f);
         self.prefetch_lists(f);
     }
 
@@ -220,8 +220,8 @@ mod tests {
     #[test]
     fn windows_do_not_start_into_the_shadow_of_a_path_that_is_no_longer_the_shortest() {
         let (shared, mut threads) = two_threads();
-        let v = saddle(&shared.surface);
-        let path = |place, distance| path(&shared.surface, v, place, distance);
+        let v = saddle(&shared.layout);
+        let path = |place, distance| path(&shared.layout, v, place, distance);
         threads[0].find(&shared, path(0, 10.0));
         threads[1].find(&shared, path(2, 9.0));
         assert_eq!(shared.distances[v as usize].get(), 9.0);

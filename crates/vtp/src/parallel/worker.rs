@@ -9,7 +9,7 @@ use super::placement::Candidate;
 use super::schedule_fuzz::schedule_fuzz;
 use super::shared::Shared;
 use super::thread_view::{ThreadState, ThreadView};
-use crate::engine::surface::Surface;
+use crate::engine::layout::MeshLayout;
 use crate::fast::FastOptions;
 use crate::wavefront::{SurfaceState, Wavefront};
 use geobench_window::simd::Lanes;
@@ -40,11 +40,11 @@ pub(super) struct Worker {
 }
 
 impl Worker {
-    pub(super) fn new(thread: usize, surface: &Surface, options: &FastOptions) -> Self {
+    pub(super) fn new(thread: usize, layout: &MeshLayout, options: &FastOptions) -> Self {
         Self {
             thread,
-            wavefront: Wavefront::new(surface, options),
-            state: ThreadState::new(surface),
+            wavefront: Wavefront::new(layout, options),
+            state: ThreadState::new(layout),
             near: Vec::new(),
             handoff: Handoff::default(),
             estimate: LoadEstimate::default(),

@@ -12,20 +12,20 @@ mod surface_state;
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 use geobench_window::queue::MinHeap;
-use geobench_window::simd::{Lanes, Program, Scalar};
+use geobench_window::simd::{Lanes, Scalar, SimdProgram};
 use geobench_window::trimming::KeptWindows;
 use geobench_window::{Counter, Lookout, Phase, Probe, Way};
 
 pub(crate) use self::surface_state::SurfaceState;
-use crate::engine::buckets::Buckets;
+use crate::engine::buckets::VertexBuckets;
 use crate::engine::coalesce::FEW;
 use crate::engine::kernels::{self, BestPath, Cuts, Gate, LOSES, Measured, Target, Triangle};
+use crate::engine::layout::{MeshLayout, NO_TWIN, half_edge, next, parts, prev};
 use crate::engine::levels::Levels;
 use crate::engine::sample::Sample;
 use crate::engine::sent::Sent;
-use crate::engine::spawn_wedge::{Origin, SpawnWedge};
+use crate::engine::spawn_wedge::{PathOrigin, SpawnWedge};
 use crate::engine::store::{NO_LIST, WindowStore, admit};
-use crate::engine::surface::{NO_TWIN, Surface, half_edge, next, parts, prev};
 use crate::fast::FastOptions;
 use crate::precision::extent;
 
@@ -59,7 +59,7 @@ pub(crate) struct Wavefront {
     /// Half-edges beside thin faces, by the least distance of their windows, that are to cross when
     /// no others are ready.
     nearest: MinHeap<u32>,
-    pub(crate) buckets: Buckets,
+    pub(crate) buckets: VertexBuckets,
     /// Vertices that have their turns.
     turn: Vec<u32>,
     /// Vertices whose turn has come.
@@ -68,7 +68,7 @@ pub(crate) struct Wavefront {
     spawned: Vec<f64>,
     /// The origin of the path to each pseudo-source, that of length
     /// [`reached`](SurfaceState::reached).
-    pub(crate) origins: Vec<Origin>,
+    pub(crate) origins: Vec<PathOrigin>,
     improvements: Vec<Improvement>,
     improved: usize,
     keep: Vec<u8>,
@@ -82,25 +82,25 @@ pub(crate) struct Wavefront {
 
 impl Wavefront {
     /// For a surface; O(vertices).
-    pub(crate) fn new(surface: &Surface, options: &FastOptions) -> Self {
-        let vertices = surface.vertices.len();
+    pub(crate) fn new(layout: &MeshLayout, options: &FastOptions) -> Self {
+        let vertices = layout.vertices.len();
         Self {
             compared: Sample::new(options.pairs),
             spawn_wedge: options.spawn_wedge,
             store: WindowStore::new(),
             ready: Vec::new(),
             nearest: MinHeap::default(),
-            buckets: Buckets::new(vertices, options.bucket * surface.mean_length),
+            buckets: VertexBuckets::new(vertices, options.bucket * layout.mean_length),
             turn: Vec::new(),
             passed: Vec::new(),
             spawned: Vec::new(),
-            origins: vec![Origin::default(); vertices],
+            origins: vec![PathOrigin::default(); vertices],
             improvements: vec![Improvement::default(); IMPROVEMENTS],
             improved: 0,
             keep: Vec::new(),
             cuts: Cuts::default(),
             levels: Levels::default(),
-            kept: surface.kept.clone(),
+            kept: layout.kept.clone(),
             lookout: Lookout::default(),
             joined: Vec::new(),
         }
@@ -138,7 +138,7 @@ impl Wavefront {
     /// Takes all windows off the surface, which wait on the border of the faces that have joined.
     pub(crate) fn abandon(&mut self, state: &mut impl SurfaceState) {
         for f in std::mem::take(&mut self.joined) {
-            let twins = state.surface().faces[f as usize].twin;
+            let twins = state.layout().faces[f as usize].twin;
             let own = (0..3).map(|corner| half_edge(f, corner));
             for h in own.chain(twins).filter(|&h| h != NO_TWIN) {
                 let (f, corner) = parts(h);
@@ -182,7 +182,7 @@ impl Wavefront {
         probe.add(Counter::Iterations, 1);
         for (i, &v) in turn.iter().enumerate() {
             if let Some(&v) = turn.get(i + 6) {
-                for &h in state.surface().ring(v) {
+                for &h in state.layout().ring(v) {
                     state.prefetch_lists(parts(h).0);
                 }
             }
@@ -194,8 +194,8 @@ impl Wavefront {
     /// The turn of vertex `v`: the faces around it join the traversed area.
     pub(crate) fn pass<P: Probe>(&mut self, state: &mut impl SurfaceState, v: u32, probe: &mut P) {
         self.passed[v as usize] = true;
-        for place in state.surface().ring_places(v) {
-            let (f, _) = parts(state.surface().rings[place]);
+        for place in state.layout().ring_places(v) {
+            let (f, _) = parts(state.layout().rings[place]);
             if state.join(f) {
                 if P::STOPS {
                     self.joined.push(f as u32);
@@ -286,8 +286,8 @@ impl Wavefront {
             } = self.improvements[i];
             let v = vertex as usize;
             // A later path has effects of its own.
-            if distance <= state.reached(vertex) && state.surface().vertices[v].pseudo_source {
-                self.origins[v] = Origin { h, entry };
+            if distance <= state.reached(vertex) && state.layout().vertices[v].pseudo_source {
+                self.origins[v] = PathOrigin { h, entry };
                 if self.passed[v] {
                     self.spawn_if_nearer(state, vertex, probe);
                 }
@@ -321,7 +321,7 @@ impl Wavefront {
 
     /// Sends windows from `v` if it is a pseudo-source that has come nearer since it last did.
     fn spawn_if_nearer<P: Probe>(&mut self, state: &mut impl SurfaceState, v: u32, probe: &mut P) {
-        let (vertex, distance) = (state.surface().vertices[v as usize], state.reached(v));
+        let (vertex, distance) = (state.layout().vertices[v as usize], state.reached(v));
         if vertex.pseudo_source
             && distance < self.spawned[v as usize]
             // The thread that has found a shorter path sends windows from it.
@@ -342,15 +342,15 @@ impl Wavefront {
         probe: &mut P,
     ) {
         probe.add(Counter::PseudoSources, 1);
-        let ring = state.surface().ring_places(v);
+        let ring = state.layout().ring_places(v);
         let wedge = if all_around {
             SpawnWedge::all(ring.len())
         } else {
-            SpawnWedge::of(state.surface(), v, self.origins[v as usize])
+            SpawnWedge::of(state.layout(), v, self.origins[v as usize])
         };
         let mut place = ring.start + wedge.first;
         for i in 0..wedge.count {
-            let h = state.surface().rings[place];
+            let h = state.layout().rings[place];
             place = if place + 1 == ring.end {
                 ring.start
             } else {
@@ -375,18 +375,18 @@ impl Wavefront {
         probe: &mut P,
     ) {
         let d = self.spawned[v as usize];
-        let spawn = state.surface().spawn(h, d);
+        let spawn = state.layout().spawn(h, d);
         let ([a, b], [to_a, to_b]) = (spawn.ends, spawn.paths);
         let [_, l, px, py, _] = spawn.window;
         // Seen from the opposite vertices the paths come along the far ends of their half-edges.
         let (f, corner) = parts(h);
-        let along_b = Origin {
+        let along_b = PathOrigin {
             h: half_edge(f as u32, prev(corner)),
-            entry: state.surface().faces[f].length[prev(corner)],
+            entry: state.layout().faces[f].length[prev(corner)],
         };
         self.offer_along(state, a, to_a, along_b, probe);
-        if last || state.surface().vertices[v as usize].boundary {
-            self.offer_along(state, b, to_b, Origin { h, entry: 0.0 }, probe);
+        if last || state.layout().vertices[v as usize].boundary {
+            self.offer_along(state, b, to_b, PathOrigin { h, entry: 0.0 }, probe);
         }
         if spawn.exit == NO_TWIN {
             return;
@@ -425,7 +425,7 @@ impl Wavefront {
         state: &mut impl SurfaceState,
         v: u32,
         d: f64,
-        origin: Origin,
+        origin: PathOrigin,
         probe: &mut P,
     ) {
         if state.offer(v, d) {
@@ -475,7 +475,7 @@ impl Wavefront {
             } else if self.waiting_at(state, h) <= FEW {
                 self.cross::<Scalar, F, P, COALESCE>((), state, h, probe);
             } else {
-                let list = List::<F, P, COALESCE> {
+                let list = CrossList::<F, P, COALESCE> {
                     wavefront: self,
                     state,
                     h,
@@ -506,7 +506,7 @@ impl Wavefront {
         let (f, corner) = parts(h);
         let (after, before) = (next(corner), prev(corner));
         let list = state.take_list(f, corner);
-        let face = &state.surface().faces[f];
+        let face = &state.layout().faces[f];
         let [tail, head, apex] = [corner, after, before].map(|k| face.vertex[k]);
         let exits = [face.twin[before], face.twin[after]];
         let triangle = face.triangle(corner);
@@ -515,7 +515,7 @@ impl Wavefront {
         probe.enter(Phase::Pruning);
         if self.compared.takes(h, len) {
             let block = self.store.padded_block(list);
-            let extent = extent(triangle.l, state.surface().behind(h));
+            let extent = extent(triangle.l, state.layout().behind(h));
             len = kernels::compare::<L>(simd, block, len, extent, &mut self.cuts);
         }
         let gate = Gate {
@@ -622,7 +622,7 @@ impl Wavefront {
         }
         if COALESCE {
             let (f, corner) = parts(h);
-            let face = &state.surface().faces[f];
+            let face = &state.layout().faces[f];
             sent.after = (self.store).coalesce_behind(face, corner, lists, before, sent.after);
         }
         sent.admit(&mut self.kept, &mut self.store);
@@ -650,24 +650,26 @@ impl Wavefront {
     #[inline(always)]
     fn prefetch_beyond(&self, state: &impl SurfaceState, place: usize) {
         if let Some(&h) = self.ready.get(place) {
-            for exit in state.surface().exits(h) {
+            for exit in state.layout().exits(h) {
                 state.prefetch_lists(parts(exit).0);
             }
             let (f, corner) = parts(h);
-            state.prefetch_distance(state.surface().faces[f].vertex[prev(corner)]);
+            state.prefetch_distance(state.layout().faces[f].vertex[prev(corner)]);
         }
     }
 }
 
 /// A list about to cross.
-struct List<'a, F, P, const COALESCE: bool> {
+struct CrossList<'a, F, P, const COALESCE: bool> {
     wavefront: &'a mut Wavefront,
     state: &'a mut F,
     h: u32,
     probe: &'a mut P,
 }
 
-impl<F: SurfaceState, P: Probe, const COALESCE: bool> Program for List<'_, F, P, COALESCE> {
+impl<F: SurfaceState, P: Probe, const COALESCE: bool> SimdProgram
+    for CrossList<'_, F, P, COALESCE>
+{
     type Output = ();
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! The state of the surface under a wavefront.
 
-use crate::engine::surface::Surface;
+use crate::engine::layout::MeshLayout;
 
 /// The faces, the lists of one wavefront that wait on them, and the distances known.
 pub(crate) trait SurfaceState {
@@ -9,7 +9,7 @@ pub(crate) trait SurfaceState {
     const COUNTS_LEVELS: bool;
 
     /// The faces and vertices.
-    fn surface(&self) -> &Surface;
+    fn layout(&self) -> &MeshLayout;
 
     /// The list that waits on a half-edge, given by its face and corner.
     fn list(&self, f: usize, corner: usize) -> u32;

@@ -1,4 +1,4 @@
-//! What is known around an edge at which a window arrives.
+//! The distances around an edge at which a window arrives.
 
 use crate::filter::{is_beaten_across, is_beaten_from_ends};
 use crate::frame::Exit;
@@ -9,7 +9,7 @@ use crate::window::Window;
 /// All of it belongs to the face that the window comes from too, so that a crossing gathers it
 /// without touching the face beyond.
 #[derive(Clone, Copy, Debug)]
-pub struct Edge {
+pub struct EdgeView {
     /// Length of the half-edge.
     pub length: f64,
     /// Distance known at its tail.
@@ -33,7 +33,7 @@ pub struct Behind {
     pub(super) is_right: f64,
 }
 
-impl Edge {
+impl EdgeView {
     /// The edge by which a window leaves a face; `distances` are those of the exit's corners.
     #[inline]
     pub fn behind(exit: &Exit, distances: [f64; 3]) -> Self {

@@ -1,4 +1,4 @@
-//! Runs that find the vertices around one vertex after another.
+//! Searches for the vertices around one vertex after another.
 
 use geobench_mesh::VertexId;
 
@@ -37,7 +37,7 @@ pub struct Neighbour {
 #[derive(Clone, Debug)]
 pub struct Explorer<W, Q> {
     run: Continuous<W, Q>,
-    found: Found,
+    found: NeighbourSearch,
     neighbours: Vec<Neighbour>,
 }
 
@@ -49,9 +49,9 @@ impl<W: Policy, Q: Discipline> Explorer<W, Q> {
         solver.policy.reset();
         Self {
             run: solver,
-            found: Found {
+            found: NeighbourSearch {
                 places: vec![u32::MAX; vertices],
-                ..Found::default()
+                ..NeighbourSearch::default()
             },
             neighbours: Vec::new(),
         }
@@ -160,7 +160,7 @@ struct Reached {
 
 /// Listens to a run, and ends it once enough distances are final.
 #[derive(Clone, Debug, Default)]
-struct Found {
+struct NeighbourSearch {
     k: Option<usize>,
     reached: Vec<Reached>,
     /// By vertex, its place there; `u32::MAX` without any.
@@ -177,7 +177,7 @@ struct Found {
 /// So many improvements are worth a new look for the limit.
 const FRESH: usize = 16;
 
-impl Found {
+impl NeighbourSearch {
     fn begin(&mut self, k: Option<usize>) {
         self.k = k;
         self.reached.clear();
@@ -197,7 +197,7 @@ impl Found {
     }
 }
 
-impl Probe for Found {
+impl Probe for NeighbourSearch {
     const STOPS: bool = true;
     const EXPLORES: bool = true;
 

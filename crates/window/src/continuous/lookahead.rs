@@ -1,4 +1,4 @@
-//! Windows that cross ahead of their turns, several together.
+//! Windows that cross before they come out of the queue, several together.
 
 use geobench_mesh::HalfEdgeId;
 

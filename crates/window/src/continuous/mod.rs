@@ -2,8 +2,8 @@
 //!
 //! An algorithm of these families is a [`Policy`] (what happens to a window that arrives at a
 //! half-edge, and which children a window that crosses a triangle may have) under a
-//! [`Discipline`] (in which order windows and pseudo-sources are taken). Everything else is here,
-//! once: the sources, the vertices' distances, pseudo-sources, the crossing of a triangle. Two
+//! [`Discipline`] (the order in which windows and pseudo-sources are taken). The rest is here:
+//! the sources, the vertices' distances, pseudo-sources, the crossing of a triangle. Two
 //! algorithms that differ in one choice differ in nothing else.
 
 mod edge;
@@ -14,9 +14,9 @@ mod propagation;
 mod relaying;
 mod surface;
 
-pub use edge::{Behind, Edge};
+pub use edge::{Behind, EdgeView};
 pub use explorer::{Explorer, Neighbour};
-pub use policy::{Arrival, Child, Policy, Turn};
+pub use policy::{Arrival, Child, Dequeued, Policy};
 pub use propagation::Continuous;
 pub use relaying::Relaying;
 pub use surface::Surface;

@@ -1,8 +1,8 @@
-//! What happens to windows.
+//! Policies: what happens to the windows of an algorithm.
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 
-use super::edge::Edge;
+use super::edge::EdgeView;
 use super::surface::Surface;
 use crate::counters::Counter;
 use crate::crossing::Crossing;
@@ -16,21 +16,21 @@ pub struct Arrival<L> {
     pub h: HalfEdgeId,
     /// The window.
     pub window: Window,
-    /// What it inherited.
+    /// The lineage inherited from its parent.
     pub lineage: L,
-    /// What is known around the half-edge.
-    pub edge: Edge,
+    /// The half-edge's length and the distances around it.
+    pub edge: EdgeView,
 }
 
-/// A window that has reached a half-edge, of which all that a [policy](Policy::FORESEES) asks is
-/// known already.
+/// A window that has reached a half-edge, with the facts that a policy which
+/// [foresees](Policy::FORESEES) needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Child<L> {
     /// The half-edge, in whose frame the window is.
     pub h: HalfEdgeId,
     /// The window.
     pub window: Window,
-    /// What it inherited.
+    /// The lineage inherited from its parent.
     pub lineage: L,
     /// Its [least distance](Window::min_distance).
     pub label: f64,
@@ -38,21 +38,22 @@ pub struct Child<L> {
     pub is_beaten: bool,
 }
 
-/// What becomes of a window whose turn has come.
+/// What to do with a window that comes out of the queue.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Turn<L> {
-    /// It is propagated, and hands this on.
-    Now(Window, L),
-    /// It does not exist any more, or has had its turn.
-    Void,
-    /// It should wait until the queue comes to this label, or be taken again if that is now.
-    Later(f64),
+pub enum Dequeued<L> {
+    /// The window is propagated; its children inherit the lineage.
+    Propagate(Window, L),
+    /// The window was removed or propagated before.
+    Stale,
+    /// The window goes back into the queue with this label, or is taken again at once if no other
+    /// event comes first.
+    Requeue(f64),
 }
 
-/// Decides what is kept of a window that arrives, where it waits, and what it may have for
-/// children.
+/// Decides which part of an arriving window is kept, where it waits, and which children it may
+/// have.
 pub trait Policy: Send {
-    /// What is handed on from a window to its children beside their geometry.
+    /// The data that children inherit from a window, in addition to their geometry.
     type Lineage: Copy;
 
     /// The counters that this policy keeps, beside those of every algorithm of the family.
@@ -64,7 +65,7 @@ pub trait Policy: Send {
     /// Whether all vertices relay paths, [approximately](super::Relaying).
     const RELAYS: bool = false;
 
-    /// Forgets the last run, keeping the memory.
+    /// Resets the policy for the next run, keeping the memory.
     fn reset(&mut self);
 
     /// As [`reset`](Self::reset), after a run whose windows came to no half-edges but
@@ -84,7 +85,7 @@ pub trait Policy: Send {
     /// The lineage of windows that start from `v`.
     fn root(&self, v: VertexId, surface: &Surface) -> Self::Lineage;
 
-    /// A window arrives at a half-edge. Stores what is worth keeping of it, and calls `queue` with
+    /// A window arrives at a half-edge. Stores the part that may matter, and calls `queue` with
     /// the half-edge, a label and a number for everything that must wait for its turn. Returns
     /// whether anything of the window is left.
     fn arrive<P: Probe>(
@@ -95,14 +96,14 @@ pub trait Policy: Send {
         probe: &mut P,
     ) -> bool;
 
-    /// The turn of window `id` on `h` has come: what there is to propagate, if anything is now.
+    /// Window `id` on `h` comes out of the queue: decides whether it is propagated now.
     fn take<P: Probe>(
         &mut self,
         h: HalfEdgeId,
         id: u32,
         surface: &Surface,
         probe: &mut P,
-    ) -> Turn<Self::Lineage>;
+    ) -> Dequeued<Self::Lineage>;
 
     /// The least distance of window `id` on `h`, which is in the queue under `label`; `None` if it
     /// does not exist any more, and nothing waits. It serves samples of the wavefront only.

@@ -1,13 +1,13 @@
-//! The main loop.
+//! The main loop of algorithms that take one window at a time.
 
 // A window is not to pass through memory between its crossing and where it waits.
 #![allow(clippy::inline_always)]
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
-use super::edge::Edge;
+use super::edge::EdgeView;
 use super::lookahead::Lookahead;
-use super::policy::{Arrival, Child, Policy, Turn};
+use super::policy::{Arrival, Child, Dequeued, Policy};
 #[cfg(doc)]
 use super::relaying::Relaying;
 use super::surface::Surface;
@@ -80,8 +80,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// Distances of a [relaying](Relaying) policy are at most 1 + `epsilon` times the exact ones, and
-    /// never less; other policies stay exact. An `epsilon` that is not positive counts as 0.
+    /// Distances of a [relaying](Relaying) policy are at most 1 + `epsilon` times the exact ones,
+    /// and never less; other policies stay exact. An `epsilon` that is not positive counts as 0.
     ///
     /// A run keeps a *value* V of each vertex. The source has 0. A straight path of length d from
     /// a vertex r gives vertex v the value V(r) + d/(1+ε), and windows from r start with σ = V(r).
@@ -91,11 +91,11 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     /// *Never less:* (1+ε)·V(v) is the length of a path to v.
     ///
     /// *At most 1 + ε times as long:* let d(r, q) be the exact distance, and r the vertex of least
-    /// V(r) + d(r, q), of several the nearest to q. If the way from r to q turns first at r', or its
-    /// window is dropped in favour of one of r', then V(r') + d(r', q) is no more, up to rounding,
-    /// and r' is nearer or the sum is less, against the choice of r. So the way is straight and its
-    /// window comes to q, which gives V(q) ≤ V(r) + d(r, q)/(1+ε) ≤ V(r) + d(r, q) ≤ d(s, q) for
-    /// every source s.
+    /// V(r) + d(r, q), of several the nearest to q. If the way from r to q turns first at r', or
+    /// its window is dropped in favour of one of r', then V(r') + d(r', q) is no more, up to
+    /// rounding, and r' is nearer or the sum is less, against the choice of r. So the way is
+    /// straight and its window comes to q, which gives V(q) ≤ V(r) + d(r, q)/(1+ε) ≤ V(r) + d(r, q)
+    /// ≤ d(s, q) for every source s.
     #[must_use]
     pub fn with_error(self, epsilon: f64) -> Self {
         let epsilon = if epsilon > 0.0 { epsilon } else { 0.0 };
@@ -217,21 +217,16 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         let degree = self.mesh.outgoing(v).len();
         for i in 0..degree {
             let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
-            let edges = self.surface.faces().edges_at_tail(h);
-            for (k, edge) in edges.into_iter().enumerate() {
-                let Some((neighbour, length)) = edge else {
-                    continue;
-                };
-                let d = self.value(sigma + length, sigma);
-                if !self.offer(neighbour, d, probe) {
+            for path in self.surface.faces().edge_paths(h) {
+                let d = self.value(sigma + path.length, sigma);
+                if !self.offer(path.end, d, probe) {
                     continue;
                 }
                 if P::TRACES {
-                    let (corner, way) = [(h.next(), Way::FromHead), (h.prev(), Way::FromTail)][k];
-                    probe.reach(neighbour, corner, way);
+                    probe.reach(path.end, path.corner, path.way);
                 }
                 if P::EXPLORES {
-                    probe.improve(neighbour, d, sigma);
+                    probe.improve(path.end, d, sigma);
                 }
             }
         }
@@ -289,7 +284,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             h,
             window,
             lineage,
-            edge: Edge::behind(exit, distances),
+            edge: EdgeView::behind(exit, distances),
         };
         let kept = self.arrive(&arrival, probe);
         probe.add(Counter::Kept, u64::from(kept));
@@ -542,10 +537,12 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
                 }
                 loop {
                     match self.policy.take(h, id, &self.surface, probe) {
-                        Turn::Now(window, lineage) => self.cross(h, window, lineage, probe),
-                        Turn::Void => {}
-                        Turn::Later(label) if self.queue.is_due(label) => continue,
-                        Turn::Later(label) => self.queue.push(label, event, probe),
+                        Dequeued::Propagate(window, lineage) => {
+                            self.cross(h, window, lineage, probe)
+                        }
+                        Dequeued::Stale => {}
+                        Dequeued::Requeue(label) if self.queue.is_due(label) => continue,
+                        Dequeued::Requeue(label) => self.queue.push(label, event, probe),
                     }
                     break;
                 }

@@ -1,8 +1,8 @@
-//! Windows replaced by vertices, within a bound of the error.
+//! Approximation: vertices replace windows, within a bound of the error.
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 
-use super::policy::{Arrival, Child, Policy, Turn};
+use super::policy::{Arrival, Child, Dequeued, Policy};
 use super::surface::Surface;
 use crate::counters::Counter;
 use crate::crossing::Crossing;
@@ -59,7 +59,7 @@ impl<W: Policy> Policy for Relaying<W> {
         id: u32,
         surface: &Surface,
         probe: &mut P,
-    ) -> Turn<Self::Lineage> {
+    ) -> Dequeued<Self::Lineage> {
         self.0.take(h, id, surface, probe)
     }
 

@@ -1,12 +1,25 @@
-//! The faces and what is known of the vertices during a run.
+//! The faces and the distances of the vertices during a run.
 
 use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
 
-use super::edge::{Behind, Edge};
+use super::edge::{Behind, EdgeView};
 use crate::frame::Faces;
 use crate::prefetch::prefetch;
 
 /// The faces of the mesh, with the distance that every vertex has been reached by so far.
+///
+/// ```
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_window::continuous::Surface;
+///
+/// let mesh = Mesh::generate("grid,n=2")?;
+/// let mut surface = Surface::new(&mesh);
+/// surface.reset(mesh.vertex_count());
+/// let v = VertexId::new(0);
+/// assert!(surface.offer(v, 2.0) && !surface.offer(v, 3.0));
+/// assert_eq!(surface.distance(v), 2.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Surface {
     faces: Faces,
@@ -28,7 +41,7 @@ impl Surface {
         }
     }
 
-    /// Forgets the distances of all vertices, of which there are so many.
+    /// Sets the distances of all `vertices` to infinity.
     pub fn reset(&mut self, vertices: usize) {
         self.distances.clear();
         self.distances.resize(vertices, f64::INFINITY);
@@ -39,7 +52,7 @@ impl Surface {
         self.distances[v.index()] = f64::INFINITY;
     }
 
-    /// Hands out the distances that were found.
+    /// Takes the distances out.
     pub fn take_distances(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.distances)
     }
@@ -68,13 +81,14 @@ impl Surface {
         improves
     }
 
-    /// A window is likely to enter the face of `h` soon: asks for the face.
+    /// A window is likely to enter the face of `h` soon: prefetches the face.
     #[inline]
     pub fn announce(&self, h: HalfEdgeId) {
         self.faces.announce(h);
     }
 
-    /// It is likely to do so in one or two turns: asks for what is known of its vertices.
+    /// A window is likely to enter the face of `h` in one or two turns: prefetches the distances of
+    /// its vertices.
     #[inline]
     pub fn prepare(&self, h: HalfEdgeId) {
         for v in self.faces.corners(h) {
@@ -82,7 +96,7 @@ impl Surface {
         }
     }
 
-    /// The [distance](Self::distance) of `v` is likely to be wanted soon.
+    /// Prefetches the [distance](Self::distance) of `v`.
     #[inline]
     pub fn announce_vertex(&self, v: VertexId) {
         prefetch(&self.distances, v.index());
@@ -90,9 +104,9 @@ impl Surface {
 
     /// The edge of `h` for a window that starts there.
     #[inline]
-    pub fn edge(&self, h: HalfEdgeId) -> Edge {
+    pub fn edge(&self, h: HalfEdgeId) -> EdgeView {
         let [tail, head, _] = self.faces.corners(h).map(|v| self.distance(v));
-        Edge {
+        EdgeView {
             length: self.faces.length(h),
             tail,
             head,

@@ -17,7 +17,7 @@ use geobench_mesh::{HalfEdgeId, VertexId};
 use self::children::{ExitSide, measure};
 use crate::crossing::entry;
 use crate::frame::{ExitEdge, Faces, HalfEdge};
-use crate::simd::{Instructions, Lanes, Program, Simd};
+use crate::simd::{Instructions, Lanes, Simd, SimdProgram};
 use crate::window::{Window, greater, less, norm};
 
 pub use self::children::CrossedChild;
@@ -352,7 +352,7 @@ struct CrossAll<'a> {
     faces: &'a Faces,
 }
 
-impl Program for CrossAll<'_> {
+impl SimdProgram for CrossAll<'_> {
     type Output = ();
 
     #[inline(always)]

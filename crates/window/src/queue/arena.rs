@@ -1,4 +1,4 @@
-//! Queues of events whose links lie in one array.
+//! Linked lists of events in one array.
 
 use super::Event;
 use crate::prefetch::prefetch;
@@ -45,6 +45,17 @@ impl Chain {
 
 /// The events of any number of chains. A link that becomes free goes to the next event that comes,
 /// so that as many are ever taken from the allocator as are needed at one time.
+///
+/// ```
+/// use geobench_mesh::VertexId;
+/// use geobench_window::queue::{Arena, Chain, Event};
+///
+/// let event = Event::vertex(VertexId::new(4));
+/// let (mut arena, mut chain) = (Arena::default(), Chain::EMPTY);
+/// arena.append(&mut chain, 2.5, event);
+/// assert_eq!(arena.take(&mut chain), Some((2.5, event)));
+/// assert!(chain.is_empty());
+/// ```
 #[derive(Clone, Debug)]
 pub struct Arena {
     links: Vec<Link>,

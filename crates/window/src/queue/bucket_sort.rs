@@ -10,7 +10,7 @@ const MOST: usize = 255;
 /// which they are.
 ///
 /// `place` says how far a label lies within the range, from 0 to 1, up to rounding, and must not
-/// decrease. So many bins as there are events bring them nearly in order; what is left is done by
+/// decrease. So many bins as there are events bring them nearly in order; the rest is done by
 /// insertion, which predicts nearly all of its branches. A sort that compares pairs
 /// mispredicts half of its branches.
 ///

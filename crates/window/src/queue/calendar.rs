@@ -1,4 +1,4 @@
-//! Events by their labels, in buckets.
+//! A calendar queue: events in buckets of labels.
 
 use geobench_mesh::Mesh;
 
@@ -7,7 +7,7 @@ use super::ring::Ring;
 use super::{Event, MinHeap};
 use crate::window::less;
 
-/// The most buckets that a ring can have, 3 MB of them. What is further away waits in a heap.
+/// The most buckets that a ring can have, 3 MB. Events beyond them wait in a heap.
 const MOST_BUCKETS: u64 = 1 << 18;
 
 /// The number of the last bucket; no label of a mesh comes near it.

@@ -1,9 +1,17 @@
-//! What waits in the queue of an algorithm that takes a window at a time, or a list of them.
+//! The entries of a queue: windows, lists of windows, and vertices.
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 
 /// A window to be propagated or a vertex to become a pseudo-source, packed into 8 bytes so that a
 /// queue's node takes 16.
+///
+/// ```
+/// use geobench_mesh::HalfEdgeId;
+/// use geobench_window::queue::{Event, EventKind};
+///
+/// let h = HalfEdgeId::new(12);
+/// assert_eq!(Event::window(h, 3).kind(), EventKind::Window(h, 3));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Event {
     /// The half-edge of a window, or the vertex with [`VERTEX`] set.
@@ -47,7 +55,7 @@ impl Event {
         self.place & VERTEX == 0
     }
 
-    /// What the event is.
+    /// The unpacked event.
     #[inline]
     pub const fn kind(self) -> EventKind {
         if self.is_window() {

@@ -1,4 +1,4 @@
-//! First in, first out.
+//! The queue that is first in, first out.
 
 use std::collections::VecDeque;
 
@@ -8,6 +8,17 @@ use crate::probe::Probe;
 
 /// Takes events in the order in which they came, whatever their labels: breadth first in the
 /// sequence tree of Chen and Han.
+///
+/// ```
+/// use geobench_mesh::VertexId;
+/// use geobench_window::queue::{Discipline, Event, Fifo};
+///
+/// let [first, second] = [7, 2].map(|v| Event::vertex(VertexId::new(v)));
+/// let mut queue = Fifo::default();
+/// queue.push(3.0, first, &mut ());
+/// queue.push(1.0, second, &mut ());
+/// assert_eq!(queue.pop(&mut ()), Some((3.0, first)));
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Fifo {
     events: VecDeque<(f64, Event)>,

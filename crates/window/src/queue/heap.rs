@@ -5,7 +5,7 @@ const ARITY: usize = 4;
 
 /// A 4-ary heap of items by label. Items of equal labels come in an order that depends on the
 /// insertions alone, so it is the same in every run. Entries cannot be removed or changed: push
-/// anew, and skip what is outdated when it comes out.
+/// anew, and skip outdated entries when they come out.
 ///
 /// ```
 /// use geobench_window::queue::MinHeap;

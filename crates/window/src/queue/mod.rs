@@ -1,4 +1,4 @@
-//! Disciplines: in which order events are taken.
+//! Disciplines: the orders in which events are taken.
 
 mod arena;
 mod bucket_sort;
@@ -22,8 +22,8 @@ use crate::counters::Counter;
 use crate::goal::Lookout;
 use crate::probe::Probe;
 
-/// An order in which events are taken. It sees their labels and places only; results do not
-/// depend on it, costs do.
+/// An order in which events are taken. A discipline sees the labels and places of events only.
+/// Results do not depend on it; costs do.
 ///
 /// ```
 /// use geobench_mesh::VertexId;
@@ -67,8 +67,8 @@ pub trait Discipline: Send {
     /// Takes the next event, with its label.
     fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)>;
 
-    /// A lower bound of the labels of all that waits and of `label`, that of an event which has just
-    /// come out, if the order of this queue gives one.
+    /// A lower bound of the labels of all that waits and of `label`, that of an event which has
+    /// just come out, if the order of this queue gives one.
     #[inline]
     fn bound(&self, label: f64) -> Option<f64> {
         let _ = label;
@@ -106,7 +106,7 @@ pub trait Discipline: Send {
     /// All events that wait with their labels, outdated ones included, in no order.
     fn events(&self) -> impl Iterator<Item = (f64, Event)>;
 
-    /// Forgets everything, keeping the memory.
+    /// Removes all events, keeping the memory.
     fn clear(&mut self);
 
     /// Whether a run ends now that an event under `label` has come out: all that `probe` wants is

@@ -1,4 +1,4 @@
-//! Least label first.
+//! The priority queue: least label first.
 
 use geobench_mesh::Mesh;
 
@@ -29,6 +29,17 @@ const REACH: usize = 16;
 /// # Cost
 ///
 /// O(1) for each event where labels spread, O(log n) where they do not.
+///
+/// ```
+/// use geobench_mesh::VertexId;
+/// use geobench_window::queue::{Discipline, Event, Priority};
+///
+/// let [far, near] = [7, 2].map(|v| Event::vertex(VertexId::new(v)));
+/// let mut queue = Priority::with_width(0.5);
+/// queue.push(3.0, far, &mut ());
+/// queue.push(1.0, near, &mut ());
+/// assert_eq!(queue.pop(&mut ()), Some((1.0, near)));
+/// ```
 #[derive(Clone, Debug)]
 pub struct Priority {
     /// Events of the buckets up to the current one that are to come, the next one last.

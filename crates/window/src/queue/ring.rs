@@ -1,4 +1,4 @@
-//! Numbered buckets, of which a range that moves upwards is there at any time.
+//! A ring of numbered buckets, a range of numbers that moves upwards.
 
 use super::arena::Chain;
 

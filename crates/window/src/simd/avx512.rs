@@ -12,7 +12,7 @@ use std::arch::x86_64::{
 };
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
-use super::dispatch::{Program, run_avx512_apart};
+use super::dispatch::{SimdProgram, run_avx512_apart};
 use super::instructions::Instructions;
 use super::lanes::{LaneMask, Lanes};
 
@@ -158,7 +158,7 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn run_apart<T: Program>(simd: Avx512Token, program: T) -> T::Output {
+    fn run_apart<T: SimdProgram>(simd: Avx512Token, program: T) -> T::Output {
         run_avx512_apart(program, simd)
     }
 }

@@ -15,7 +15,7 @@ use super::lanes::{LaneMask, Lanes};
 pub struct Line(pub [f64; Line::LANES]);
 
 impl Line {
-    /// Numbers in a line; every register has as many or a divisor of it.
+    /// Numbers in a line; the length of a register divides it.
     pub const LANES: usize = 8;
 }
 
@@ -458,13 +458,13 @@ impl<'a, const N: usize> Scratch<'a, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::{Instructions, Program, Scalar, Simd};
+    use crate::simd::{Instructions, Scalar, Simd, SimdProgram};
 
     /// Keeps the rows of a list whose first number is less than their successor's, in place, and
     /// appends them to `sink`, which they fill.
     struct KeepRising<'a>(&'a mut [Line], usize, &'a mut [Line]);
 
-    impl Program for KeepRising<'_> {
+    impl SimdProgram for KeepRising<'_> {
         type Output = [usize; 2];
 
         #[inline(always)]

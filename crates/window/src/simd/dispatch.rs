@@ -13,7 +13,7 @@ use super::{
 };
 
 /// Code that is compiled for every instruction set.
-pub trait Program {
+pub trait SimdProgram {
     /// The result.
     type Output;
 
@@ -67,7 +67,7 @@ impl Simd {
 
     /// Runs `program` with these instructions.
     #[inline]
-    pub fn run<T: Program>(self, program: T) -> T::Output {
+    pub fn run<T: SimdProgram>(self, program: T) -> T::Output {
         match self.0 {
             Kind::Scalar => program.run::<Scalar>(()),
             // SAFETY: the token proves that the processor has the features.
@@ -82,13 +82,13 @@ impl Simd {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,popcnt,lzcnt")]
-fn run_avx2<T: Program>(program: T, token: Avx2Token) -> T::Output {
+fn run_avx2<T: SimdProgram>(program: T, token: Avx2Token) -> T::Output {
     program.run::<Avx2>(token)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,bmi1,bmi2,popcnt,lzcnt")]
-fn run_avx512<T: Program>(program: T, token: Avx512Token) -> T::Output {
+fn run_avx512<T: SimdProgram>(program: T, token: Avx512Token) -> T::Output {
     program.run::<Avx512>(token)
 }
 
@@ -96,7 +96,7 @@ fn run_avx512<T: Program>(program: T, token: Avx512Token) -> T::Output {
 /// a function with both attributes, the compiler drops the one against inlining.
 #[cfg(target_arch = "x86_64")]
 #[inline(never)]
-pub(super) fn run_avx512_apart<T: Program>(program: T, token: Avx512Token) -> T::Output {
+pub(super) fn run_avx512_apart<T: SimdProgram>(program: T, token: Avx512Token) -> T::Output {
     // SAFETY: the token proves that the processor has the features.
     unsafe { run_avx512(program, token) }
 }

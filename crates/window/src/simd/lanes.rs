@@ -1,11 +1,11 @@
-//! Several numbers in one register.
+//! Lanes: several numbers in one register.
 
 // Loads and stores take addresses; `columns` alone calls them.
 #![allow(unsafe_code)]
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
-use super::dispatch::Program;
+use super::dispatch::SimdProgram;
 
 /// `COUNT` numbers on which every operation works at once: 1, 4 or 8.
 #[allow(clippy::return_self_not_must_use)] // They are values like numbers.
@@ -97,7 +97,7 @@ pub trait Lanes:
     /// The surrounding code would load constants that the program keeps in such registers again
     /// and again, and one such instruction slows down all others for a while.
     #[inline(always)]
-    fn run_apart<T: Program>(simd: Self::Token, program: T) -> T::Output {
+    fn run_apart<T: SimdProgram>(simd: Self::Token, program: T) -> T::Output {
         program.run::<Self>(simd)
     }
 }

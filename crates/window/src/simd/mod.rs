@@ -1,7 +1,7 @@
 //! Vector instructions: detection at run time, and generic code over several numbers at once.
 //!
-//! A [`Program`] is written once, generic over [`Lanes`], and compiled for every instruction set.
-//! [`Simd`] is the proof that the processor has a set; it is made by detection, and its
+//! A [`SimdProgram`] is written once, generic over [`Lanes`], and compiled for every instruction
+//! set. [`Simd`] is the proof that the processor has a set; it is made by detection, and its
 //! [`run`](Simd::run) hands the program a zero-sized *token* ([`Lanes::Token`]), without which no
 //! vector exists. [`Columns`], [`Block`], [`InPlace`] and [`Scratch`] are bounded views of
 //! structures of arrays. So programs need no unsafe code.
@@ -9,12 +9,12 @@
 //! All operations round as IEEE 754 says and none is fused: every set gives the same bits.
 //!
 //! ```
-//! use geobench_window::simd::{Columns, Instructions, Lanes, Line, Program, Simd};
+//! use geobench_window::simd::{Columns, Instructions, Lanes, Line, Simd, SimdProgram};
 //!
 //! /// The least of x + y.
 //! struct LeastSum<'a>(Columns<'a, 2>);
 //!
-//! impl Program for LeastSum<'_> {
+//! impl SimdProgram for LeastSum<'_> {
 //!     type Output = f64;
 //!
 //!     #[inline(always)]
@@ -52,7 +52,7 @@ mod lanes;
 mod scalar;
 
 pub use columns::{Block, Columns, InPlace, Line, PaddedBlock, Scratch, Sink};
-pub use dispatch::{Program, Simd};
+pub use dispatch::{Simd, SimdProgram};
 pub use instructions::{Instructions, UnknownInstructions};
 pub use lanes::{LaneMask, Lanes};
 pub use scalar::Scalar;

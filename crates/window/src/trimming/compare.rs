@@ -1,4 +1,4 @@
-//! Which of two windows of one edge is shorter where.
+//! Comparison of two windows of one edge: the range on which each is shorter.
 
 // Which of two conditions fails is chance, and both are cheap: a single branch is foreseen wrongly
 // less often.

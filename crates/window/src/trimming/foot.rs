@@ -4,7 +4,7 @@
 //! area, sends rays of all directions through its foot, where its distance is σ, and only grazing
 //! ones through all other points. A window of another source that comes along the edge, V on its
 //! way, ties with it at the foot and beyond, and has one direction only. If it took the foot from
-//! V, or half of it by rounding, the other directions would be lost.
+//! V, or half of that piece by rounding, the other directions would be lost.
 //!
 //! So the foot of a window is a piece of its own, as wide as rounding moves it. It is compared with
 //! other windows as a whole, at the foot, and yields only to one that is shorter there: then V is
@@ -84,7 +84,7 @@ fn is_shorter_at_foot(w: &Window, foot: &Window, l: f64) -> bool {
     w.b0 <= x && x <= w.b1 && w.distance(x) < d - (GRAIN * d + PLACE * l)
 }
 
-/// The pieces of a window with a foot: first the foot, then what lies left and right of it.
+/// The pieces of a window with a foot: first the foot, then the pieces on its left and right.
 pub fn pieces(w: &Window, l: f64) -> impl Iterator<Item = Window> {
     let [start, end] = foot(w, l).unwrap_or([w.b0, w.b1]);
     let ranges = [[start, end], [w.b0, start], [end, w.b1]];

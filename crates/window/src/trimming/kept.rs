@@ -1,4 +1,4 @@
-//! Windows kept beside thin faces, so that those that wind around a needle come to an end.
+//! Windows stored beside thin faces, so that windows that wind around a needle end.
 
 use geobench_mesh::{HalfEdgeId, Mesh};
 
@@ -14,11 +14,25 @@ use crate::window::Window;
 /// never is beyond rounding. MMP does not propagate it: where it comes to a half-edge for the
 /// second time, the window that came first is as short, and of equal windows the first one stays.
 /// The same is done here on the half-edges of thin faces, which hardly any mesh has.
+///
+/// ```
+/// use geobench_mesh::{HalfEdgeId, Mesh};
+/// use geobench_window::Window;
+/// use geobench_window::trimming::KeptWindows;
+///
+/// let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.5, 1e-3, 0.0]];
+/// let mesh = Mesh::new(positions, vec![[0, 1, 2]])?;
+/// let mut kept = KeptWindows::new(&mesh, 3, HalfEdgeId::index);
+/// let window = Window { b0: 0.0, b1: 1.0, px: 0.5, py: -1.0, sigma: 0.0 };
+/// assert_eq!(kept.admit(0, &window), Some(window));
+/// assert_eq!(kept.admit(0, &window), None); // It winds around the needle.
+/// # Ok::<(), geobench_mesh::InvalidMesh>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct KeptWindows {
     /// Which list each half-edge has, by its number; none if `NO_LIST`. Empty if no face is thin.
     lists: Vec<u32>,
-    kept: Vec<List>,
+    kept: Vec<KeptList>,
     doubt: f64,
     overlap: Overlap,
     met: Vec<Window>,
@@ -27,7 +41,7 @@ pub struct KeptWindows {
 
 /// The windows of one half-edge, which do not overlap, in ascending order.
 #[derive(Clone, Debug)]
-struct List {
+struct KeptList {
     length: f64,
     windows: Vec<Window>,
 }
@@ -47,7 +61,7 @@ impl KeptWindows {
         for h in mesh.half_edges().filter(|&h| thin.is_beside(number(h))) {
             kept.lists.resize(numbers, NO_LIST);
             kept.lists[number(h)] = kept.kept.len() as u32;
-            kept.kept.push(List {
+            kept.kept.push(KeptList {
                 length: mesh.length(h),
                 windows: Vec::new(),
             });
@@ -91,12 +105,12 @@ impl KeptWindows {
     /// propagated; `None` if nothing is. A window to a half-edge of no thin face is returned whole.
     /// O(k) for k windows kept there.
     ///
-    /// What is returned must be propagated, even when its root has been reached by a shorter path
+    /// The returned part must be propagated, even when its root has been reached by a shorter path
     /// since: it may have taken the place of a window that was equal to it.
     #[cold]
     pub fn admit(&mut self, h: usize, new: &Window) -> Option<Window> {
         let list = self.lists.get(h).copied().unwrap_or(NO_LIST);
-        let Some(List {
+        let Some(KeptList {
             length,
             windows: list,
         }) = self.kept.get_mut(list as usize)

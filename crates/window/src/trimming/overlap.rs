@@ -1,4 +1,4 @@
-//! How the overlap of a new window and those that it meets is divided, in the general case.
+//! Division of the overlap of a new window and the windows that it meets, in the general case.
 
 use super::compare::{is_new_shorter, is_sliver, matters, ties_between};
 use super::foot::{does_new_win, may_be_foot};
@@ -24,7 +24,22 @@ pub struct Segment {
     pub owner: Owner,
 }
 
-/// What a new window and stored ones cover together: ranges in ascending order, each with its owner.
+/// What a new window and stored ones cover together: ranges in ascending order, each with its
+/// owner.
+///
+/// ```
+/// use geobench_window::Window;
+/// use geobench_window::trimming::{Overlap, Owner};
+///
+/// // The sources lie below both ends of an edge of length 1.
+/// let old = Window { b0: 0.0, b1: 1.0, px: 0.0, py: -1.0, sigma: 0.0 };
+/// let new = Window { px: 1.0, ..old };
+/// let mut overlap = Overlap::default();
+/// overlap.share_out(&[old], &new, 1.0);
+/// let owners: Vec<Owner> = overlap.segments().iter().map(|s| s.owner).collect();
+/// assert_eq!(owners, [Owner::Old(0), Owner::New]);
+/// assert!((overlap.segments()[0].end - 0.5).abs() < 1e-15);
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Overlap {
     segments: Vec<Segment>,

@@ -1,4 +1,4 @@
-//! Where faces are so thin that windows wind around needles.
+//! Faces so thin that windows wind around needles.
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
@@ -23,6 +23,20 @@ const THIN_AROUND_TIPS: f64 = 0.1;
 const TIP: f64 = 0.35;
 
 /// The half-edges of thin faces.
+///
+/// ```
+/// use geobench_mesh::{HalfEdgeId, Mesh};
+/// use geobench_window::trimming::ThinFaces;
+///
+/// let mesh = Mesh::new(
+///     vec![[0.0; 3], [1.0, 0.0, 0.0], [0.5, 1e-3, 0.0], [0.5, -1.0, 0.0]],
+///     vec![[0, 1, 2], [1, 0, 3]],
+/// )?;
+/// let thin = ThinFaces::of(&mesh, 6, HalfEdgeId::index);
+/// let beside: Vec<bool> = (0..6).map(|h| thin.is_beside(h)).collect();
+/// assert_eq!(beside, [true, true, true, true, false, false]);
+/// # Ok::<(), geobench_mesh::InvalidMesh>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct ThinFaces {
     /// By number of half-edge, whether the face on either side is thin; empty if none is.

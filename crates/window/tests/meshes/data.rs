@@ -709,7 +709,7 @@ pub(crate) const EQUAL_SIGMAS: Case = Case {
     ],
 };
 
-/// A vertex of a needle is reached by a shorter path when windows of it are under way.
+/// A vertex of a needle is reached by a shorter path while its windows wait.
 pub(crate) const ROOT_COME_NEARER: Case = Case {
     name: "root come nearer",
     positions: &[

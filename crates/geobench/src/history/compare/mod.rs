@@ -52,9 +52,9 @@ pub struct Comparison {
     /// Cells of both files, in the order of the new one.
     pub cells: Vec<CellChange>,
     /// Cells of the old file that the new one lacks.
-    pub missing: Vec<Key>,
+    pub missing: Vec<CellKey>,
     /// Cells of the new file that the old one lacks.
-    pub added: Vec<Key>,
+    pub added: Vec<CellKey>,
     /// Regressions of the new file as a whole.
     pub overall: Vec<Regression>,
     /// Notes.
@@ -85,7 +85,7 @@ pub struct Side {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CellChange {
     /// The identity of the cell.
-    pub cell: Key,
+    pub cell: CellKey,
     /// The status in each file.
     pub status: [Status; 2],
     /// Time; null unless both have samples.
@@ -250,7 +250,7 @@ fn side(name: &str, file: &ResultFile) -> Side {
     }
 }
 
-fn change(cell: Key, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> CellChange {
+fn change(cell: CellKey, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> CellChange {
     let mut regressions = Vec::new();
     if old.status == Status::Ok && new.status != Status::Ok {
         let why = new.message.as_deref().unwrap_or("no message");
@@ -423,7 +423,7 @@ fn different_instructions<'c>(old: &'c Cell, new: &'c Cell) -> Option<[&'c str; 
 }
 
 /// A note on the cells whose instructions were counted with different vector instructions.
-fn notes_on_instructions(cells: &[(Key, &Cell, &Cell)]) -> Option<String> {
+fn notes_on_instructions(cells: &[(CellKey, &Cell, &Cell)]) -> Option<String> {
     let mut others = cells.iter().filter_map(|(key, old, new)| {
         let [old, new] = different_instructions(old, new)?;
         Some(format!("{key} ({old} and {new})"))
@@ -642,7 +642,7 @@ impl TimeChange {
 
 /// The identity of a cell.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Key {
+pub struct CellKey {
     /// Name of the model, in the file that has the cell; in the new one if both have.
     pub model: String,
     /// Hash of the model, if it could be read.
@@ -662,7 +662,7 @@ pub struct Key {
 
 /// The identity without the name of the model, unless the model has no hash.
 #[derive(PartialEq, Eq, Hash)]
-struct Identity {
+struct CellIdentity {
     model: Result<String, String>,
     algorithm: String,
     source: Option<SourceLabel>,
@@ -674,11 +674,11 @@ struct Identity {
 /// The cells of two files.
 struct Matched<'f> {
     /// Cells of both files, in the order of the new one.
-    common: Vec<(Key, &'f Cell, &'f Cell)>,
+    common: Vec<(CellKey, &'f Cell, &'f Cell)>,
     /// Cells of the old file alone.
-    missing: Vec<Key>,
+    missing: Vec<CellKey>,
     /// Cells of the new file alone.
-    added: Vec<Key>,
+    added: Vec<CellKey>,
     /// Different models of the same name.
     notes: Vec<String>,
 }
@@ -686,14 +686,14 @@ struct Matched<'f> {
 /// Matches the cells of two files.
 fn matched<'f>(old: &'f ResultFile, new: &'f ResultFile) -> Matched<'f> {
     // Copies of one model have the same hash; each has its own cells.
-    let mut waiting: HashMap<Identity, Vec<(Key, &Cell)>> = HashMap::new();
+    let mut waiting: HashMap<CellIdentity, Vec<(CellKey, &Cell)>> = HashMap::new();
     for cell in &old.cells {
-        let key = Key::of(old, cell);
+        let key = CellKey::of(old, cell);
         waiting.entry(key.identity()).or_default().push((key, cell));
     }
     let (mut common, mut added) = (Vec::new(), Vec::new());
     for cell in &new.cells {
-        let key = Key::of(new, cell);
+        let key = CellKey::of(new, cell);
         match waiting.get_mut(&key.identity()) {
             Some(candidates) if !candidates.is_empty() => {
                 let namesake = candidates.iter().position(|(k, _)| k.model == key.model);
@@ -703,11 +703,11 @@ fn matched<'f>(old: &'f ResultFile, new: &'f ResultFile) -> Matched<'f> {
             _ => added.push(key),
         }
     }
-    let is_left = |key: &Key| {
+    let is_left = |key: &CellKey| {
         let candidates = waiting.get(&key.identity());
         candidates.is_some_and(|c| c.iter().any(|(k, _)| k == key))
     };
-    let missing = old.cells.iter().map(|cell| Key::of(old, cell));
+    let missing = old.cells.iter().map(|cell| CellKey::of(old, cell));
     let missing = missing.filter(is_left).collect();
     Matched {
         common,
@@ -734,7 +734,7 @@ fn changed_models(old: &ResultFile, new: &ResultFile) -> Vec<String> {
         .collect()
 }
 
-impl Key {
+impl CellKey {
     /// The identity of a cell of `file`.
     pub fn of(file: &ResultFile, cell: &Cell) -> Self {
         let model = file.models.iter().find(|m| m.name == cell.model);
@@ -754,8 +754,8 @@ impl Key {
         self.identity() == other.identity()
     }
 
-    fn identity(&self) -> Identity {
-        Identity {
+    fn identity(&self) -> CellIdentity {
+        CellIdentity {
             model: self.sha256.clone().ok_or_else(|| self.model.clone()),
             algorithm: self.algorithm.clone(),
             source: self.source.clone(),
@@ -766,7 +766,7 @@ impl Key {
     }
 }
 
-impl Key {
+impl CellKey {
     /// The identity in words: group, model, algorithm, source. Group and source are optional.
     pub fn among(&self, with_group: bool, with_source: bool) -> String {
         let group = match &self.group {
@@ -790,7 +790,7 @@ impl Key {
     }
 }
 
-impl fmt::Display for Key {
+impl fmt::Display for CellKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.among(true, true))
     }

@@ -17,7 +17,7 @@ use crate::exec::model::{self, ModelError, ModelRef};
 use crate::exec::source::SourceSpec;
 use crate::plan::sampling::Seconds;
 use crate::plan::{Plan, Reference};
-use crate::registry::{self, Selection, Simd};
+use crate::registry::{self, Selection, SimdChoice};
 use crate::schema::GroupRecord;
 use crate::usage::DocumentError;
 
@@ -276,17 +276,17 @@ pub const SMALL_MODELS: &[&str] = &[
 
 /// The groups of the built-in suite: name, text, instructions and algorithms. Some of the other
 /// algorithms are slower by orders of magnitude.
-const GROUPS: [(&str, &str, Simd, &str); 2] = [
+const GROUPS: [(&str, &str, SimdChoice, &str); 2] = [
     (
         "papers",
         "The algorithms that the papers compare, all with scalar instructions.",
-        Simd::AtMost(Instructions::Scalar),
+        SimdChoice::AtMost(Instructions::Scalar),
         "mmp,ich,fwp-mmp,fwp-ch,vtp",
     ),
     (
         "fast",
         "The fast forms, with the widest instructions of the processor, beside vtp with them.",
-        Simd::Auto,
+        SimdChoice::Auto,
         "mmp-fast,vtp,vtp-fast",
     ),
 ];

@@ -17,7 +17,7 @@ use crate::exec::limits::{DecompressionLimit, MemoryLimit, Timeout};
 use crate::exec::source::{SourceSpec, TargetSpec};
 use crate::plan::Reference;
 use crate::plan::sampling::{Sampling, Seconds, Share};
-use crate::registry::{self, MOST_THREADS, Selection, Simd};
+use crate::registry::{self, MOST_THREADS, Selection, SimdChoice};
 use crate::schema::Precision;
 use crate::table;
 use crate::usage::document::{Document, DocumentError, parsed, text_or_table};
@@ -79,7 +79,7 @@ pub struct Settings {
     pub threads: Option<u32>,
     /// Instructions of all algorithms.
     #[serde(deserialize_with = "text")]
-    pub simd: Option<Simd>,
+    pub simd: Option<SimdChoice>,
     /// Time that each run may take.
     #[serde(deserialize_with = "text")]
     pub timeout: Option<Timeout>,

@@ -50,7 +50,7 @@ function explore() {
     document.querySelector("main").before(
       make("div", { class: "filters", role: "group", "aria-label": "Show" }, ...filters));
   }
-  // A menu closes when something outside of it is used.
+  // A menu closes when something outside the menu is used.
   const close = event => {
     for (const menu of document.querySelectorAll("details.menu[open]")) {
       if (!menu.contains(event.target)) menu.open = false;

@@ -71,7 +71,7 @@ class LiveTable {
     }
   }
 
-  /** Shows the rows of what is selected. */
+  /** Shows the rows of the selected models and algorithms. */
   filter(shown, models) {
     for (const { body, title, rows } of this.bodies) {
       for (const row of rows) {

@@ -15,12 +15,12 @@ pub(crate) struct Bars {
     pub(crate) axis: Axis,
     /// Names of the parts.
     pub(crate) parts: [String; PARTS],
-    pub(crate) groups: Vec<Group>,
+    pub(crate) groups: Vec<BarGroup>,
 }
 
 /// Bars that belong together, such as the algorithms on one model.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Group {
+pub(crate) struct BarGroup {
     pub(crate) title: String,
     pub(crate) bars: Vec<Bar>,
 }
@@ -57,7 +57,7 @@ impl Bars {
             x += width_of(name) + 36.0;
         }
         let top = 24.0;
-        let height = |group: &Group| LINE + 7.0 + LINE * group.bars.len() as f64;
+        let height = |group: &BarGroup| LINE + 7.0 + LINE * group.bars.len() as f64;
         let bottom = top + self.groups.iter().map(height).sum::<f64>();
         axis_below(svg, &scale, &self.axis.label, [top, bottom]);
         let mut y = top;

@@ -7,7 +7,7 @@ use super::{
     Datum, LINE, WIDTH, axis_below, draw_marker, draw_ticks, draw_whisker, legend, marker_class,
 };
 use crate::report::svg::{Svg, fitted, px, width_of};
-use crate::table::group::{Value, distinct};
+use crate::table::group::{Estimate, distinct};
 
 /// Height of the field in which lines are drawn.
 const HEIGHT: f64 = 230.0;
@@ -49,7 +49,7 @@ pub(crate) struct Series {
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct LinePoint {
     pub(crate) x: f64,
-    pub(crate) value: Value,
+    pub(crate) value: Estimate,
     /// Standard deviation of `x`, if it is a mean.
     pub(crate) deviation: Option<f64>,
     /// The model, by which the page filters; empty if the point belongs to none or to several.

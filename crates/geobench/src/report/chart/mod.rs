@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::picture::Picture;
 use crate::report::svg::{Svg, px, width_of};
-use crate::table::group::Value;
+use crate::table::group::Estimate;
 
 mod axis;
 mod bars;
@@ -17,7 +17,7 @@ mod lines;
 
 use axis::Scale;
 pub(crate) use axis::{Axis, nice};
-pub(crate) use bars::{Bar, Bars, Group as BarGroup, PARTS};
+pub(crate) use bars::{Bar, BarGroup, Bars, PARTS};
 pub(crate) use dots::{Band, Dots, Lane, MOST_LANES};
 pub(crate) use lines::{Fit, LinePoint, Lines, Series, front};
 
@@ -47,7 +47,7 @@ pub(crate) struct Point {
     pub(crate) name: String,
     /// The model, by which the page filters.
     pub(crate) model: Option<String>,
-    pub(crate) value: Value,
+    pub(crate) value: Estimate,
     /// Whether only the outline of the marker is drawn.
     pub(crate) hollow: bool,
 }

@@ -1,6 +1,6 @@
 //! The cases of a test: values computed from results, and whether the claim holds for each.
 
-use super::Case;
+use super::ClaimCase;
 use super::expression::{Leaves, Node, Quantity, ends};
 use super::file::{Axis, Combine, Operand, Show, Size, Test, Vectors, labels};
 use crate::exec::source::SourceSpec;
@@ -9,7 +9,7 @@ use crate::measure::statistics::{FEWEST_FOR_FIT, FEWEST_FOR_INTERVAL};
 use crate::registry::{Selection, Value as Parameter};
 use crate::schema::{Cell, ModelRecord, Phases, PlannedAlgorithm, ResultFile, SourceLabel, Status};
 use crate::table::figures::Figure;
-use crate::table::group::{Value, distinct};
+use crate::table::group::{Estimate, distinct};
 
 /// The value of a parameter of `selection`, if it is a number.
 pub(super) fn parameter(selection: &Selection, name: &str) -> Option<f64> {
@@ -186,7 +186,7 @@ impl<'r> Results<'r> {
     }
 
     /// All cases of the test.
-    pub(super) fn cases(&self) -> Vec<Case> {
+    pub(super) fn cases(&self) -> Vec<ClaimCase> {
         let mut cases = Vec::new();
         for operand in &self.test.of {
             let groups: Vec<_> = self
@@ -253,11 +253,11 @@ impl<'r> Results<'r> {
         on: &str,
         model: Option<&ModelRecord>,
         build: impl Fn(&'static Figure) -> Result<Built, Reason>,
-    ) -> Case {
-        let mut first: Option<Case> = None;
-        let blank = |figure: &str| Case {
+    ) -> ClaimCase {
+        let mut first: Option<ClaimCase> = None;
+        let blank = |figure: &str| ClaimCase {
             of: self.in_words(operand),
-            ..Case::open(figure, on)
+            ..ClaimCase::open(figure, on)
         };
         for (place, figure) in self.test.figures.iter().enumerate() {
             let mut case = blank(figure.key);
@@ -284,7 +284,7 @@ impl<'r> Results<'r> {
     }
 
     /// Whether the claim holds for the value of an expression.
-    fn decide(&self, built: &Built, figure: &Figure, case: &mut Case) -> Result<(), Reason> {
+    fn decide(&self, built: &Built, figure: &Figure, case: &mut ClaimCase) -> Result<(), Reason> {
         let Some(value) = built.leaves.value(&built.node) else {
             return Err(format!("`{}` is 0", figure.key));
         };
@@ -292,7 +292,7 @@ impl<'r> Results<'r> {
         case.range = built.range;
         let holds = self.test.holds;
         let sure = match value {
-            Value {
+            Estimate {
                 interval: Some([low, high]),
                 ..
             } => {
@@ -310,7 +310,7 @@ impl<'r> Results<'r> {
                     "{samples} sample{s}; an interval takes {FEWEST_FOR_INTERVAL}"
                 ));
             }
-            Value { value, .. } => holds.holds(value),
+            Estimate { value, .. } => holds.holds(value),
         };
         case.holds = Some(sure);
         Ok(())
@@ -541,7 +541,7 @@ impl<'r> Results<'r> {
     }
 
     /// Cases of runs that must end in a certain way.
-    fn endings(&self, operand: &Operand, groups: &[Option<&str>], ends: Status) -> Vec<Case> {
+    fn endings(&self, operand: &Operand, groups: &[Option<&str>], ends: Status) -> Vec<ClaimCase> {
         let mut cases = Vec::new();
         for &group in groups {
             let models = self.models(group).into_iter();
@@ -555,25 +555,25 @@ impl<'r> Results<'r> {
             {
                 let found = self.cells(group, one, &model.name);
                 let found = found.map(|cells| cells.iter().any(|cell| cell.status == ends));
-                cases.push(Case {
+                cases.push(ClaimCase {
                     holds: found.as_ref().ok().copied(),
                     reason: found.err(),
                     of: one.label().to_owned(),
-                    ..Case::open("status", &model.name)
+                    ..ClaimCase::open("status", &model.name)
                 });
             }
         }
         if cases.is_empty() && self.test.at_least_faces > 0 {
             let greatest = groups.iter().flat_map(|group| self.models(*group));
             let greatest = greatest.filter_map(|model| model.faces).max().unwrap_or(0);
-            cases.push(Case {
+            cases.push(ClaimCase {
                 reason: Some(format!(
                     "the largest model has {} faces, the claim is about {}",
                     grouped(greatest),
                     grouped(self.test.at_least_faces),
                 )),
                 of: labels(&operand.algorithms),
-                ..Case::open("status", "no model")
+                ..ClaimCase::open("status", "no model")
             });
         }
         cases

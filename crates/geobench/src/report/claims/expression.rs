@@ -4,7 +4,7 @@
 //! shares of phases have a standard error. `measure::statistics` computes the interval.
 
 use crate::measure::statistics::{Variable, exponent_of_growth, interval_of, median};
-use crate::table::group::Value;
+use crate::table::group::Estimate;
 
 /// An expression.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub(super) enum Node {
     Product(Box<Self>, Box<Self>),
     /// The first divided by the second.
     Ratio(Box<Self>, Box<Self>),
-    /// One less the value: what is saved if the value is what is left.
+    /// One less the value: the share saved, where the value is the share that remains.
     Saving(Box<Self>),
     /// The value divided by a number.
     Per(Box<Self>, f64),
@@ -179,7 +179,7 @@ impl Leaves {
     }
 
     /// The value of `node` with its interval; none if it is no number.
-    pub(super) fn value(&self, node: &Node) -> Option<Value> {
+    pub(super) fn value(&self, node: &Node) -> Option<Estimate> {
         let variables: Vec<Variable<'_>> = self.0.iter().map(Leaf::variable).collect();
         let values = variables.iter().map(Variable::value);
         let value = node.of(&values.collect::<Option<Vec<f64>>>()?);
@@ -188,7 +188,7 @@ impl Leaves {
         } else {
             interval_of(&variables, |values| node.of(values))
         };
-        value.is_finite().then_some(Value { value, interval })
+        value.is_finite().then_some(Estimate { value, interval })
     }
 }
 

@@ -32,7 +32,7 @@ pub struct Claim {
     pub place: String,
     /// A few words of the paper.
     pub quote: String,
-    /// What is tested, in our words.
+    /// The tested statement, in our words.
     pub claim: String,
     /// The suite whose results decide.
     pub suite: Option<String>,
@@ -117,7 +117,7 @@ pub(super) enum Combine {
     Spread,
 }
 
-/// What is shown of a ratio.
+/// The form in which a ratio is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Show {

@@ -1,15 +1,15 @@
-//! The papers' claims, and what results say of them.
+//! The papers' claims, and verdicts on them from results.
 //!
 //! `bench-configs/papers/claims` has a file for each paper; `docs/claims.md` defines its keys. A
 //! claim has one or more tests, a test one or more *cases*: a value for one algorithm on one model,
 //! or over all models. [`judge`] computes every case and, from the cases, the verdict.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use serde::Serialize;
 
 use crate::UsageError;
+pub use crate::report::Input;
 use crate::schema::ResultFile;
 use crate::table::group::distinct;
 
@@ -59,16 +59,7 @@ pub fn known() -> Result<Vec<ClaimsFile>, crate::DocumentError> {
         .collect()
 }
 
-/// A result file.
-#[derive(Clone, Debug)]
-pub struct Input {
-    /// The file.
-    pub path: PathBuf,
-    /// The content.
-    pub result: ResultFile,
-}
-
-/// What results say of a claim.
+/// The verdict on a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClaimVerdict {
@@ -99,7 +90,7 @@ impl ClaimVerdict {
 
 /// A claim with its verdict.
 #[derive(Clone, Debug, Serialize)]
-pub struct Judged {
+pub struct JudgedClaim {
     /// The name of the claim.
     pub id: String,
     /// The paper's number.
@@ -113,7 +104,7 @@ pub struct Judged {
     /// What the results say.
     pub verdict: ClaimVerdict,
     /// The cases by name.
-    pub values: BTreeMap<String, Case>,
+    pub values: BTreeMap<String, ClaimCase>,
     /// Why the verdict is not better; empty if it is confirmed and nothing needs to be known.
     pub reason: String,
     /// The suite whose results decide.
@@ -135,12 +126,12 @@ pub struct JudgedPaper {
     /// Authors, year and subject.
     pub title: String,
     /// The claims in the order of the file.
-    pub claims: Vec<Judged>,
+    pub claims: Vec<JudgedClaim>,
 }
 
 /// Verdicts on the claims of several papers.
 #[derive(Clone, Debug)]
-pub struct Report {
+pub struct ClaimsReport {
     /// The papers.
     pub papers: Vec<JudgedPaper>,
     /// The results, each in a line: suite, date, commit, machine.
@@ -149,9 +140,9 @@ pub struct Report {
     pub notes: Vec<String>,
 }
 
-/// A value and what it says.
+/// A value, and whether the claim holds for it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Case {
+pub struct ClaimCase {
     /// The figure that it is of.
     pub figure: String,
     /// The value; null if there is none.
@@ -174,7 +165,7 @@ pub struct Case {
     on: String,
 }
 
-impl Case {
+impl ClaimCase {
     /// A case that nothing has decided yet.
     fn open(figure: &str, on: &str) -> Self {
         Self {
@@ -196,7 +187,7 @@ impl Case {
 /// # Errors
 ///
 /// When two results are of the same suite.
-pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<Report, UsageError> {
+pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<ClaimsReport, UsageError> {
     let mut of_suite: BTreeMap<String, &Input> = BTreeMap::new();
     let mut notes = Vec::new();
     let wanted = |suite: &String| {
@@ -239,7 +230,7 @@ pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<Report, UsageErr
             })
             .collect(),
     });
-    Ok(Report {
+    Ok(ClaimsReport {
         papers: papers.collect(),
         sources,
         notes,
@@ -259,7 +250,7 @@ fn source(result: &ResultFile) -> String {
     )
 }
 
-fn judged(paper: &str, claim: &Claim, result: Option<&ResultFile>) -> Judged {
+fn judged(paper: &str, claim: &Claim, result: Option<&ResultFile>) -> JudgedClaim {
     let mut cases = Vec::new();
     let mut unjudged = None;
     match (&claim.awaits, &claim.suite, result) {
@@ -286,7 +277,7 @@ fn judged(paper: &str, claim: &Claim, result: Option<&ResultFile>) -> Judged {
         }
         values.insert(name, case.clone());
     }
-    Judged {
+    JudgedClaim {
         id: claim.id.clone(),
         paper: paper.to_owned(),
         place: claim.place.clone(),
@@ -303,11 +294,11 @@ fn judged(paper: &str, claim: &Claim, result: Option<&ResultFile>) -> Judged {
 }
 
 /// The verdict on a claim from all its cases, and the reason.
-fn verdict(cases: &[Case]) -> (ClaimVerdict, String) {
-    let held: Vec<&Case> = cases.iter().filter(|c| c.holds == Some(true)).collect();
-    let failed: Vec<&Case> = cases.iter().filter(|c| c.holds == Some(false)).collect();
-    let open: Vec<&Case> = cases.iter().filter(|c| c.holds.is_none()).collect();
-    let off: Vec<&Case> = held
+fn verdict(cases: &[ClaimCase]) -> (ClaimVerdict, String) {
+    let held: Vec<&ClaimCase> = cases.iter().filter(|c| c.holds == Some(true)).collect();
+    let failed: Vec<&ClaimCase> = cases.iter().filter(|c| c.holds == Some(false)).collect();
+    let open: Vec<&ClaimCase> = cases.iter().filter(|c| c.holds.is_none()).collect();
+    let off: Vec<&ClaimCase> = held
         .iter()
         .copied()
         .filter(|c| c.fits == Some(false))
@@ -322,7 +313,7 @@ fn verdict(cases: &[Case]) -> (ClaimVerdict, String) {
         ClaimVerdict::Partly
     };
     let mut reasons = Vec::new();
-    let mut push = |what: &str, named: &[&Case]| {
+    let mut push = |what: &str, named: &[&ClaimCase]| {
         if !named.is_empty() {
             reasons.push(format!("{what}{}", page::names(named, cases)));
         }
@@ -338,7 +329,7 @@ fn verdict(cases: &[Case]) -> (ClaimVerdict, String) {
             .filter(|case| case.holds.is_some() == wanted.is_some() && case.reason.is_some());
         let why = distinct(others.clone().map(|case| case.reason.as_deref()));
         for why in why {
-            let own: Vec<&Case> = others
+            let own: Vec<&ClaimCase> = others
                 .clone()
                 .filter(|c| c.reason.as_deref() == why)
                 .collect();

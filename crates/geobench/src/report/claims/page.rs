@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::file::{Paper, Test};
-use super::{Case, ClaimVerdict, Judged, JudgedPaper, Report};
+use super::{ClaimCase, ClaimVerdict, ClaimsReport, JudgedClaim, JudgedPaper};
 use crate::measure::number::grouped;
 use crate::table::group::distinct;
 use crate::table::terminal::listing;
@@ -65,7 +65,7 @@ impl ClaimsFormat {
     /// # Errors
     ///
     /// Only if a number cannot be represented, which verdicts exclude.
-    pub fn render(self, report: &Report, look: Look) -> anyhow::Result<String> {
+    pub fn render(self, report: &ClaimsReport, look: Look) -> anyhow::Result<String> {
         Ok(match self {
             Self::Text => text(report, look),
             Self::Markdown => in_markdown(report),
@@ -78,7 +78,7 @@ impl ClaimsFormat {
     }
 }
 
-fn text(report: &Report, look: Look) -> String {
+fn text(report: &ClaimsReport, look: Look) -> String {
     let paper = |paper: &JudgedPaper| {
         let table = Table::new(
             ["Claim", "ClaimVerdict", "Here", "Why"]
@@ -110,7 +110,7 @@ fn text(report: &Report, look: Look) -> String {
     papers + &listing(&summary(report), look)
 }
 
-fn in_markdown(report: &Report) -> String {
+fn in_markdown(report: &ClaimsReport) -> String {
     let mut page = format!(
         "# The papers' claims, one by one\n\n{HOW_TO_READ}\n{}\n\n",
         markdown::table(&summary(report)).trim_end()
@@ -125,7 +125,7 @@ fn in_markdown(report: &Report) -> String {
     }
     for paper in &report.papers {
         let heads = ["claim", "place", "paper", "here", "verdict", "why"].map(Column::text);
-        let row = |claim: &Judged| {
+        let row = |claim: &JudgedClaim| {
             let quote = format!("\u{201c}{}\u{201d}", claim.quote);
             let paper = [quote.as_str(), &claim.printed];
             let paper: Vec<&str> = paper.into_iter().filter(|text| !text.is_empty()).collect();
@@ -155,11 +155,11 @@ fn in_markdown(report: &Report) -> String {
 }
 
 /// A row for each claim.
-fn rows(report: &Report) -> Table {
+fn rows(report: &ClaimsReport) -> Table {
     let heads = [
         "id", "paper", "place", "claim", "quote", "printed", "suite", "verdict", "values", "reason",
     ];
-    let row = |claim: &Judged| {
+    let row = |claim: &JudgedClaim| {
         [
             claim.id.as_str(),
             &claim.paper,
@@ -180,8 +180,8 @@ fn rows(report: &Report) -> Table {
 }
 
 /// How many claims of each paper have each verdict.
-fn summary(report: &Report) -> Table {
-    let count = |claims: &[&Judged], title: String| -> Vec<Entry> {
+fn summary(report: &ClaimsReport) -> Table {
+    let count = |claims: &[&JudgedClaim], title: String| -> Vec<Entry> {
         let with = |verdict| {
             claims
                 .iter()
@@ -198,10 +198,10 @@ fn summary(report: &Report) -> Table {
     };
     let mut rows: Vec<Vec<Entry>> = Vec::new();
     for paper in &report.papers {
-        let claims: Vec<&Judged> = paper.claims.iter().collect();
+        let claims: Vec<&JudgedClaim> = paper.claims.iter().collect();
         rows.push(count(&claims, format!("{}: {}", paper.paper, paper.title)));
     }
-    let all: Vec<&Judged> = report
+    let all: Vec<&JudgedClaim> = report
         .papers
         .iter()
         .flat_map(|paper| &paper.claims)
@@ -213,7 +213,7 @@ fn summary(report: &Report) -> Table {
 }
 
 /// The reason and the remark.
-fn why(claim: &Judged) -> String {
+fn why(claim: &JudgedClaim) -> String {
     let texts = [Some(claim.reason.as_str()), claim.remark.as_deref()];
     let texts = texts.into_iter().flatten().filter(|text| !text.is_empty());
     let texts: Vec<String> = texts
@@ -255,12 +255,12 @@ pub(super) fn printed(tests: &[Test]) -> String {
 }
 
 /// The cases in words: one by one, or as a range where there are many.
-pub(super) fn cases(cases: &[Case]) -> String {
+pub(super) fn cases(cases: &[ClaimCase]) -> String {
     let several = distinct(cases.iter().map(|case| &case.figure)).len() > 1;
     let kinds = distinct(cases.iter().map(|case| (&case.of, &case.figure)));
     let mut parts = Vec::new();
     for (of, figure) in kinds {
-        let own: Vec<&Case> = cases
+        let own: Vec<&ClaimCase> = cases
             .iter()
             .filter(|case| (&case.of, &case.figure) == (of, figure) && case.value.is_some())
             .collect();
@@ -303,14 +303,14 @@ pub(super) fn cases(cases: &[Case]) -> String {
 }
 
 /// The model, with the range of a growth.
-fn place(case: &Case) -> String {
+fn place(case: &ClaimCase) -> String {
     match case.range {
         None => short(&case.on),
         Some([low, high]) => format!("{} from {} to {}", case.on, number(low), number(high)),
     }
 }
 
-fn value(case: &Case) -> String {
+fn value(case: &ClaimCase) -> String {
     let text = case.value.map_or_else(|| "-".to_owned(), number);
     match case.ci95 {
         None => text,
@@ -320,14 +320,14 @@ fn value(case: &Case) -> String {
 
 /// Which of `all` cases `named` are, after a colon; nothing if they are all. An expression whose
 /// cases are all among them is named without its models.
-pub(super) fn names(named: &[&Case], all: &[Case]) -> String {
+pub(super) fn names(named: &[&ClaimCase], all: &[ClaimCase]) -> String {
     if named.len() == all.len() {
         return String::new();
     }
     let mut texts = Vec::new();
     for (of, figure) in distinct(named.iter().map(|case| (&case.of, &case.figure))) {
-        let is_own = |case: &Case| (&case.of, &case.figure) == (of, figure);
-        let own: Vec<&&Case> = named.iter().filter(|case| is_own(case)).collect();
+        let is_own = |case: &ClaimCase| (&case.of, &case.figure) == (of, figure);
+        let own: Vec<&&ClaimCase> = named.iter().filter(|case| is_own(case)).collect();
         if own.len() == all.iter().filter(|case| is_own(case)).count() {
             texts.push(of.clone());
             continue;

@@ -76,7 +76,7 @@ fn read(test: &str) -> Result<ClaimsFile, crate::DocumentError> {
 }
 
 /// The verdict of a claim with one test.
-fn judge_one(test: &str, result: &ResultFile) -> Judged {
+fn judge_one(test: &str, result: &ResultFile) -> JudgedClaim {
     let file = read(test).unwrap();
     let input = Input {
         path: "r.json".into(),

@@ -6,7 +6,7 @@ use crate::report::Setting;
 use crate::report::chart::{Axis, Band, Chart, Dots, Lane, Point};
 use crate::report::document::{Block, Plot, slug};
 use crate::table::figures::Figure;
-use crate::table::group::{Group, Value, distinct};
+use crate::table::group::{Estimate, GroupCells, distinct};
 use crate::table::results::mean_and_deviation;
 use crate::table::{Column, Entry, Part, Table};
 
@@ -19,13 +19,13 @@ struct Pair {
     /// The paper's ratios.
     paper: Vec<Printed>,
     /// Our ratios, one for each model.
-    ours: Vec<(String, Value)>,
+    ours: Vec<(String, Estimate)>,
 }
 
 /// The ratios of `table` beside those of `group`, for the figures and algorithms that both have.
 /// The base is that of `setting` if the table has it, else the last algorithm of the table.
 pub(crate) fn compare(
-    group: &Group<'_>,
+    group: &GroupCells<'_>,
     table: &PaperTable,
     setting: Setting<'_>,
     prefix: &str,
@@ -57,7 +57,7 @@ pub(crate) fn compare(
 }
 
 /// All ratios that both have.
-fn pairs(group: &Group<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair> {
+fn pairs(group: &GroupCells<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair> {
     let measured = || table.printed.iter().filter(|row| row.to.is_none());
     let last = measured().next_back().map(|row| row.algorithm.as_str());
     let base = base.filter(|base| measured().any(|row| row.algorithm == *base));
@@ -115,7 +115,7 @@ fn pairs(group: &Group<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair>
 
 /// The paper's models that the group has too, with their names there. Models match if one name is
 /// part of the other and the numbers of faces differ by at most 1 %.
-fn same_models(group: &Group<'_>, pairs: &[Pair]) -> Vec<(String, String)> {
+fn same_models(group: &GroupCells<'_>, pairs: &[Pair]) -> Vec<(String, String)> {
     let found = |known: &Printed| {
         let (faces, name) = (known.faces?, known.model.to_lowercase());
         let model = group.models.iter().find(|model| {
@@ -285,7 +285,7 @@ fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
         style,
         name: format!("paper, {}", known.model),
         model: None,
-        value: Value {
+        value: Estimate {
             value: known.value,
             // A deviation larger than the mean would reach below 0, where a logarithmic axis ends.
             interval: known

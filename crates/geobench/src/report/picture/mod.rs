@@ -17,7 +17,7 @@ use super::svg::{Svg, px, width_of};
 use crate::table::distance_formats;
 pub(crate) use paint::Paint;
 use raster::{Camera, Image, Ink};
-use surface::Surface;
+use surface::SurfaceView;
 
 /// Width and height of the picture in the units of the drawing.
 const SIZE: [f64; 2] = [480.0, 400.0];
@@ -106,7 +106,7 @@ pub(crate) struct Picture {
     farthest: Option<f64>,
     camera: Camera,
     /// The model in numbers, for the view in 3D of a page.
-    surface: Option<Box<Surface>>,
+    surface: Option<Box<SurfaceView>>,
 }
 
 impl Picture {

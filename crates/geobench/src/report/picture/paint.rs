@@ -8,7 +8,7 @@ use geobench_voronoi::{Diagram, NO_SOURCE};
 use crate::table::diagram_formats::{POINTS_PER_ARC, colour};
 
 /// A triangle of a face by barycentric coordinates, and its colour.
-type Part = ([[f64; 3]; 3], [u8; 3]);
+type ColouredTriangle = ([[f64; 3]; 3], [u8; 3]);
 
 /// The colours of a mesh, in place of those of distances.
 #[derive(Clone, Debug)]
@@ -16,7 +16,7 @@ pub(crate) struct Paint {
     /// The colour of each face.
     faces: Vec<[u8; 3]>,
     /// The triangles of faces with several colours.
-    parts: HashMap<FaceId, Vec<Part>>,
+    parts: HashMap<FaceId, Vec<ColouredTriangle>>,
 }
 
 impl Paint {
@@ -32,7 +32,7 @@ impl Paint {
     pub(crate) fn cells(diagram: &Diagram) -> Self {
         let faces = diagram.mesh().faces();
         let faces = faces.map(|face| colour(diagram.cell_of_face(face).unwrap_or(NO_SOURCE)));
-        let mut parts: HashMap<FaceId, Vec<Part>> = HashMap::new();
+        let mut parts: HashMap<FaceId, Vec<ColouredTriangle>> = HashMap::new();
         for part in diagram.parts(POINTS_PER_ARC) {
             let outline = part.outline.iter();
             let outline: Vec<[f64; 3]> = outline
@@ -54,7 +54,7 @@ impl Paint {
     }
 
     /// The parts of a face with several colours.
-    pub(super) fn parts(&self, face: FaceId) -> Option<&[Part]> {
+    pub(super) fn parts(&self, face: FaceId) -> Option<&[ColouredTriangle]> {
         self.parts.get(&face).map(Vec::as_slice)
     }
 }

@@ -6,7 +6,7 @@ use geobench_paths::Paths;
 use geobench_vtp::VtpFast;
 use geobench_window::Goal;
 
-use super::surface::{Surface, SurfacePath};
+use super::surface::{SurfacePath, SurfaceView};
 use super::{ISOLINES, Picture, Scene, short, step};
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::{self, ModelRef};
@@ -210,7 +210,7 @@ fn of_model(
     let mut picture = Picture::new(&scene, drawn_step, None)
         .ok_or_else(|| unloadable("it has no coordinates".to_owned()))?;
     let range = [picture.farthest.unwrap_or_default(), step];
-    let surface = Surface::new(&scene, picture.camera.axes(), range, traced);
+    let surface = SurfaceView::new(&scene, picture.camera.axes(), range, traced);
     let decimated = surface.decimated().map_or_else(String::new, |faces| {
         format!(
             " The view in 3D is decimated to {} faces.",

@@ -24,7 +24,7 @@ const NEVER: u32 = 65_535;
 
 /// A model with distances and paths.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Surface {
+pub(crate) struct SurfaceView {
     kind: &'static str,
     vertices: usize,
     faces: usize,
@@ -81,7 +81,7 @@ struct Triangles {
     corners: Vec<[u32; 3]>,
 }
 
-impl Surface {
+impl SurfaceView {
     /// The view of a scene with its isolines, towards the viewer of `axes`. O(vertices + faces), a
     /// few times more if it is decimated.
     pub(super) fn new(

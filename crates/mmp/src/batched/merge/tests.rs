@@ -53,7 +53,7 @@ fn merge_all(runs: &[Batch], probe: &mut Count) -> (Store, Vec<Merged>, Vec<f64>
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// What is stored, and what is counted.
+    /// The stored windows and the counts.
     #[test]
     fn a_run_leaves_what_its_windows_leave_one_by_one(runs in runs()) {
         let mut count = Count::default();

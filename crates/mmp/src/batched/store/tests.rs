@@ -25,7 +25,7 @@ fn described(stored: &StoredWindow) -> (f64, f64) {
 enum Step {
     /// In this list, from here on, this share of what is behind, by windows of these labels.
     Replace(usize, Index, Index, Vec<u8>),
-    /// What is due by this label.
+    /// The windows due by this label.
     Take(usize, u8),
     Forget(usize),
 }

@@ -1,4 +1,4 @@
-use geobench_window::continuous::Turn;
+use geobench_window::continuous::Dequeued;
 
 use super::*;
 use proptest::prelude::*;
@@ -84,15 +84,15 @@ proptest! {
         let mut found = 0;
         while let Some(QueueEntry { label, slot, .. }) = queue.pop() {
             match list.take(0, slot) {
-                Turn::Now(w, ()) => {
+                Dequeued::Propagate(w, ()) => {
                     prop_assert_eq!(label, w.min_distance());
                     found += 1;
                 }
-                Turn::Later(later) => {
+                Dequeued::Requeue(later) => {
                     prop_assert!(later >= label);
                     queue.push(QueueEntry { label: later, slot, part_of: None });
                 }
-                Turn::Void => {}
+                Dequeued::Stale => {}
             }
         }
         prop_assert_eq!(found, list.len(0));
@@ -122,7 +122,7 @@ fn a_propagated_window_is_cut_but_not_queued_again() {
     let (mut list, mut inserter) = (Lists::new(1), Inserter::default());
     insert(&mut inserter, &mut list, &window(0.0, 1.0, 0.2, -1.0, 0.0));
     let slot = inserter.to_queue[0].slot;
-    assert!(matches!(list.take(0, slot), Turn::Now(..)));
+    assert!(matches!(list.take(0, slot), Dequeued::Propagate(..)));
     insert(&mut inserter, &mut list, &window(0.0, 0.5, 0.2, -0.5, 0.0));
     assert_eq!(
         (inserter.new_pieces, inserter.trimmed, inserter.removed),
@@ -139,8 +139,11 @@ fn a_waiting_window_whose_nearest_point_is_lost_waits_for_longer() {
     insert(&mut inserter, &mut list, &window(0.0, 0.5, 0.2, -0.5, 0.0));
     assert_eq!((inserter.to_queue.len(), inserter.outdated), (1, 1));
     let rest = window(0.5, 1.0, 0.2, -1.0, 0.0);
-    assert_eq!(list.take(0, first.slot), Turn::Later(rest.min_distance()));
-    assert_eq!(list.take(0, first.slot), Turn::Now(rest, ()));
+    assert_eq!(
+        list.take(0, first.slot),
+        Dequeued::Requeue(rest.min_distance())
+    );
+    assert_eq!(list.take(0, first.slot), Dequeued::Propagate(rest, ()));
 }
 
 #[test]

@@ -64,9 +64,9 @@ proptest! {
                     let (i, slot, number) = queue.swap_remove(at.index(queue.len()));
                     let there = model[i].contains(&(slot, number));
                     match lists.take(i, slot) {
-                        Turn::Now(w, ()) => prop_assert!(there && w.px == number),
-                        Turn::Void => prop_assert!(!there),
-                        Turn::Later(_) => prop_assert!(false, "nothing was cut"),
+                        Dequeued::Propagate(w, ()) => prop_assert!(there && w.px == number),
+                        Dequeued::Stale => prop_assert!(!there),
+                        Dequeued::Requeue(_) => prop_assert!(false, "nothing was cut"),
                     }
                 }
                 Step::Forget(i) => {
@@ -102,11 +102,13 @@ fn a_window_that_was_cut_waits_for_its_new_turn() {
     lists.replace(0, 0, 0, &[slot]);
     assert!(!lists.cut(0, 0, 0.0, 0.8), "the nearest point is kept");
     assert!(lists.cut(0, 0, 0.5, 0.8));
-    let Turn::Later(label) = lists.take(0, slot) else {
+    let Dequeued::Requeue(label) = lists.take(0, slot) else {
         panic!("its distance has grown");
     };
     assert_eq!(label, near_left.distance(0.5));
-    assert!(matches!(lists.take(0, slot), Turn::Now(w, ()) if (w.b0, w.b1) == (0.5, 0.8)));
+    assert!(
+        matches!(lists.take(0, slot), Dequeued::Propagate(w, ()) if (w.b0, w.b1) == (0.5, 0.8))
+    );
     assert!(!lists.cut(0, 0, 0.6, 0.8), "it does not wait any more");
 }
 

@@ -39,7 +39,7 @@ pub(super) struct ListCuts<'a> {
 }
 
 impl ListCuts<'_> {
-    /// Notes what is left of the windows of a register, compared with their right neighbours, and
+    /// Notes the remainders of the windows of a register, compared with their right neighbours, and
     /// of these.
     #[inline(always)]
     pub(super) fn note<L: Lanes>(&mut self, register: usize, [of_a, of_b]: [[L; 2]; 2]) {
@@ -100,7 +100,7 @@ pub(crate) fn compare<L: Lanes>(
     list.kept()
 }
 
-/// What is left of the intervals of `a` and of `b` after each of `pairs` has been compared, and
+/// The remainders of the intervals of `a` and of `b` after each of `pairs` was compared, and
 /// which of these do not meet.
 #[inline(always)]
 pub(super) fn losses<L: Lanes>(

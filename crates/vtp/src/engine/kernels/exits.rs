@@ -66,7 +66,7 @@ impl<L: Lanes> Sides<L> {
 
 /// Says which rays may leave where.
 pub(crate) trait Rule {
-    /// What is left of `rays`, besides that each leaves where it leads.
+    /// The remainder of `rays`, beyond the condition that each leaves through its own exit.
     fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L>;
 }
 

@@ -120,12 +120,12 @@ pub(crate) fn measure<L: Lanes, const FILTER: bool>(
 mod tests {
     use super::*;
     use crate::engine::store::{NO_LIST, WindowStore};
-    use geobench_window::simd::{Instructions, Program, Simd};
+    use geobench_window::simd::{Instructions, Simd, SimdProgram};
 
     /// Measures a whole list.
     struct Whole<'a>(Columns<'a>, &'a Gate);
 
-    impl Program for Whole<'_> {
+    impl SimdProgram for Whole<'_> {
         type Output = Measured;
 
         #[inline(always)]

@@ -106,11 +106,11 @@ fn bring_together<L: Lanes>(alive: L::Mask, listed: usize, before: usize, again:
     }
 }
 
-/// What is `left` of neighbours after those that are `apart` have been compared (cases 3 and 6): if
+/// The remainders `left` of neighbours after those `apart` have been compared (cases 3 and 6): if
 /// their nearest rays have crossed inside the triangle behind the edge, the one that is longer up
 /// to there dies.
 ///
-/// Why all of it may go stands with [`check_pair`](crate::pairs::check_pair), the plain form.
+/// [`check_pair`](crate::pairs::check_pair), the plain form, proves that the whole window may go.
 #[inline(always)]
 fn crossings<L: Lanes>(
     simd: L::Token,
@@ -209,9 +209,9 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::pairs::{Edge, Verdict, check_pair};
+    use crate::pairs::{SharedEdge, Verdict, check_pair};
 
-    const EDGE: Edge = Edge::new(1.0, [0.4, -0.8]);
+    const EDGE: SharedEdge = SharedEdge::new(1.0, [0.4, -0.8]);
 
     prop_compose! {
         fn windows()(

@@ -6,9 +6,10 @@ use crate::precision::WINS;
 use crate::trim::ON_EDGE;
 use geobench_window::simd::{LaneMask, Lanes};
 
-/// What is `left` of the intervals of neighbours `a` and `b` after each of `pairs` has given up the
-/// stretches of their overlap on which the other is shorter; and the pairs of which one would be
-/// left in several pieces, or both in the wrong order, for which a list would have to be made anew.
+/// The remainders `left` of the intervals of neighbours `a` and `b` after each of `pairs` gave up
+/// the stretches of their overlap on which the other is shorter; and the pairs of which one would
+/// be left in several pieces, or both in the wrong order, for which a list would have to be made
+/// anew.
 ///
 /// The vector form of [`trim_pair`](crate::trim::trim_pair), with the formulas of
 /// [`geobench_window::tie_points`].
@@ -63,7 +64,7 @@ pub(super) fn trim<L: Lanes>(
     (left, overlap & (a_parted | b_parted | disordered))
 }
 
-/// What is left of an interval that has `lost` some of three consecutive stretches in it, some of
+/// The remainder of an interval that has `lost` some of three consecutive stretches in it, some of
 /// which may be `empty`, and whether a lost one parts it.
 #[inline(always)]
 fn rest<L: Lanes>(

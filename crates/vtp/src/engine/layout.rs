@@ -52,14 +52,14 @@ pub(crate) const fn prev(corner: usize) -> usize {
 /// read when they cross.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(128))]
-pub(crate) struct Face {
+pub(crate) struct FaceLayout {
     /// Length of each half-edge.
     pub(crate) length: [f64; 3],
     /// The vertex at which each half-edge starts.
     pub(crate) vertex: [u32; 3],
     /// The half-edge of the neighbour along each, or [`NO_TWIN`].
     pub(crate) twin: [u32; 3],
-    /// What changes, for a solver that keeps it here.
+    /// The state of a run, for a solver that keeps it here.
     pub(crate) state: FaceState,
     /// Abscissa of the opposite vertex in the frame of each half-edge.
     pub(crate) apex_x: [f64; 3],
@@ -70,18 +70,18 @@ pub(crate) struct Face {
     pub(crate) flat: [bool; 3],
 }
 
-const _: () = assert!(size_of::<Face>() == 128);
+const _: () = assert!(size_of::<FaceLayout>() == 128);
 
 /// How many faces are laid out together.
 const TOGETHER: usize = 8;
 
-impl Face {
+impl FaceLayout {
     /// The faces numbered from `first` on, of which there may be fewer, and the angles of their
     /// corners.
     fn several(
         mesh: &Mesh,
         numbering: &Numbering,
-        vertices: &[Vertex],
+        vertices: &[VertexFacts],
         first: usize,
     ) -> ([Self; TOGETHER], [[f32; 3]; TOGETHER]) {
         let last = mesh.face_count() - 1;
@@ -185,10 +185,10 @@ fn concatenated<T: Copy>(mut parts: Vec<Vec<T>>) -> Vec<T> {
     }
 }
 
-/// What stands at a vertex.
+/// Properties of a vertex.
 #[derive(Clone, Copy, Debug, Default)]
 #[allow(clippy::struct_excessive_bools)] // Four facts, one byte each.
-pub(crate) struct Vertex {
+pub(crate) struct VertexFacts {
     /// Whether windows start from it when a path reaches it.
     pub(crate) pseudo_source: bool,
     /// Whether they must start in all directions: what lies in the shadow of the path is not known
@@ -202,7 +202,7 @@ pub(crate) struct Vertex {
     pub(crate) total_angle: f32,
 }
 
-impl Vertex {
+impl VertexFacts {
     fn new(mesh: &Mesh, v: VertexId) -> Self {
         Self {
             pseudo_source: mesh.is_pseudo_source(v),
@@ -216,9 +216,9 @@ impl Vertex {
 
 /// The mesh in the order of the solver.
 #[derive(Clone, Debug)]
-pub(crate) struct Surface {
-    pub(crate) faces: Vec<Face>,
-    pub(crate) vertices: Vec<Vertex>,
+pub(crate) struct MeshLayout {
+    pub(crate) faces: Vec<FaceLayout>,
+    pub(crate) vertices: Vec<VertexFacts>,
     /// Half-edges that start at each vertex, counter-clockwise.
     ring_starts: Vec<u32>,
     pub(crate) rings: Vec<u32>,
@@ -229,15 +229,17 @@ pub(crate) struct Surface {
     pub(crate) kept: KeptWindows,
 }
 
-impl Surface {
+impl MeshLayout {
     pub(crate) fn new(mesh: &Mesh, numbering: &Numbering) -> Self {
         let vertex_count = mesh.vertex_count();
         let old_vertex = |v: usize| numbering.old_vertex(VertexId::new(v as u32));
         let vertices = threads::each(threads::ranges(vertex_count, 4), |range| {
-            range.map(|v| Vertex::new(mesh, old_vertex(v))).collect()
+            range
+                .map(|v| VertexFacts::new(mesh, old_vertex(v)))
+                .collect()
         });
-        let vertices: Vec<Vertex> = concatenated(vertices);
-        let several = |block| Face::several(mesh, numbering, &vertices, TOGETHER * block);
+        let vertices: Vec<VertexFacts> = concatenated(vertices);
+        let several = |block| FaceLayout::several(mesh, numbering, &vertices, TOGETHER * block);
         let blocks = mesh.face_count().div_ceil(TOGETHER);
         let (mut faces, mut corners) = (Vec::new(), Vec::new());
         if threads::count() == 1 {

@@ -90,15 +90,18 @@ fn longest_edge(mesh: &Mesh) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Where the corners of a face are.
-fn corners(mesh: &Mesh, f: FaceId) -> [[f64; 2]; 3] {
-    let h = f.half_edge(0);
-    [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)]
+/// Where the corners of the face of `h` are in the frame of `h`, by their number in the face. In it,
+/// a short edge from the tail of `h` is not the difference of two long ones.
+fn corners(mesh: &Mesh, h: HalfEdgeId) -> [[f64; 2]; 3] {
+    let own = [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)];
+    let first = h.corner() as usize;
+    [0, 1, 2].map(|k| own[(k + 3 - first) % 3])
 }
 
-/// Where a point is in a face, if it is there.
-fn place(mesh: &Mesh, f: FaceId, point: &Point) -> Option<[f64; 2]> {
-    let at = corners(mesh, f);
+/// Where a point is in the frame of `h`, if it is in its face.
+fn place(mesh: &Mesh, h: HalfEdgeId, point: &Point) -> Option<[f64; 2]> {
+    let f = h.face();
+    let at = corners(mesh, h);
     let vertices = mesh.face_vertices(f);
     let corner = |v| vertices.iter().position(|&u| u == v);
     match point.place {
@@ -131,7 +134,10 @@ fn shared_faces(mesh: &Mesh, [a, b]: [&Point; 2]) -> impl Iterator<Item = (FaceI
         beyond.chain(point.face).collect()
     };
     let faces = around(a).into_iter();
-    let shared = faces.filter_map(|f| Some((f, [place(mesh, f, a)?, place(mesh, f, b)?])));
+    let shared = faces.filter_map(|f| {
+        let h = f.half_edge(0);
+        Some((f, [place(mesh, h, a)?, place(mesh, h, b)?]))
+    });
     shared.collect::<Vec<_>>().into_iter()
 }
 
@@ -152,7 +158,7 @@ fn bend_at_edge(mesh: &Mesh, point: &Point, [before, after]: [&Point; 2]) -> f64
                     .iter()
                     .position(|&v| v == a)
                     .unwrap_or(0);
-                let corner = corners(mesh, face)[k];
+                let corner = corners(mesh, face.half_edge(0))[k];
                 let (x, y) = (sub(to, from), sub(corner, from));
                 (x[0] * y[1] - x[1] * y[0])
                     .abs()
@@ -166,7 +172,11 @@ fn bend_at_edge(mesh: &Mesh, point: &Point, [before, after]: [&Point; 2]) -> f64
     least
 }
 
-/// By how much the path could be cut short on a side of a vertex where its angle is less than π.
+/// At most by how much the path could be cut short in the faces around a vertex, on a side where its
+/// angle is less than π.
+///
+/// Beside the tip of a needle that angle alone tells nothing: the path passes one of two vertices
+/// that are 1e-12 apart, and the other one holds it.
 fn shortcut_at_vertex(mesh: &Mesh, v: VertexId, [before, after]: [&Point; 2]) -> f64 {
     if mesh.is_pinched(v) {
         return 0.0;
@@ -176,31 +186,42 @@ fn shortcut_at_vertex(mesh: &Mesh, v: VertexId, [before, after]: [&Point; 2]) ->
         let mut sum = 0.0;
         let mut found = Vec::new();
         for &h in mesh.outgoing(v) {
-            let corner = h.corner() as usize;
-            let at = corners(mesh, h.face());
-            let [o, a, b] = [0, 1, 2].map(|k| at[(corner + k) % 3]);
-            let angle = |p: [f64; 2]| {
-                let (x, y) = (sub(a, o), sub(p, o));
-                (x[0] * y[1] - x[1] * y[0]).atan2(x[0] * y[0] + x[1] * y[1])
-            };
-            if let Some(p) = place(mesh, h.face(), point) {
-                found.push((sum + angle(p), norm(sub(p, o))));
+            let angle = |[x, y]: [f64; 2]| y.atan2(x);
+            if let Some(p) = place(mesh, h, point) {
+                found.push((sum + angle(p), norm(p)));
             }
-            sum += angle(b);
+            sum += angle(mesh.apex(h));
         }
         found
+    };
+    let mut sum = 0.0;
+    let mut spokes = Vec::new();
+    for &h in mesh.outgoing(v) {
+        spokes.push((sum, mesh.length(h)));
+        let [x, y] = mesh.apex(h);
+        sum += y.atan2(x);
+    }
+    // A path that leaves out `v` on a side of this angle meets the spokes there. Through a point at
+    // most `s` from `v` it saves at most `s (cos α + cos β)`, where α + β is the angle.
+    let saved = |angle: f64, arm: f64, is_inside: &dyn Fn(f64) -> bool| {
+        let bend = (PI - angle).max(0.0);
+        let inside = spokes.iter().filter(|&&(at, _)| is_inside(at));
+        let nearest = inside.map(|&(_, s)| s).fold(f64::INFINITY, f64::min);
+        if bend == 0.0 {
+            return 0.0;
+        }
+        (arm * bend * bend / 2.0).min(nearest * bend)
     };
     let mut least = f64::INFINITY;
     for (a, p) in directions(before) {
         for &(b, q) in &directions(after) {
-            let between = (a - b).abs();
-            let narrow = if mesh.is_boundary(v) {
-                between
-            } else {
-                between.min(total - between)
-            };
-            let bend = (PI - narrow).max(0.0);
-            least = least.min(p.min(q) * bend * bend / 2.0);
+            let (low, high) = (a.min(b), a.max(b));
+            let mut found = saved(high - low, p.min(q), &|at| low < at && at < high);
+            if !mesh.is_boundary(v) {
+                let outside = |at| at < low || at > high;
+                found = found.max(saved(total - (high - low), p.min(q), &outside));
+            }
+            least = least.min(found);
         }
     }
     least

@@ -95,12 +95,7 @@ fn values(group: &GroupCells<'_>, setting: Setting<'_>, figure: &'static Figure)
         id: format!("{}-{}", setting.prefix, slug(figure.key)),
         title: figure.label.clone(),
         caption: format!("{scale}{whiskers}"),
-        chart: Chart::Dots(Dots {
-            axis,
-            reference: None,
-            bands,
-            legend: Vec::new(),
-        }),
+        chart: Chart::Dots(Dots::new(axis, None, bands)),
     })
 }
 
@@ -115,10 +110,7 @@ fn ratios(group: &GroupCells<'_>, setting: Setting<'_>, base: &str) -> Option<Pl
     }
     bands.retain(|band| !band.lanes.is_empty());
     drawn(&bands).next()?;
-    let axis = Axis {
-        label: format!("Time as a multiple of {base}"),
-        log: true,
-    };
+    let axis = Axis::log(format!("Time as a multiple of {base}"));
     Some(Plot {
         id: format!("{}-ratio", setting.prefix),
         title: format!("Time, ratio to {base}"),
@@ -126,12 +118,7 @@ fn ratios(group: &GroupCells<'_>, setting: Setting<'_>, base: &str) -> Option<Pl
             "Logarithmic scale; right of the dashed line {base} is faster. Medians of the ratios of \
              samples taken in turns, whiskers are 95 % intervals."
         ),
-        chart: Chart::Dots(Dots {
-            axis,
-            reference: Some(1.0),
-            bands,
-            legend: Vec::new(),
-        }),
+        chart: Chart::Dots(Dots::new(axis, Some(1.0), bands)),
     })
 }
 
@@ -185,10 +172,7 @@ fn phases(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
             "Shares by sampling, of runs apart from the timed ones; of several sources the first."
                 .to_owned(),
         chart: Chart::Bars(Bars {
-            axis: Axis {
-                label: "Time, % of the slowest algorithm on the model".to_owned(),
-                log: false,
-            },
+            axis: Axis::linear("Time, % of the slowest algorithm on the model"),
             parts: ["propagation", "pruning", "management"].map(str::to_owned),
             groups,
         }),
@@ -253,15 +237,11 @@ fn spread(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
         caption: "Every timed run as a dot, relative to the median of its cell. Outlines are the \
                   medians, whiskers their 95 % intervals. Linear scale."
             .to_owned(),
-        chart: Chart::Dots(Dots {
-            axis: Axis {
-                label: "Time of a run / median of the cell".to_owned(),
-                log: false,
-            },
-            reference: Some(1.0),
+        chart: Chart::Dots(Dots::new(
+            Axis::linear("Time of a run / median of the cell"),
+            Some(1.0),
             bands,
-            legend: Vec::new(),
-        }),
+        )),
     })
 }
 
@@ -312,19 +292,14 @@ fn quantiles(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
              median time. Lower is faster; a line that ends early failed on the rest. {}",
             y.scale()
         ),
-        chart: Chart::Lines(Lines {
-            x: Axis {
-                label: "Cells, the fastest first".to_owned(),
-                log: false,
-            },
+        chart: Chart::Lines(Lines::new(
+            Axis::linear("Cells, the fastest first"),
             y,
-            reference: None,
-            front: false,
-            series: series
+            series
                 .into_iter()
                 .filter(|s| !s.points.is_empty())
                 .collect(),
-        }),
+        )),
     })
 }
 
@@ -381,19 +356,11 @@ fn wavefront(
                   of their distances; the shorter, the better the order of distances is kept. \
                   Outlines: K, the number of windows that a round was told to take."
                 .to_owned(),
-        chart: Chart::Lines(Lines {
-            x: Axis {
-                label: "Mean distance of the wavefront from the source".to_owned(),
-                log: false,
-            },
-            y: Axis {
-                label: "Windows".to_owned(),
-                log: false,
-            },
-            reference: None,
-            front: false,
+        chart: Chart::Lines(Lines::new(
+            Axis::linear("Mean distance of the wavefront from the source"),
+            Axis::linear("Windows"),
             series,
-        }),
+        )),
     })
 }
 

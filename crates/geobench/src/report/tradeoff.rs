@@ -67,14 +67,12 @@ fn error_of_models(
             on_fronts(group, &series)
         ),
         chart: Chart::Lines(Lines {
-            x: Axis::fitting("Time (s)", points().map(|p| p.x)),
-            y: Axis {
-                label: format!("{kind} relative error"),
-                log: true,
-            },
-            reference: None,
             front: true,
-            series,
+            ..Lines::new(
+                Axis::fitting("Time (s)", points().map(|p| p.x)),
+                Axis::log(format!("{kind} relative error")),
+                series,
+            )
         }),
     })
 }
@@ -142,16 +140,11 @@ fn rounding(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
                   each point is a model and a source. Differences of less than 1.1e-16, the \
                   rounding of one operation, are drawn there. Logarithmic scale."
             .to_owned(),
-        chart: Chart::Lines(Lines {
-            x: Axis::fitting("Time (s)", points().map(|p| p.x)),
-            y: Axis {
-                label: "Largest relative difference".to_owned(),
-                log: true,
-            },
-            reference: None,
-            front: false,
+        chart: Chart::Lines(Lines::new(
+            Axis::fitting("Time (s)", points().map(|p| p.x)),
+            Axis::log("Largest relative difference"),
             series,
-        }),
+        )),
     })
 }
 
@@ -290,16 +283,7 @@ pub(super) fn sources(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot>
                 words.collect::<Vec<String>>().join(", "),
                 y.scale()
             ),
-            chart: Chart::Lines(Lines {
-                x: Axis {
-                    label: "Sources".to_owned(),
-                    log: true,
-                },
-                y,
-                reference: None,
-                front: false,
-                series,
-            }),
+            chart: Chart::Lines(Lines::new(Axis::log("Sources"), y, series)),
         })
     };
     models.filter_map(plot).collect()

@@ -6,6 +6,7 @@ use geobench_mesh::io::PlyWriter;
 use geobench_mesh::{Mesh, VertexId, threads};
 use serde::Serialize;
 
+use super::polylines::vtk_title;
 use super::{UnknownEnding, json_line, of_ending};
 use crate::schema::SourceLabel;
 
@@ -226,6 +227,15 @@ struct DistanceDocument<'a> {
     distances: Vec<Option<f64>>,
 }
 
+impl DistanceField<'_> {
+    fn title(&self) -> String {
+        format!(
+            "geodesic distance by {}, model {}",
+            self.algorithm, self.model
+        )
+    }
+}
+
 /// One object with a `null` for each vertex that no path reaches, since JSON has no infinity.
 fn json(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
     let distances: Vec<Option<f64>> = field
@@ -281,14 +291,10 @@ fn ply(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
         .map(|face| field.mesh.face_vertices(face).map(VertexId::raw))
         .collect();
     let colours: Vec<[u8; 3]> = colours(field.distances).collect();
-    let remark = format!(
-        "geodesic distance by {}, model {}",
-        field.algorithm, field.model
-    );
     let nothing = vec![0.0; field.distances.len()];
     let mut bytes = Vec::new();
     PlyWriter::new(field.mesh.positions(), &triangles)
-        .comment(&remark)
+        .comment(&field.title())
         .scalars("quality", field.distances)
         .scalars("texture_u", field.distances)
         .scalars("texture_v", &nothing)
@@ -305,15 +311,7 @@ const VTK_TRIANGLE: u32 = 5;
 /// because some readers know no others.
 fn vtk(field: &DistanceField<'_>) -> Vec<u8> {
     let (vertices, faces) = (field.distances.len(), field.mesh.face_count());
-    // The second line is the title: at most 256 characters.
-    let title: String = format!(
-        "geodesic distance by {}, model {}",
-        field.algorithm, field.model
-    )
-    .chars()
-    .map(|c| if c.is_ascii_graphic() { c } else { ' ' })
-    .take(200)
-    .collect();
+    let title = vtk_title(&field.title());
     let mut bytes = format!(
         "# vtk DataFile Version 3.0\n{title}\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS {vertices} double\n"
     )

@@ -88,12 +88,8 @@ pub(crate) fn figures<S: AsRef<str>>(names: &[S]) -> Vec<&'static Figure> {
 }
 
 impl Figure {
-    fn computed(
-        key: &'static str,
-        label: &str,
-        style: Style,
-        of: fn(&Cell) -> Option<f64>,
-    ) -> Self {
+    /// A figure of which less is better.
+    fn cost(key: &'static str, label: &str, style: Style, of: fn(&Cell) -> Option<f64>) -> Self {
         Self {
             key,
             label: label.to_owned(),
@@ -103,10 +99,11 @@ impl Figure {
         }
     }
 
-    fn informative(self) -> Self {
+    /// A figure that is neither better nor worse.
+    fn note(key: &'static str, label: &str, style: Style, of: fn(&Cell) -> Option<f64>) -> Self {
         Self {
             less_is_better: false,
-            ..self
+            ..Self::cost(key, label, style, of)
         }
     }
 
@@ -120,6 +117,10 @@ impl Figure {
     }
 }
 
+fn megabytes(bytes: Option<u64>) -> Option<f64> {
+    bytes.map(|n| n as f64 / MEGABYTE)
+}
+
 fn count(cell: &Cell, counter: Counter) -> Option<f64> {
     cell.counters.get(counter).map(|n| n as f64)
 }
@@ -129,120 +130,118 @@ fn count(cell: &Cell, counter: Counter) -> Option<f64> {
 fn all() -> &'static [Figure] {
     use Style::{Count, Decimals, Scientific};
     static ALL: LazyLock<Vec<Figure>> = LazyLock::new(|| {
+        let (cost, note) = (Figure::cost, Figure::note);
         let mut all = vec![
-            Figure::computed("time", "Time (s)", Decimals(6), |c| c.time.median),
-            Figure::computed("outside_time", "Time from outside (s)", Decimals(6), |c| {
+            cost("time", "Time (s)", Decimals(6), |c| c.time.median),
+            cost("outside_time", "Time from outside (s)", Decimals(6), |c| {
                 median(&c.time.outside)
             }),
-            Figure::computed("claimed_time", "Time it claims (s)", Decimals(6), |c| {
+            note("claimed_time", "Time it claims (s)", Decimals(6), |c| {
                 median(&c.time.claimed)
-            })
-            .informative(),
-            Figure::computed("setup", "Set-up (s)", Decimals(6), |c| c.time.setup),
-            Figure::computed("extraction", "Stage 2, diagram (s)", Decimals(6), |c| {
+            }),
+            cost("setup", "Set-up (s)", Decimals(6), |c| c.time.setup),
+            cost("extraction", "Stage 2, diagram (s)", Decimals(6), |c| {
                 c.time.extraction
             }),
-            Figure::computed(
+            cost(
                 "papers_memory",
                 "Peak memory, papers' count (MB)",
                 Decimals(3),
-                |c| c.memory.papers_bytes.map(|n| n as f64 / MEGABYTE),
+                |c| megabytes(c.memory.papers_bytes),
             ),
-            Figure::computed(
+            cost(
                 "windows_memory",
                 "Peak memory, windows (MB)",
                 Decimals(3),
-                |c| c.memory.windows_peak_bytes.map(|n| n as f64 / MEGABYTE),
+                |c| megabytes(c.memory.windows_peak_bytes),
             ),
-            Figure::computed(
+            cost(
                 "heap_memory",
                 "Peak memory, measured (MB)",
                 Decimals(3),
-                |c| c.memory.heap_peak_bytes.map(|n| n as f64 / MEGABYTE),
+                |c| megabytes(c.memory.heap_peak_bytes),
             ),
-            Figure::computed(
+            cost(
                 "rss_memory",
                 "Peak memory of the process (MB)",
                 Decimals(3),
-                |c| c.memory.rss_peak_bytes.map(|n| n as f64 / MEGABYTE),
+                |c| megabytes(c.memory.rss_peak_bytes),
             ),
-            Figure::computed("instructions", "Instructions", Count, |c| {
+            cost("instructions", "Instructions", Count, |c| {
                 c.instructions.map(|n| n as f64)
             }),
-            Figure::computed("generated", "Windows generated", Count, |c| {
+            cost("generated", "Windows generated", Count, |c| {
                 Some(count(c, Counter::Children)? + count(c, Counter::Spawned)?)
             }),
-            Figure::computed("valid", "Valid windows", Count, |c| {
+            cost("valid", "Valid windows", Count, |c| {
                 Some(count(c, Counter::Kept)? + count(c, Counter::Reinserted).unwrap_or(0.0))
             }),
-            Figure::computed("prime_share", "Prime share", Decimals(4), prime_share).informative(),
-            Figure::computed(
+            note("prime_share", "Prime share", Decimals(4), prime_share),
+            cost(
                 Counters::WAVEFRONT_DEVIATION,
                 "Wavefront deviation",
                 Decimals(6),
                 |c| c.counters.wavefront_deviation,
             ),
-            Figure::computed(
+            cost(
                 "phase_propagation",
                 "Propagation, sampled (s)",
                 Decimals(6),
                 |c| c.phases.propagation,
             ),
-            Figure::computed("phase_pruning", "Pruning, sampled (s)", Decimals(6), |c| {
+            cost("phase_pruning", "Pruning, sampled (s)", Decimals(6), |c| {
                 c.phases.pruning
             }),
-            Figure::computed(
+            cost(
                 "phase_management",
                 "Management, sampled (s)",
                 Decimals(6),
                 |c| c.phases.management,
             ),
-            Figure::computed(
+            note(
                 "management_share",
                 "Management share",
                 Decimals(4),
                 management,
-            )
-            .informative(),
-            Figure::computed("branching", "Children of a window", Decimals(4), |c| {
+            ),
+            note("branching", "Children of a window", Decimals(4), |c| {
                 let (children, parents) =
                     (count(c, Counter::Children)?, count(c, Counter::Parents)?);
                 (parents > 0.0).then_some(children / parents)
-            })
-            .informative(),
+            }),
             Figure {
                 of: FigureSource::OnModel(|c, vertices| {
                     let levels = count(c, Counter::Levels)?;
                     (levels > 0.0).then(|| libm::pow(vertices, levels.recip()))
                 }),
-                ..Figure::computed("b", "Estimate of b", Decimals(4), |_| None)
-            }
-            .informative(),
-            Figure::computed("max_rel", "Largest relative difference", Scientific, |c| {
+                ..note("b", "Estimate of b", Decimals(4), |_| None)
+            },
+            note("max_rel", "Largest relative difference", Scientific, |c| {
                 c.check.max_rel
-            })
-            .informative(),
-            Figure::computed("mean_rel", "Mean relative error", Scientific, |c| {
+            }),
+            note("mean_rel", "Mean relative error", Scientific, |c| {
                 c.check.mean_rel
-            })
-            .informative(),
-            Figure::computed(
+            }),
+            note(
                 "rms_rel",
                 "Root mean square relative error",
                 Scientific,
                 |c| c.check.rms_rel,
-            )
-            .informative(),
-            Figure::computed("max_abs", "Largest difference", Scientific, |c| {
+            ),
+            note("max_abs", "Largest difference", Scientific, |c| {
                 c.check.max_abs
-            })
-            .informative(),
-            Figure::computed("edge_excess", "Excess along an edge", Scientific, |c| {
+            }),
+            note("edge_excess", "Excess along an edge", Scientific, |c| {
                 c.check.edge_excess
-            })
-            .informative(),
+            }),
+            note("mean_wavefront", "Mean wavefront", Count, mean_wavefront),
+            note(
+                "k_correlation",
+                "Correlation of K",
+                Decimals(4),
+                k_correlation,
+            ),
         ];
-        all.extend(of_wavefront());
         all.extend(Counter::ALL.iter().map(|&counter| Figure {
             key: counter.key(),
             label: label(counter),
@@ -269,27 +268,6 @@ fn management(cell: &Cell) -> Option<f64> {
     let phases = &cell.phases;
     let all = phases.propagation? + phases.pruning? + phases.management?;
     (all > 0.0).then_some(phases.management? / all)
-}
-
-/// Figures of the samples of the wavefront.
-fn of_wavefront() -> [Figure; 2] {
-    let of = Figure::computed;
-    [
-        of(
-            "mean_wavefront",
-            "Mean wavefront",
-            Style::Count,
-            mean_wavefront,
-        )
-        .informative(),
-        of(
-            "k_correlation",
-            "Correlation of K",
-            Style::Decimals(4),
-            k_correlation,
-        )
-        .informative(),
-    ]
 }
 
 /// The mean number of windows on the wavefront over the distance that it covers, by the

@@ -37,11 +37,15 @@ impl LineScalars {
     }
 }
 
+/// A title for the second line of a VTK file: printable ASCII, at most 256 characters.
+pub(super) fn vtk_title(title: &str) -> String {
+    let shown = |c: char| if c.is_ascii_graphic() { c } else { ' ' };
+    title.chars().map(shown).take(200).collect()
+}
+
 impl Polylines {
-    /// Without characters that files may not have, and not too long.
     fn title(&self) -> String {
-        let shown = |c: char| if c.is_ascii_graphic() { c } else { ' ' };
-        self.title.chars().map(shown).take(200).collect()
+        vtk_title(&self.title)
     }
 
     /// Number of all points.

@@ -15,6 +15,18 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
+    /// A linear axis.
+    pub(crate) fn linear(label: impl Into<String>) -> Self {
+        let label = label.into();
+        Self { label, log: false }
+    }
+
+    /// A logarithmic axis.
+    pub(crate) fn log(label: impl Into<String>) -> Self {
+        let label = label.into();
+        Self { label, log: true }
+    }
+
     /// The scale in words, for captions.
     pub(crate) fn scale(&self) -> &'static str {
         if self.log {
@@ -256,10 +268,7 @@ mod tests {
 
     #[test]
     fn every_cluster_has_a_tick() {
-        let axis = Axis {
-            label: String::new(),
-            log: true,
-        };
+        let axis = Axis::log("");
         let labels = |values: &[f64]| -> Vec<String> {
             let scale = Scale::new(&axis, values.iter().copied(), [0.0, 400.0], false);
             scale.ticks().0.into_iter().map(label).collect()

@@ -48,6 +48,16 @@ pub(crate) struct Lane {
 }
 
 impl Dots {
+    /// A chart whose lanes explain all markers.
+    pub(crate) fn new(axis: Axis, reference: Option<f64>, bands: Vec<Band>) -> Self {
+        Self {
+            axis,
+            reference,
+            bands,
+            legend: Vec::new(),
+        }
+    }
+
     /// Draws it and returns its height.
     pub(super) fn draw(&self, svg: &mut Svg) -> f64 {
         let lanes: usize = self.bands.iter().map(|band| band.lanes.len()).sum();

@@ -72,6 +72,17 @@ impl Fit {
 }
 
 impl Lines {
+    /// A chart without a reference and a front.
+    pub(crate) fn new(x: Axis, y: Axis, series: Vec<Series>) -> Self {
+        Self {
+            x,
+            y,
+            reference: None,
+            front: false,
+            series,
+        }
+    }
+
     /// Draws it and returns its height.
     pub(super) fn draw(&self, svg: &mut Svg) -> f64 {
         let names: Vec<(usize, bool, &str)> = self

@@ -2,7 +2,7 @@
 
 use super::ClaimCase;
 use super::expression::{Leaves, Node, Quantity, ends};
-use super::file::{Axis, Combine, Operand, Show, Size, Test, Vectors, labels};
+use super::file::{Combine, GrowthAxis, Operand, Show, Size, Test, Vectors, labels};
 use crate::exec::source::SourceSpec;
 use crate::measure::number::grouped;
 use crate::measure::statistics::{FEWEST_FOR_FIT, FEWEST_FOR_INTERVAL};
@@ -444,7 +444,7 @@ impl<'r> Results<'r> {
             models.map(move |model| Place { group, model })
         });
         let of_series = |place: &Place<'r>| match self.test.over {
-            Some(Axis::Sources) => place.model.name.as_str(),
+            Some(GrowthAxis::Sources) => place.model.name.as_str(),
             _ => place.group.unwrap_or("all models"),
         };
         let all: Vec<Place<'r>> = all.collect();
@@ -460,8 +460,8 @@ impl<'r> Results<'r> {
     fn along(&self, place: Place<'_>) -> Option<f64> {
         let Place { group, model } = place;
         match self.test.over {
-            Some(Axis::Anisotropy) => model.anisotropy,
-            Some(Axis::Sources) => {
+            Some(GrowthAxis::Anisotropy) => model.anisotropy,
+            Some(GrowthAxis::Sources) => {
                 let mut cells = self.result.cells.iter();
                 let same = |c: &&Cell| c.group.as_deref() == group && c.model == model.name;
                 match cells.find(same)?.source.as_ref()? {

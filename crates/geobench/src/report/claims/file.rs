@@ -53,7 +53,7 @@ pub(super) struct Test {
     /// The figure that decides, followed by those that decide where it cannot.
     pub(super) figures: Vec<&'static Figure>,
     pub(super) per: Option<Size>,
-    pub(super) over: Option<Axis>,
+    pub(super) over: Option<GrowthAxis>,
     pub(super) combine: Combine,
     pub(super) show: Show,
     /// The parameter of the least of an operand that is the value.
@@ -97,7 +97,7 @@ pub(super) enum Size {
 /// What the cells of a series differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Axis {
+pub(super) enum GrowthAxis {
     Faces,
     Anisotropy,
     /// The number of sources that a run has together. A series is one model in several groups.
@@ -197,7 +197,7 @@ struct RawTest {
     #[serde(default, rename = "else")]
     fallback: Vec<Spanned<String>>,
     per: Option<Size>,
-    over: Option<Axis>,
+    over: Option<GrowthAxis>,
     #[serde(default)]
     combine: Combine,
     #[serde(default)]

@@ -264,10 +264,7 @@ fn plot(pairs: &[Pair], setting: Setting<'_>, source: &str, prefix: &str) -> Plo
                   the models here."
             .to_owned(),
         chart: Chart::Dots(Dots {
-            axis: Axis {
-                label: format!("{name}, ratio"),
-                log: true,
-            },
+            axis: Axis::log(format!("{name}, ratio")),
             reference: Some(1.0),
             bands: vec![Band {
                 title: String::new(),

@@ -4,6 +4,7 @@
 
 use std::hint::black_box;
 
+use geobench::exec::goal::GoalSpec;
 use geobench::exec::isolate::Isolated;
 use geobench::exec::limits::Limits;
 use geobench::exec::model::ModelRef;
@@ -31,6 +32,7 @@ fn runs(place: &Isolated, model: &str, list: &[(&str, Pass)]) -> Vec<Peaks> {
             model: &model.name,
             algorithm: &registry::select_one(algorithm).unwrap(),
             source: &VertexId::new(0).into(),
+            goal: &GoalSpec::default(),
             pass,
             solves: 1,
         };
@@ -126,6 +128,7 @@ fn where_all_hold_too_much_a_child_ends_after_its_run_and_comes_back_warm() {
                 model: &model.name,
                 algorithm: &registry::select_one(algorithm).unwrap(),
                 source: &VertexId::new(0).into(),
+                goal: &GoalSpec::default(),
                 pass,
                 solves: 1,
             };

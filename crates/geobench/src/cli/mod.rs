@@ -196,14 +196,33 @@ fn report_panics_in_one_line() {
 mod tests {
     use super::*;
 
+    /// Runs the hidden command with these arguments.
+    fn count(arguments: &str) -> anyhow::Result<()> {
+        let line = ["geobench", instructions::COMMAND].into_iter();
+        let arguments = Arguments::parse_from(line.chain(arguments.split(' ')));
+        let Command::CountOneSolve(options) = arguments.command else {
+            panic!("another command");
+        };
+        count_one_solve(&options)
+    }
+
     #[test]
     fn one_solve_needs_all_three() {
-        let source = |v| SourceSpec::from(geobench_mesh::VertexId::new(v));
-        assert!(count_one_solve("gen:cube,n=1", "vtp", &source(0), None).is_ok());
-        assert!(count_one_solve("gen:cube,n=1", "vtp", &source(999), None).is_err());
-        assert!(count_one_solve("gen:cube,n=1", "vtq", &source(0), None).is_err());
-        assert!(count_one_solve("gen:cube,n=1", "vtp", &source(0), Some("scalar")).is_ok());
-        assert!(count_one_solve("gen:cube,n=1", "vtp", &source(0), Some("wide")).is_err());
-        assert!(count_one_solve("no.obj", "vtp", &source(0), None).is_err());
+        for right in [
+            "gen:cube,n=1 vtp 0",
+            "gen:cube,n=1 vtp 0 --simd scalar",
+            "gen:cube,n=1 vtp 0 --target 7 --radius 0.5",
+        ] {
+            count(right).unwrap();
+        }
+        for wrong in [
+            "gen:cube,n=1 vtp 999",
+            "gen:cube,n=1 vtq 0",
+            "gen:cube,n=1 vtp 0 --simd wide",
+            "gen:cube,n=1 vtp 0 --target 999",
+            "no.obj vtp 0",
+        ] {
+            assert!(count(wrong).is_err(), "{wrong}");
+        }
     }
 }

@@ -30,7 +30,7 @@ impl Default for LabelCorrectingOptions {
 ///   below them, an unbounded rotation would go on for ever.
 /// * *Threshold*: events with labels above a threshold wait apart. When the queue is empty the
 ///   threshold becomes m + β (a - m), for m the least and a the mean of the labels that wait, and
-///   what is not above it moves into the queue.
+///   events with labels not above it move into the queue.
 ///
 /// The sources print neither β nor how the threshold follows the labels; this is our form.
 ///

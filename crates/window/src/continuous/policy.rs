@@ -49,8 +49,8 @@ pub enum Turn<L> {
     Later(f64),
 }
 
-/// Decides what is kept of a window that arrives, where it waits, and what it may have for
-/// children.
+/// Decides which part of an arriving window is kept, where the window waits, and which children
+/// it may have.
 pub trait Policy: Send {
     /// What is handed on from a window to its children beside their geometry.
     type Lineage: Copy;

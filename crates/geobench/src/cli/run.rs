@@ -557,7 +557,7 @@ impl Listener for Reporter {
         let simd = cell.simd.as_ref().and_then(|simd| simd.parse().ok());
         let goal = self.goal.clone();
         Some(Box::new(move |model, cell| {
-            instructions::count(&model.path, &cell.algorithm, &source, &goal, simd)
+            instructions::count(&model.path, &cell.algorithm, &source, &goal.options(), simd)
         }))
     }
 

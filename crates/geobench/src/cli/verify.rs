@@ -6,7 +6,7 @@ use super::Verdict;
 use super::args::VerifyOptions;
 use super::terminal;
 use crate::exec::expected::{Expected, Field, stored_sources};
-use crate::exec::goal::{Asked, GoalSpec};
+use crate::exec::goal::GoalSpec;
 use crate::exec::interrupt;
 use crate::exec::model::{self, ModelRef};
 use crate::exec::source::{PointSpec, SourceSpec};
@@ -15,6 +15,7 @@ use crate::measure::number::scientific;
 use crate::plan::{self, suite};
 use crate::registry::{self, Selection};
 use crate::run::agreement::{self, Clusters, Vote};
+use crate::run::asked::Asked;
 use crate::run::check::{self, Deviation};
 use crate::schema::ModelRecord;
 

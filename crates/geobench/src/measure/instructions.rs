@@ -17,7 +17,6 @@ use geobench_mesh::{Mesh, VertexId};
 use geobench_window::simd::Instructions;
 use geobench_window::{Goal, Solution, SolveError, Solver};
 
-use crate::exec::goal::GoalSpec;
 use crate::registry::{self, Selection};
 use crate::schema::InstructionCount;
 
@@ -60,7 +59,7 @@ pub fn count(
     model: &str,
     algorithm: &str,
     source: &str,
-    goal: &GoalSpec,
+    goal: &[String],
     simd: Option<Instructions>,
 ) -> anyhow::Result<InstructionCount> {
     let mut widest = simd;
@@ -92,7 +91,7 @@ fn count_with(
     model: &str,
     algorithm: &str,
     source: &str,
-    goal: &GoalSpec,
+    goal: &[String],
     widest: Option<Instructions>,
 ) -> anyhow::Result<Attempt> {
     let program = std::env::current_exe().context(FAILED)?;
@@ -105,8 +104,7 @@ fn count_with(
         .arg(out_file)
         .arg(program)
         .args([COMMAND, model, algorithm, source])
-        .args((goal.targets.iter()).map(|targets| format!("--target={targets}")))
-        .args(goal.radius.map(|radius| format!("--radius={radius}")))
+        .args(goal)
         .args(widest.map(|widest| format!("--simd={widest}")))
         .stdin(Stdio::null())
         .output()

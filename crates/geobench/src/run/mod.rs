@@ -1,6 +1,7 @@
 //! Carries out a [`Plan`], model by model. `unit` runs the cells of one model and source.
 
 pub mod agreement;
+pub(crate) mod asked;
 mod cell_runs;
 pub mod check;
 #[cfg(feature = "command-line")]

@@ -1,8 +1,8 @@
 //! The reference answer of a group, and comparison with it.
 
 use crate::exec::Failure;
-use crate::exec::goal::Asked;
 use crate::run::agreement::{self, Clusters};
+use crate::run::asked::Asked;
 use crate::run::check::{self, Deviation};
 use crate::schema::{Check, Status};
 

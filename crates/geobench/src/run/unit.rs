@@ -6,13 +6,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use geobench_window::precision;
 
-use crate::exec::goal::Asked;
 use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
 use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::plan::{Plan, Reference};
 use crate::registry::Selection;
 use crate::run::agreement;
+use crate::run::asked::Asked;
 use crate::run::cell_runs::{CellRuns, summary};
 use crate::run::each;
 use crate::run::earlier::{self, Earlier};

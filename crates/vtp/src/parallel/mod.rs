@@ -224,8 +224,8 @@ impl Propagate for Pvtp {
         if !P::COUNTS {
             return self.propagate_with(sources, probe, &mut vec![(); others]);
         }
-        // Threads reach their peaks at different times; what is reported is the sum of what they
-        // are.
+        // Threads reach their peaks at different times. The reported peak is the sum of the
+        // threads' peaks, an upper bound.
         let mut first = Count::default();
         let mut counts = vec![Count::default(); others];
         let solution = self.propagate_with(sources, &mut first, &mut counts);

@@ -137,6 +137,17 @@ impl Isoline {
     }
 }
 
+/// `k` times `step`, rounded once: three times 0.2 is 0.6, although 0.2 is no binary fraction.
+fn multiple(k: usize, step: f64) -> f64 {
+    // A step with few decimal places is a fraction of whole numbers.
+    let scales = (0..=9).map(|places| 10_f64.powi(places));
+    let mut fractions = scales.map(|scale| ((step * scale).round(), scale));
+    match fractions.find(|(whole, scale)| whole / scale == step) {
+        Some((whole, scale)) => k as f64 * whole / scale,
+        None => k as f64 * step,
+    }
+}
+
 impl Field {
     /// Solves for the distances from the nearest of `sources`; time and memory are those of
     /// [`mmp`].
@@ -189,7 +200,7 @@ impl Field {
             return levels;
         }
         for k in 1..=MOST_LEVELS {
-            let level = k as f64 * step;
+            let level = multiple(k, step);
             if level > farthest && self.isoline(level).lines.is_empty() {
                 break;
             }
@@ -493,5 +504,21 @@ impl Tracer<'_> {
             }
             self.add(arcs, closed, crosses_one_edge);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::multiple;
+
+    #[test]
+    fn multiples_of_a_decimal_step_are_the_decimals() {
+        assert_eq!(multiple(3, 0.2), 0.6);
+        assert_eq!(multiple(12, 0.2), 2.4);
+        assert_eq!(multiple(3, 0.3), 0.9);
+        assert_eq!(multiple(7, 1e-3), 0.007);
+        let step = std::f64::consts::PI;
+        assert_eq!(multiple(3, step), 3.0 * step);
+        assert_eq!(multiple(3, 1e300), 3e300);
     }
 }

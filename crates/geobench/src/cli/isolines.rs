@@ -15,6 +15,7 @@ use super::terminal;
 use crate::exec::model;
 use crate::report::Scene;
 use crate::schema::SourceLabel;
+use crate::table::counted;
 use crate::table::isoline_formats::{IsolineFormat, IsolineSet};
 use crate::table::output::OutputFile;
 
@@ -114,18 +115,21 @@ fn summary(path: &Path, isolines: &[Isoline], farthest: f64) -> String {
     let all = isolines.iter().flat_map(|isoline| &isoline.lines);
     let arcs: usize = all.map(|line| line.arcs.len()).sum();
     let mut text = format!(
-        "{}: {} isolines, {lines} lines, {arcs} arcs; the farthest vertex is at {farthest}\n",
+        "{}: {}, {}, {}; the farthest vertex is at {farthest}\n",
         path.display(),
-        isolines.len()
+        counted(isolines.len(), "isoline"),
+        counted(lines, "line"),
+        counted(arcs, "arc"),
     );
     if isolines.len() <= LINES {
         for isoline in isolines {
             let closed = isoline.lines.iter().filter(|line| line.closed).count();
             let _ = writeln!(
                 text,
-                "distance {}: {closed} loops, {} open lines, length {}",
+                "distance {}: {}, {}, length {}",
                 isoline.distance,
-                isoline.lines.len() - closed,
+                counted(closed, "loop"),
+                counted(isoline.lines.len() - closed, "open line"),
                 isoline.length()
             );
         }

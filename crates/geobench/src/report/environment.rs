@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use crate::schema::{ResultFile, Status, Tool};
+use crate::table::counted;
 
 /// Names and values of all known facts.
 pub(crate) fn facts(result: &ResultFile) -> Vec<(String, String)> {
@@ -170,13 +171,6 @@ pub(crate) fn summary(result: &ResultFile) -> String {
 
 fn algorithms(result: &ResultFile) -> usize {
     crate::table::group::algorithms(&result.cells).len()
-}
-
-fn counted(count: usize, thing: &str) -> String {
-    match count {
-        1 => format!("1 {thing}"),
-        _ => format!("{count} {thing}s"),
-    }
 }
 
 #[cfg(test)]

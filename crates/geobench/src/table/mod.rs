@@ -184,6 +184,14 @@ impl Format {
     }
 }
 
+/// A number with its noun: `1 loop`, `2 loops`.
+pub(crate) fn counted(count: usize, thing: &str) -> String {
+    match count {
+        1 => format!("1 {thing}"),
+        _ => format!("{count} {thing}s"),
+    }
+}
+
 /// The tables of all groups. Each says if its times are disturbed.
 fn tables(result: &ResultFile) -> Vec<Table> {
     let mut tables: Vec<Table> = results::groups(result).iter().map(results::table).collect();

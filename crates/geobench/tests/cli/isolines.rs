@@ -18,7 +18,7 @@ fn json_has_arcs_of_circles() {
         "{said}"
     );
     assert!(
-        said.contains("distance 1.5: 1 loops, 0 open lines, length 9.42477796076"),
+        said.contains("distance 1.5: 1 loop, 0 open lines, length 9.42477796076"),
         "{said}"
     );
     assert!(

@@ -294,8 +294,8 @@ pub struct Cell {
     /// vertices were known.
     pub source: Option<SourceLabel>,
     /// What its runs were to find, such as `to 17,3` or `within 2.5`: the run ends early, and only
-    /// this is compared with the reference. Absent for the distances of all vertices.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// this is compared with the reference. `None` for the distances of all vertices.
+    #[serde(default)]
     pub goal: Option<String>,
     /// Threads that the algorithm used.
     pub threads: usize,

@@ -191,6 +191,7 @@ fn json() {
           "model": "horse",
           "algorithm": "vtp",
           "source": 0,
+          "goal": null,
           "threads": 1,
           "simd": "scalar",
           "approximate": false,

@@ -223,7 +223,7 @@ fn a_wrong_answer_is_a_failure() {
     );
     assert!(outcome.stderr.contains("vertex 2 is at 1.414"));
     let row = outcome.stdout.lines().nth(1).unwrap();
-    assert!(row.starts_with("square,mmp,0,1,false,wrong,"), "{row}");
+    assert!(row.starts_with("square,mmp,0,,1,false,wrong,"), "{row}");
 
     let table = sandbox.call("run square.off --algo mmp --check expected/square.s0.csv");
     assert_eq!(table.code, 1);

@@ -210,6 +210,19 @@ fn note_on_instructions(cells: &[&Cell]) -> Option<String> {
     })
 }
 
+/// How many distances are infinite, and why.
+fn note_on_unreachable(cells: &[&Cell]) -> Option<String> {
+    let count = cells.iter().filter_map(|c| c.check.unreachable).max();
+    let count = count.filter(|&count| count > 0)?;
+    let goal = cells.iter().find_map(|c| c.goal.as_deref());
+    let places = match goal {
+        Some(goal) if goal.contains("within ") => "beyond the radius or unreachable",
+        Some(_) => "unreachable targets",
+        None => "unreachable vertices",
+    };
+    Some(format!("{places}: {}", grouped(count)))
+}
+
 /// The uncertainty of the medians of the times, and the outliers.
 fn notes_on_times(cells: &[&Cell]) -> Vec<String> {
     let timed = || cells.iter().filter(|c| !c.time.samples.is_empty());
@@ -289,10 +302,7 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
     }
     notes.extend(notes_on_times(cells));
     notes.extend(note_on_instructions(cells));
-    let unreachable = cells.iter().filter_map(|c| c.check.unreachable).max();
-    if let Some(unreachable @ 1..) = unreachable {
-        notes.push(format!("unreachable vertices: {}", grouped(unreachable)));
-    }
+    notes.extend(note_on_unreachable(cells));
     let doubt = cells.iter().filter_map(|c| c.check.doubt);
     if let Some(doubt) = doubt.max_by(f64::total_cmp) {
         notes.push(format!(

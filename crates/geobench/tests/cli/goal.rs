@@ -47,6 +47,22 @@ fn a_run_ends_early_and_its_counters_show_it() {
 }
 
 #[test]
+fn vertices_beyond_the_radius_are_not_called_unreachable() {
+    let table = |options: &str| {
+        let sandbox = Sandbox::with_square();
+        let run = format!("run square.off --algo vtp --repeat 1 --radius {options}");
+        sandbox.succeed(&run)
+    };
+    let beyond = table("1.2");
+    assert!(
+        beyond.contains("beyond the radius or unreachable: 1"),
+        "{beyond}"
+    );
+    assert!(!beyond.contains("unreachable vertices"), "{beyond}");
+    assert!(!table("2").contains("unreachable"));
+}
+
+#[test]
 fn results_of_other_targets_are_not_mixed() {
     let sandbox = Sandbox::with_square();
     let run = "run square.off --algo mmp,vtp --repeat 1 --quiet";

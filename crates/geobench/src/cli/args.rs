@@ -188,7 +188,7 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "N")]
     pub(super) seed: Option<u64>,
 
-    /// Threads of the parallel algorithms (pvtp), and of outside programs whose command has
+    /// Threads of the parallel algorithms (pvtp, pch), and of outside programs whose command has
     /// {threads} [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = threads())]
     pub(super) threads: Option<u32>,
@@ -400,7 +400,7 @@ pub(super) struct VerifyOptions {
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
     pub(super) tolerance: f64,
 
-    /// Threads of the parallel algorithms (pvtp), and of outside programs whose command has
+    /// Threads of the parallel algorithms (pvtp, pch), and of outside programs whose command has
     /// {threads}
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
     pub(super) threads: u32,

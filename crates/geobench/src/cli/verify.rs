@@ -272,15 +272,7 @@ impl LoadedModelCheck<'_> {
                         votes.push(vote);
                     }
                     if let Some(field) = stored.as_ref().filter(|_| found.len() == count) {
-                        let expected = asked.of_stored(&field.distances);
-                        let is_approximate = verdict.is_approximate;
-                        let comparison = asked.compare(&found, expected, tolerance, is_approximate);
-                        let mut name = field.path.display().to_string();
-                        if comparison.compared < count {
-                            let noun = asked.noun();
-                            name = format!("{name} at {} of {count} {noun}", comparison.compared);
-                        }
-                        verdict.judge(&name, &comparison, &asked);
+                        verdict.judge_by_stored(field, &found, &asked, tolerance);
                     }
                     if algorithm.label() == REFERENCE {
                         reference = Some(found);
@@ -304,12 +296,8 @@ impl LoadedModelCheck<'_> {
             && reference.len() == count
         {
             let name = field.path.display().to_string();
-            votes.push(self.vote_of(
-                &name,
-                &asked.of_stored(&field.distances),
-                reference,
-                &clusters,
-            ));
+            let expected = asked.of_stored(&field.distances);
+            votes.push(self.vote_of(&name, &expected, reference, &clusters));
         }
         if let Some(summary) = agreement::summary(&votes) {
             let name = &self.record.name;
@@ -406,6 +394,18 @@ impl Judgement {
     fn wrong(&mut self, why: &str) {
         self.wrong = true;
         self.remarks.push(why.to_owned());
+    }
+
+    /// Compares an answer with the distances of a file, which may be of some vertices only.
+    fn judge_by_stored(&mut self, field: &Field, found: &[f64], asked: &Asked, tolerance: f64) {
+        let expected = asked.of_stored(&field.distances);
+        let comparison = asked.compare(found, expected, tolerance, self.is_approximate);
+        let mut name = field.path.display().to_string();
+        if comparison.compared < found.len() {
+            let (compared, count, noun) = (comparison.compared, found.len(), asked.noun());
+            name = format!("{name} at {compared} of {count} {noun}");
+        }
+        self.judge(&name, &comparison, asked);
     }
 
     fn judge(&mut self, reference: &str, comparison: &Deviation, asked: &Asked) {

@@ -538,7 +538,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
                 loop {
                     match self.policy.take(h, id, &self.surface, probe) {
                         Dequeued::Propagate(window, lineage) => {
-                            self.cross(h, window, lineage, probe)
+                            self.cross(h, window, lineage, probe);
                         }
                         Dequeued::Stale => {}
                         Dequeued::Requeue(label) if self.queue.is_due(label) => continue,

@@ -144,7 +144,8 @@ fn stay_apart(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> bool {
 }
 
 /// Where two functions are equal, at most two abscissas; also where their distances add up to the
-/// difference of their sigmas, which does no harm to an envelope. Not numbers where there are fewer.
+/// difference of their sigmas, which does no harm to an envelope. NaN or infinite where there are
+/// fewer.
 fn crossings(a: &Piece, b: &Piece) -> [f64; 2] {
     // With X the abscissa from the middle m of both images: ra² - rb² = k X + c, and
     // ra - rb = d gives 2 rb d = k X + c - d².

@@ -522,8 +522,10 @@ impl RoundedTurn {
 
     /// Whether the distance by `reaches` is more than those of all pieces of a block by `clear`.
     ///
-    /// It is the least `d(x) + |xy|` over points x, so it changes by at most the way along the side:
-    /// nowhere on the block it is less than in the middle by more than half the block.
+    /// The distance at y is the least `d(x) + |xy|` over points x, so it changes by at most the way
+    /// along the side: on the block it is at least that in the middle less half the block. `clear`
+    /// covers rounding, also of the abscissas between the ways: there both ways have one length and
+    /// one direction, so that the wrong one of them is longer only to second order.
     fn is_block_beyond(reaches: &[Part; 3], block: &Block, clear: f64) -> bool {
         let t = block.middle;
         let k = usize::from(t > reaches[0].to) + usize::from(t > reaches[1].to);

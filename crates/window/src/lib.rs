@@ -12,14 +12,14 @@
 //! * The kernels are small pure functions: [`separating_abscissa`], the two children, the apex
 //!   distance, these three together as [`Crossing`], [`tie_points`], the vertex filter
 //!   ([`is_beaten_from_ends`]), [`spawn_window`]. They avoid square
-//!   roots and angles, and all tolerances are relative, so that a model in millimetres gives the same
-//!   digits as in metres.
+//!   roots and angles, and all tolerances are relative, so that a model in millimetres gives the
+//!   same digits as in metres.
 //! * [`Faces`] lays the mesh out for crossing, and gives the [`Frame`] of a half-edge.
 //! * [`continuous`] is the frame of the algorithms that take one window at a time: a policy under a
 //!   [discipline](queue::Discipline).
-//! * [`Solver`] is the interface for callers. An algorithm implements [`Propagate`]: one run, generic
-//!   over a [`Probe`] that observes nothing (and costs nothing), counts, or tells its phase to a
-//!   [`PhaseSampler`].
+//! * [`Solver`] is the interface for callers. An algorithm implements [`Propagate`]: one run,
+//!   generic over a [`Probe`] that observes nothing (and costs nothing), counts, or tells its phase
+//!   to a [`PhaseSampler`].
 
 pub mod continuous;
 mod counters;

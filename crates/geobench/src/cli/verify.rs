@@ -119,7 +119,7 @@ fn able_to_end_early(
     let names: Vec<String> = left_out.map(|one| one.label().to_owned()).collect();
     if !names.is_empty() && !options.quiet {
         terminal::print(&format!(
-            "left out, for they go to the end whatever is asked for: {}\n",
+            "left out, because they cannot end early: {}\n",
             names.join(", ")
         ))?;
     }

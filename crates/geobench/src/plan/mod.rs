@@ -158,7 +158,7 @@ impl Plan {
         }
     }
 
-    /// Refuses algorithms that would go to their end whatever is asked for.
+    /// Refuses algorithms that cannot end early.
     ///
     /// # Errors
     ///
@@ -271,7 +271,7 @@ impl Plan {
     }
 }
 
-/// Refuses algorithms that would go to their end whatever is asked for.
+/// Refuses algorithms that cannot end early.
 ///
 /// # Errors
 ///
@@ -284,12 +284,12 @@ pub(crate) fn check_ends_early(algorithms: &[Selection]) -> Result<(), UsageErro
     };
     if first.starts_with("ext:") {
         return Err(UsageError(format!(
-            "{first} is an outside program, which is asked for all distances; leave it out, or              leave out targets and radius"
+            "{first} is an outside program, which is asked for all distances; leave it out, or \
+             leave out targets and radius"
         )));
     }
-    let verb = if others.len() == 1 { "goes" } else { "go" };
     Err(UsageError(format!(
-        "{} {verb} to the end whatever is asked for; leave out of --algo what cannot end early, or          leave out targets and radius",
+        "{} cannot end early; leave out such algorithms, or leave out targets and radius",
         others.join(", ")
     )))
 }

@@ -96,16 +96,16 @@ fn what_cannot_end_early_is_refused_by_name() {
     let sandbox = Sandbox::with_square();
     let refused = sandbox.refuse("run square.off --algo mmp,pvtp,heat --target 1");
     assert!(
-        refused.contains("pvtp, heat go to the end whatever is asked for"),
+        refused.contains("pvtp, heat cannot end early; leave out such algorithms, or leave"),
         "{refused}"
     );
     let refused = sandbox.refuse("run square.off --algo ext:x --radius 1");
     assert!(refused.contains("ext:x is an outside program, which is asked for all distances"));
     let refused = sandbox.refuse("verify square.off --algo window-vtp --radius 1");
-    assert!(refused.contains("window-vtp goes to the end"), "{refused}");
+    assert!(refused.contains("window-vtp cannot end early"), "{refused}");
     let shown = sandbox.succeed("verify square.off --target 2,edge:0-1,0.5");
     assert!(
-        shown.starts_with("left out, for they go to the end"),
+        shown.starts_with("left out, because they cannot end early: "),
         "{shown}"
     );
     assert!(

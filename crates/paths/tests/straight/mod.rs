@@ -90,8 +90,8 @@ fn longest_edge(mesh: &Mesh) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Where the corners of the face of `h` are in the frame of `h`, by their number in the face. In it,
-/// a short edge from the tail of `h` is not the difference of two long ones.
+/// Where the corners of the face of `h` are in the frame of `h`, by their number in the face. In
+/// this frame a short edge from the tail of `h` is not the difference of two long ones.
 fn corners(mesh: &Mesh, h: HalfEdgeId) -> [[f64; 2]; 3] {
     let own = [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)];
     let first = h.corner() as usize;
@@ -172,8 +172,8 @@ fn bend_at_edge(mesh: &Mesh, point: &Point, [before, after]: [&Point; 2]) -> f64
     least
 }
 
-/// At most by how much the path could be cut short in the faces around a vertex, on a side where its
-/// angle is less than π.
+/// At most by how much the path could be cut short in the faces around a vertex, on a side where
+/// its angle is less than π.
 ///
 /// Beside the tip of a needle that angle alone tells nothing: the path passes one of two vertices
 /// that are 1e-12 apart, and the other one holds it.

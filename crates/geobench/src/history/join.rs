@@ -44,7 +44,7 @@ pub fn join(files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
 }
 
 /// Adds the cells of `new` to `earlier`, each with the name of its file. A cell of both is the new
-/// one.
+/// one. `new` may be from another machine if it has no times of its own.
 ///
 /// # Errors
 ///
@@ -57,7 +57,13 @@ pub fn extend(
         file: earlier,
         notes: Vec::new(),
     };
-    check_machine(&joined.file, earlier_name, new_name, &new)?;
+    let is_timed_before = |cell: &Cell| {
+        let mut known = joined.file.cells.iter();
+        known.any(|known| is_same(known, cell) && known.time == cell.time)
+    };
+    if !new.cells.iter().all(is_timed_before) {
+        check_machine(&joined.file, earlier_name, new_name, &new)?;
+    }
     add(&mut joined, earlier_name, new_name, new, Winner::Added)?;
     Ok(joined)
 }
@@ -219,12 +225,7 @@ fn add(
     }
     let mut in_both = 0;
     for cell in file.cells {
-        let same = |known: &Cell| {
-            is_beside(known, &cell)
-                && known.algorithm == cell.algorithm
-                && known.threads == cell.threads
-        };
-        match whole.cells.iter().position(same) {
+        match whole.cells.iter().position(|known| is_same(known, &cell)) {
             Some(place) => {
                 in_both += 1;
                 if wins == Winner::Added {
@@ -255,6 +256,11 @@ fn add(
     whole.started = whole.started.clone().min(file.started);
     whole.finished = whole.finished.clone().max(file.finished);
     Ok(in_both)
+}
+
+/// Whether two cells are of the same runs.
+fn is_same(a: &Cell, b: &Cell) -> bool {
+    is_beside(a, b) && a.algorithm == b.algorithm && a.threads == b.threads
 }
 
 /// Whether two cells are of the same group, model and source.

@@ -159,6 +159,48 @@ impl Finished {
     }
 }
 
+/// Whether `earlier` holds every run of `plan`, so that [`run`] would time nothing.
+pub fn is_known(plan: &Plan, earlier: &Earlier) -> bool {
+    let past = Past {
+        journal: None,
+        earlier: Some(earlier),
+    };
+    let mut with_units = (0..plan.models.len()).filter(|&place| plan.units_of_model(place) > 0);
+    with_units.all(|place| known(plan, place, past, true).is_some())
+}
+
+/// The record and all cells of the model at `place`, if every run of them is in `past`.
+fn known(
+    plan: &Plan,
+    place: usize,
+    past: Past<'_>,
+    is_interleaved: bool,
+) -> Option<(ModelRecord, Vec<Cell>)> {
+    let model = &plan.models[place];
+    let (found, file_sha256) = past.model(&model.name)?;
+    // A journal refuses changed files when it is opened.
+    if file_sha256.is_some() && model.file_sha256() != file_sha256 && model.spec().is_none() {
+        return None;
+    }
+    let units: Vec<Unit<'_>> = sources(plan, place, found)
+        .ok()?
+        .into_iter()
+        .map(|source| Unit::new(plan, found, source, past, is_interleaved))
+        .collect();
+    units.iter().all(Unit::is_complete).then(|| {
+        let cells = units.into_iter().flat_map(Unit::cells).collect();
+        (found.clone(), cells)
+    })
+}
+
+/// The sources of this shard in the model at `place`.
+fn sources(plan: &Plan, place: usize, model: &ModelRecord) -> Result<Vec<SourceSpec>, UsageError> {
+    let vertices = model.vertices.unwrap_or(0) as usize;
+    let all = plan.units_in(vertices)?.into_iter().enumerate();
+    let mine = |&(number, _): &(usize, SourceSpec)| plan.has_unit(place, number);
+    Ok(all.filter(mine).map(|(_, source)| source).collect())
+}
+
 /// One model of a plan.
 #[derive(Clone, Copy)]
 struct Benchmark<'b, 'l> {
@@ -248,27 +290,12 @@ impl Benchmark<'_, '_> {
 
     /// All cells of the model, if the journal or the earlier file knows every run of them.
     fn known(&self) -> Option<(ModelRecord, Vec<Cell>)> {
-        let model = &self.plan.models[self.place];
         let journal = self.log.journal();
         let past = Past {
             journal: journal.as_deref(),
             earlier: self.earlier,
         };
-        let (found, file_sha256) = past.model(&model.name)?;
-        // A journal refuses changed files when it is opened.
-        if file_sha256.is_some() && model.file_sha256() != file_sha256 && model.spec().is_none() {
-            return None;
-        }
-        let units: Vec<Unit<'_>> = self
-            .sources(found)
-            .ok()?
-            .into_iter()
-            .map(|source| self.unit(found, source, past.journal))
-            .collect();
-        units.iter().all(Unit::is_complete).then(|| {
-            let cells = units.into_iter().flat_map(Unit::cells).collect();
-            (found.clone(), cells)
-        })
+        known(self.plan, self.place, past, !self.is_parallel)
     }
 
     fn run_loaded(
@@ -276,7 +303,7 @@ impl Benchmark<'_, '_> {
         mut session: Box<dyn Session + '_>,
     ) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
         let model = self.recorded(session.model())?;
-        let sources = match self.sources(&model) {
+        let sources = match sources(self.plan, self.place, &model) {
             Ok(sources) => sources,
             Err(error) => {
                 let cells = self.refused(&format!("{}: {error}", model.path));
@@ -335,14 +362,6 @@ impl Benchmark<'_, '_> {
         }
         self.log.keep(JournalLine::Model(found.clone()))?;
         Ok(found.clone())
-    }
-
-    /// The sources of this shard.
-    fn sources(&self, model: &ModelRecord) -> Result<Vec<SourceSpec>, UsageError> {
-        let vertices = model.vertices.unwrap_or(0) as usize;
-        let all = self.plan.units_in(vertices)?.into_iter().enumerate();
-        let mine = |&(number, _): &(usize, SourceSpec)| self.plan.has_unit(self.place, number);
-        Ok(all.filter(mine).map(|(_, source)| source).collect())
     }
 
     /// The cells of a model that cannot be used or lacks a source. Random sources are then unknown

@@ -174,6 +174,16 @@ fn a_file_grows_by_algorithms_models_and_runs() {
         refusal.starts_with("other.json: from another machine"),
         "{refusal}"
     );
+    // What times nothing may run anywhere, such as counting instructions.
+    sandbox.succeed(&format!("{run} 3 --algo vtp --add-to other.json"));
+    let kept = sandbox.json("other.json");
+    assert_eq!(kept["cells"], longer["cells"]);
+    assert_eq!(kept["host"]["cores"], 1000);
+    let refusal = sandbox.refuse(&format!("{run} 4 --algo vtp --add-to other.json"));
+    assert!(
+        refusal.starts_with("other.json: from another machine"),
+        "{refusal}"
+    );
 }
 
 #[test]

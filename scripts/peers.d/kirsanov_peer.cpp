@@ -1,0 +1,32 @@
+// Kirsanov's MMP in C++ (mojocorp/geodesic).
+
+#include "session.hpp"
+
+#include <memory>
+
+#include <geodesic/geodesic_algorithm_exact.h>
+
+struct Solver {
+    geodesic::Mesh mesh;
+    unsigned source;
+    std::unique_ptr<geodesic::GeodesicAlgorithmExact> algorithm;
+
+    Solver(const peer::Model& model, unsigned source) : source(source) {
+        mesh.initialize_mesh_data(model.points, model.faces);
+        algorithm = std::make_unique<geodesic::GeodesicAlgorithmExact>(&mesh);
+    }
+
+    void solve() {
+        const std::vector<geodesic::SurfacePoint> sources(1, geodesic::SurfacePoint(&mesh.vertices()[source]));
+        algorithm->propagate(sources);
+    }
+
+    double distance(std::size_t vertex) {
+        geodesic::SurfacePoint point(&mesh.vertices()[vertex]);
+        double distance = -1;
+        algorithm->best_source(point, distance);
+        return distance;
+    }
+};
+
+int main(int argc, char** argv) { return peer::serve<Solver>(argc, argv); }

@@ -186,7 +186,7 @@ impl Store {
         self.lists[i].queued
     }
 
-    /// Block `i` is in the queue under this label.
+    /// Sets the label under which list `i` is queued.
     #[inline]
     pub(super) fn set_queued(&mut self, i: usize, label: f64) {
         self.lists[i].queued = label;
@@ -330,7 +330,7 @@ impl Store {
         to as usize
     }
 
-    /// Block `i` is likely to be looked at soon: asks for where it is.
+    /// Prefetches the header of list `i`.
     #[inline]
     pub(super) fn announce(&self, i: usize) {
         prefetch(&self.lists, i);

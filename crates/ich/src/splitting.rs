@@ -71,7 +71,7 @@ impl Splitting {
 /// arrives next.
 #[cold]
 #[inline(never)]
-#[allow(clippy::large_types_passed_by_value)] // The caller's is not to pass through memory.
+#[allow(clippy::large_types_passed_by_value)] // Keeps the caller's value in registers.
 pub(crate) fn is_beaten_beside_thin_faces(
     h: HalfEdgeId,
     w: Window,
@@ -118,7 +118,7 @@ impl Policy for Splitting {
     }
 
     #[inline(always)]
-    #[allow(clippy::inline_always)] // The window is not to pass through memory.
+    #[allow(clippy::inline_always)] // Keeps the window in registers.
     fn arrive<P: Probe>(
         &mut self,
         arrival: &Arrival<Lineage>,
@@ -154,7 +154,7 @@ impl Policy for Splitting {
     }
 
     #[inline(always)]
-    #[allow(clippy::inline_always)] // The window is not to pass through memory.
+    #[allow(clippy::inline_always)] // Keeps the window in registers.
     fn admit<P: Probe>(
         &mut self,
         child: &Child<Lineage>,
@@ -204,7 +204,7 @@ impl Policy for Splitting {
     }
 
     #[inline(always)]
-    #[allow(clippy::inline_always)] // It is called in one place, and nothing of it is to pass through memory.
+    #[allow(clippy::inline_always)] // Called in one place; keeps its values in registers.
     fn release<P: Probe>(&mut self, id: u32, surface: &Surface, probe: &mut P) -> Option<Lineage> {
         let (sigma, lineage) = self.leaves.remove(id);
         if self.is_stale(sigma, &lineage, surface) {

@@ -123,9 +123,9 @@ pub(crate) fn measure<const N: usize>(corners: &[[[f64; N]; 3]; 3]) -> FaceShape
 
 /// As [`apexes_from_positions`], for a triangle known by its edge lengths alone.
 ///
-/// For a half-edge of length l with the side a from its tail and the side b from its head, x = (l²
-/// + (a-b)(a+b)) / 2l and y = 2S / l. The area S comes from Kahan's form of Heron's formula, which
-/// stays accurate on needles.
+/// Let l be the length of the half-edge, a that of the side from its tail and b that of the side
+/// from its head. Then x = (l² + (a-b)(a+b)) / 2l and y = 2S / l. The area S comes from Kahan's
+/// form of Heron's formula, which stays accurate on needles.
 pub(crate) fn apexes_from_lengths(lengths: [f64; 3]) -> [[f64; 2]; 3] {
     let twice_area = twice_area_from_lengths(lengths);
     [0, 1, 2].map(|k| {

@@ -19,8 +19,8 @@
 //!
 //! Shortest paths are intrinsic: they depend only on the lengths of edges and on which faces share
 //! them. So a mesh stores the length of every half-edge. It can also be built from lengths alone
-//! ([`Mesh::from_lengths`]), for surfaces without an embedding in space. Half-edges are numbered `3
-//! * face + corner`, so only the twin is stored as a link. A mesh is immutable.
+//! ([`Mesh::from_lengths`]), for surfaces without an embedding in space. A half-edge has the number
+//! `3 * face + corner`, so only the twin is stored as a link. A mesh is immutable.
 //!
 //! Surfaces need not be closed, connected or manifold at every vertex. Components without a source
 //! are at infinite distance. Paths pass through a *pinched* vertex, at which several fans of faces

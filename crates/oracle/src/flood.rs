@@ -36,13 +36,13 @@ pub struct Search {
 
 impl Search {
     /// All lines from every vertex where a path can bend.
-    pub const EXHAUSTIVE: Self = Self {
+    pub(crate) const EXHAUSTIVE: Self = Self {
         everywhere: false,
         prune: false,
         most_beams: u64::MAX,
     };
 
-    /// As [`EXHAUSTIVE`](Self::EXHAUSTIVE), but pruned, and limited to `most_beams` beams.
+    /// Lines from every vertex where a path can bend, pruned, in at most `most_beams` beams.
     pub const fn pruned(most_beams: u64) -> Self {
         Self {
             prune: true,

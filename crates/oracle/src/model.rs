@@ -91,7 +91,7 @@ impl Model {
 
     /// The same surface with `sources` before some random ones.
     #[must_use]
-    pub fn starting_at(mut self, sources: &[u32]) -> Self {
+    pub(crate) fn starting_at(mut self, sources: &[u32]) -> Self {
         const ENOUGH: usize = 5;
         self.sources = sources.to_vec();
         let mut random = Random::new(self.vertex_count as u64);

@@ -49,8 +49,8 @@ impl<S: Scalar> PreciseSurface<S> {
     ///
     /// # Panics
     ///
-    /// If a triangle names a vertex that does not exist, or two triangles have the same direction along an edge (a non-manifold
-    /// edge, or triangles with different orientations).
+    /// If a triangle names a vertex that does not exist, or two triangles have the same direction
+    /// along an edge (a non-manifold edge, or triangles with different orientations).
     pub fn from_positions(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
         let mut surface = Self::new(positions.len(), triangles, |t| {
             let corners = triangles[t].map(|v| positions[v as usize].map(S::from_f64));

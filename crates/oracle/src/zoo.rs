@@ -1,8 +1,8 @@
 //! Small surfaces with all features that have broken geodesic programs.
 //!
 //! [`small`] has surfaces on which the oracle takes a moment. [`slow`] has those on which it takes
-//! seconds to minutes; their distances are stored in this crate. The functions that make them are
-//! public for tests that need variants.
+//! seconds to minutes; their distances are stored in this crate. Tests that need variants make them
+//! with the other functions.
 
 use crate::model::Model;
 use crate::random::Random;
@@ -13,13 +13,15 @@ mod plane;
 mod rough;
 mod solids;
 
-pub use intrinsic::{EQUILATERAL, SADDLE_FANS, cone, flat_torus};
+pub use intrinsic::cone;
+pub(crate) use intrinsic::{EQUILATERAL, SADDLE_FANS, flat_torus};
 pub use joined::{pinched, side_by_side, with_isolated_vertices};
-pub use plane::{Diagonal, Rectangle, dog_ear, grid, plate, staircase, with_flat_faces};
-pub use rough::{caps, double_cone, needles, star, stretched, terrain, whole_terrain};
-pub use solids::{
-    cuboid, disphenoid, icosahedron, icosphere, noisy_sphere, octahedron, pillow, prism, torus,
-};
+pub use plane::{Diagonal, Rectangle, grid, plate, with_flat_faces};
+pub(crate) use plane::{dog_ear, staircase};
+pub(crate) use rough::{caps, double_cone};
+pub use rough::{needles, star, stretched, terrain, whole_terrain};
+pub use solids::{cuboid, disphenoid, icosahedron, icosphere, octahedron, prism, torus};
+pub(crate) use solids::{noisy_sphere, pillow};
 
 /// All surfaces that the oracle solves in a moment.
 pub fn small() -> Vec<Model> {

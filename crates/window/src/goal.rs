@@ -116,7 +116,7 @@ impl Goal {
     }
 
     /// Makes the distances beyond the radius infinite, for a run that was not ended early.
-    pub fn cut(&self, solution: &mut Solution) {
+    pub(crate) fn cut(&self, solution: &mut Solution) {
         for d in &mut solution.distances {
             if *d > self.radius {
                 *d = f64::INFINITY;

@@ -165,8 +165,8 @@ pub trait Solver: Send {
     ///
     /// # Errors
     ///
-    /// If `sources` is empty or has a vertex that does not exist, or if set-up did not get the threads or
-    /// the memory that it needs.
+    /// If `sources` is empty or has a vertex that does not exist, or if set-up did not get the
+    /// threads or the memory that it needs.
     fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError>;
 
     /// As [`solve`](Solver::solve), and counts the events of the run.
@@ -214,8 +214,8 @@ pub trait Solver: Send {
     ///
     /// # Errors
     ///
-    /// As [`solve_until`](Solver::solve_until), and [`SolveError::NoPaths`] if the algorithm does not
-    /// record origins.
+    /// As [`solve_until`](Solver::solve_until), and [`SolveError::NoPaths`] if the algorithm does
+    /// not record origins.
     fn trace(
         &mut self,
         sources: &[VertexId],

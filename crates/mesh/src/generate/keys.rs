@@ -100,7 +100,7 @@ impl Key {
     }
 
     /// The values that the key takes, such as `0 to 12`.
-    pub fn range(&self) -> String {
+    pub(super) fn range(&self) -> String {
         match self.kind {
             Kind::Whole { min, max, .. } => format!("{min} to {max}"),
             Kind::Real { min, max, .. } => format!("{} to {}", Real(min), Real(max)),
@@ -111,7 +111,7 @@ impl Key {
     }
 
     /// The values in a sentence, such as `a whole number from 0 to 12`.
-    pub fn wanted(&self) -> String {
+    fn wanted(&self) -> String {
         let range = self.range();
         match self.kind {
             Kind::Whole { .. } => format!("a whole number from {range}"),

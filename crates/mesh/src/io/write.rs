@@ -204,7 +204,7 @@ impl<'a> PlyWriter<'a> {
     /// # Errors
     ///
     /// If the file cannot be written, and those of [`write`](Self::write).
-    pub fn write_file(&self, path: &Path) -> Result<(), FileError> {
+    fn write_file(&self, path: &Path) -> Result<(), FileError> {
         to_file(path, |out| self.write(out))
     }
 

@@ -336,8 +336,8 @@ impl Store {
         prefetch(&self.lists, i);
     }
 
-    /// Prefetches the middle windows of a list that was [announced](Self::announce) before; a search
-    /// starts there.
+    /// Prefetches the middle windows of a list that was [announced](Self::announce) before; a
+    /// search starts there.
     #[inline]
     pub(super) fn prepare(&self, i: usize) {
         let ListBlock { start, len, .. } = self.lists[i];

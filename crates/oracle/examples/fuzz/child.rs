@@ -199,7 +199,8 @@ impl Judge {
                     }),
                 });
             }
-            // It was `mmp-fast` that hung while its windows were counted; its own turn will show it.
+            // It was `mmp-fast` that hung while its windows were counted; its own turn will show
+            // it.
             work_is_known = true;
         }
         let Some(expected) = expected else {

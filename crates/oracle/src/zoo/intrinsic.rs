@@ -36,7 +36,7 @@ pub(crate) fn from_layout(
 ///
 /// If there are fewer than three cells in a direction, in which case two edges would join the same
 /// vertices.
-pub fn flat_torus(
+pub(crate) fn flat_torus(
     [m, n]: [u32; 2],
     u: [f64; 2],
     v: [f64; 2],
@@ -99,7 +99,7 @@ pub fn cone(wedges: u32, angle: f64, parts: u32) -> (Model, Vec<[f64; 2]>) {
 }
 
 /// Numbers of equilateral triangles with which a cone has more than a full turn.
-pub const SADDLE_FANS: [u32; 3] = [7, 8, 12];
+pub(crate) const SADDLE_FANS: [u32; 3] = [7, 8, 12];
 
 /// The angle of an equilateral triangle.
-pub const EQUILATERAL: f64 = PI / 3.0;
+pub(crate) const EQUILATERAL: f64 = PI / 3.0;

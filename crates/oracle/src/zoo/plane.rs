@@ -98,7 +98,7 @@ impl Model {
     ///
     /// If the model has no positions.
     #[must_use]
-    pub fn jittered(mut self, amount: f64) -> Self {
+    pub(crate) fn jittered(mut self, amount: f64) -> Self {
         let surface = self.surface::<f64>();
         let mut random = Random::new(self.triangles.len() as u64);
         let Geometry::Positions(positions) = &mut self.geometry else {
@@ -131,7 +131,7 @@ impl Model {
 }
 
 /// A plate folded into a staircase along lines of constant x, by right angles.
-pub fn staircase(plate: Model) -> Model {
+pub(crate) fn staircase(plate: Model) -> Model {
     plate.moved("folded into stairs", |[x, y, _]| {
         let whole = x.floor();
         let odd = whole.rem_euclid(2.0);
@@ -145,7 +145,7 @@ pub fn staircase(plate: Model) -> Model {
 }
 
 /// A plate whose part beyond the line x + y = `at` is folded up by a right angle.
-pub fn dog_ear(plate: Model, at: f64) -> Model {
+pub(crate) fn dog_ear(plate: Model, at: f64) -> Model {
     plate.moved("with a corner turned up", |[x, y, _]| {
         let beyond = (x + y - at).max(0.0);
         let height = beyond / std::f64::consts::SQRT_2;

@@ -60,7 +60,7 @@ pub fn stretched(n: u32, ratio: f64, noise: f64) -> Model {
 
 /// Rhombi of two caps each, in a row: triangles of the given `height` over long bases, with two
 /// small angles.
-pub fn caps(count: u32, height: f64) -> Model {
+pub(crate) fn caps(count: u32, height: f64) -> Model {
     let mut positions = Vec::new();
     let mut triangles = Vec::new();
     for i in 0..count {
@@ -100,7 +100,7 @@ pub fn star(spokes: u32, other_radius: f64, height: f64) -> Model {
 }
 
 /// A double cone of `spokes` faces on each side, with apexes 0 and 1 at heights 1 and `low`.
-pub fn double_cone(spokes: u32, low: f64) -> Model {
+pub(crate) fn double_cone(spokes: u32, low: f64) -> Model {
     let mut positions = vec![[0.0, 0.0, 1.0], [0.0, 0.0, low]];
     for i in 0..spokes {
         let (sin, cos) = (2.0 * PI * f64::from(i) / f64::from(spokes)).sin_cos();

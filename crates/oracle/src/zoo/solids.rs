@@ -74,7 +74,7 @@ pub fn disphenoid([p, q, r]: [f64; 3]) -> Model {
 /// A doubly covered rectangle of m × n unit cells: two sheets joined along the boundary, all with z
 /// = 0. The second list tells which vertices are on the lower sheet. Each cell has a vertex in its
 /// middle, so that no edge joins two vertices of the boundary across a sheet.
-pub fn pillow([m, n]: [u32; 2]) -> (Model, Vec<bool>) {
+pub(crate) fn pillow([m, n]: [u32; 2]) -> (Model, Vec<bool>) {
     let mut lattice = Lattice::default();
     let mut triangles = Vec::new();
     for sheet in [0, 1] {
@@ -182,7 +182,7 @@ pub fn icosphere(doublings: u32) -> Model {
 }
 
 /// An icosphere with radii from 1 - `noise` to 1 + `noise`.
-pub fn noisy_sphere(doublings: u32, noise: f64) -> Model {
+pub(crate) fn noisy_sphere(doublings: u32, noise: f64) -> Model {
     let mut random = Random::new(u64::from(doublings));
     let name = format!("with noise {noise}");
     icosphere(doublings).moved(&name, |p| {

@@ -99,7 +99,7 @@ impl Lookahead {
     }
 
     #[inline(always)]
-    #[allow(clippy::inline_always)] // A window is not to pass through memory.
+    #[allow(clippy::inline_always)] // Keeps the window in registers.
     fn add<W: Policy>(&mut self, h: HalfEdgeId, id: u32, policy: &W, surface: &Surface) {
         if let Some(window) = policy.foresee(id) {
             self.ids[self.crossings.len()] = id;

@@ -30,7 +30,7 @@ impl CrossedChild {
     /// Each of the three tests compares a distance with a limit that depends on the window alone,
     /// so limits can be computed before distances are known.
     #[inline]
-    #[allow(clippy::needless_bitwise_bool)] // Hardly any window is beaten: one branch for all three.
+    #[allow(clippy::needless_bitwise_bool)] // Few windows are beaten: one branch for all three.
     pub fn is_beaten(&self, distances: [f64; 3]) -> bool {
         let [tail, head, behind] = self.limits;
         (distances[0] < tail) | (distances[1] < head) | (distances[2] < behind)

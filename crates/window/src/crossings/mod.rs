@@ -168,7 +168,7 @@ impl Crossings {
 
     /// The apex of the triangle that window `lane` crosses.
     #[inline]
-    pub fn apex(&self, lane: usize) -> VertexId {
+    pub(crate) fn apex(&self, lane: usize) -> VertexId {
         self.apices[lane]
     }
 

@@ -147,7 +147,7 @@ impl Arena {
 
     /// Prefetches the first event of `chain`.
     #[inline]
-    pub fn announce(&self, chain: Chain) {
+    pub(crate) fn announce(&self, chain: Chain) {
         prefetch(&self.links, chain.head as usize);
     }
 

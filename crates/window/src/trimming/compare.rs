@@ -80,7 +80,7 @@ impl Comparison {
     /// The distances at both ends decide, unless there may be two tie points or the windows are
     /// equal at the ends: these cases are [open](Comparison::Open).
     #[inline(always)]
-    #[allow(clippy::inline_always)] // The windows are not to pass through memory.
+    #[allow(clippy::inline_always)] // Keeps the window in registers.
     pub fn between(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
         if hi - lo <= SLIVER * l {
             return Self::on_narrow(old, new, lo, hi, l);

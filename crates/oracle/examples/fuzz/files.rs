@@ -1,4 +1,4 @@
-//! Failures in files that `geobench verify` takes.
+//! Failures as files for `geobench verify`.
 
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -9,17 +9,17 @@ use geobench_mesh::io as mesh_io;
 
 use crate::case::{Case, Expected, Failure, FailureKind};
 
-/// What stands before the sources in a file.
+/// The comment before the sources in a file.
 const SOURCES: &str = "# sources:";
 
-/// What stands in a file whose windows are counted.
+/// The comment in a file whose windows are counted.
 const BOUNDED: &str = "# windows: bounded";
 
-/// An algorithm and what was wrong with its answer.
+/// An algorithm and the defect of its answer.
 pub(crate) type Finding = (String, Failure);
 
-/// Writes `NAME.obj` to `folder`, and for a single source the right distances beside it, where
-/// `verify` finds them.
+/// Writes `NAME.obj` to `folder`. For a single source, also writes the right distances beside it,
+/// where `verify` finds them.
 pub(crate) fn write(
     folder: &Path,
     name: &str,
@@ -53,11 +53,11 @@ pub(crate) fn write(
     Ok(path)
 }
 
-/// The command line that shows the failure.
+/// The command line that reproduces the failure.
 fn command(name: &str, case: &Case, findings: &[Finding]) -> String {
     let algorithms: Vec<&str> = findings.iter().map(|(name, _)| name.as_str()).collect();
     let algorithms = algorithms.join(",");
-    // `verify` takes one source at a time, and does not count.
+    // `verify` takes one source at a time and does not count.
     let counted = |(_, failure): &Finding| failure.kind == FailureKind::Work;
     match case.sources[..] {
         [source] if !findings.iter().any(counted) => {
@@ -70,7 +70,7 @@ fn command(name: &str, case: &Case, findings: &[Finding]) -> String {
     }
 }
 
-/// Reads what [`write`] wrote. The source is 0 in a file that does not name any.
+/// Reads a file of [`write`]. The source is 0 in a file that names none.
 pub(crate) fn read(path: &Path) -> io::Result<Case> {
     let soup = mesh_io::read(path).map_err(io::Error::other)?;
     let text = fs::read_to_string(path)?;

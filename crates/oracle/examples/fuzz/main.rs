@@ -1,11 +1,11 @@
-//! Looks for meshes on which an algorithm is wrong.
+//! Searches for meshes on which an algorithm is wrong.
 //!
 //! `cargo run --release -p geobench-oracle --example fuzz -- --seeds 0..10000 --algo all`
 //!
-//! Each seed makes a mesh ([`geobench_oracle::nasty`]) that every algorithm of the registry solves,
+//! Each seed makes a mesh ([`geobench_oracle::nasty`]). Every algorithm of the registry solves it,
 //! with every value of its parameters that keeps it exact. The oracle, in double-double, judges the
-//! answers. A failure is made smaller and saved as a file that `geobench verify` takes (`--out`).
-//! Exit status 1 means that something failed.
+//! answers. A failing mesh is made smaller and saved as a file for `geobench verify` (`--out`). The
+//! exit status is 1 if anything failed.
 
 use std::collections::{HashMap, HashSet};
 use std::num::NonZeroUsize;
@@ -36,7 +36,7 @@ mod slivers;
 mod table;
 mod variants;
 
-/// Looks for meshes on which an algorithm is wrong.
+/// Searches for meshes on which an algorithm is wrong.
 #[derive(Parser)]
 #[command(group(ArgGroup::new("meshes").args(["seeds", "slivers", "again"])))]
 #[expect(
@@ -178,14 +178,14 @@ struct Fuzzer<'a> {
     algorithms: Vec<String>,
     items: Items,
     table: Mutex<Table>,
-    /// Meshes saved for each algorithm, without its parameters, and way to fail.
+    /// Number of meshes saved for each algorithm, without its parameters, and kind of failure.
     saved: Mutex<HashMap<String, usize>>,
     next: AtomicUsize,
     start: Instant,
 }
 
 impl Fuzzer<'_> {
-    /// Judges one case after another until there are no more.
+    /// Judges cases until there are no more.
     fn work(&self) -> io::Result<()> {
         let mut judge = Judge::new(Duration::from_secs_f64(self.options.limit));
         loop {
@@ -236,8 +236,8 @@ impl Fuzzer<'_> {
         failed.collect()
     }
 
-    /// Saves the mesh, made smaller for the first of the algorithms that fail; then, if some others
-    /// do not fail on the smaller one, for the first of these, and so on.
+    /// Saves the mesh, made smaller for the first of the failing algorithms. If others do not fail
+    /// on the smaller mesh, repeats this for the first of them, and so on.
     fn save(
         &self,
         judge: &mut Judge,
@@ -284,7 +284,7 @@ impl Fuzzer<'_> {
         Ok(())
     }
 
-    /// Whether there are few saved meshes on which the algorithm fails like that.
+    /// Whether few meshes are saved on which the algorithm fails in this way.
     fn is_wanted(&self, failure: &Finding) -> bool {
         let saved = self.saved.lock();
         let count = saved.map_or(0, |saved| {
@@ -298,7 +298,7 @@ fn way_to_fail((algorithm, failure): &Finding) -> String {
     format!("{} {}", variants::name_of(algorithm), failure.kind)
 }
 
-/// A name without characters that mean something to a shell.
+/// A name without characters that are special in a shell.
 fn file_name(item: &Item, algorithm: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
     let base = item.name.rsplit('/').next().unwrap_or_default();

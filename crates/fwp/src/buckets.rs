@@ -153,7 +153,7 @@ impl Buckets {
 
     /// Counts a window or vertex that arrives in `bucket`.
     #[inline]
-    fn welcome(&mut self, bucket: u64) {
+    fn count_arrival(&mut self, bucket: u64) {
         if bucket > self.round.end {
             self.round.beyond += 1;
         } else {
@@ -273,7 +273,7 @@ impl Discipline for Buckets {
     #[inline]
     fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
         let bucket = self.bucket(label);
-        self.welcome(bucket);
+        self.count_arrival(bucket);
         self.put(bucket, label, event, probe);
     }
 
@@ -284,7 +284,7 @@ impl Discipline for Buckets {
 
     #[inline]
     fn weigh(&mut self, label: f64) {
-        self.welcome(self.bucket(label));
+        self.count_arrival(self.bucket(label));
     }
 
     #[inline]

@@ -16,7 +16,7 @@ const SOURCES: &str = "# sources:";
 const BOUNDED: &str = "# windows: bounded";
 
 /// An algorithm and the defect of its answer.
-pub(crate) type Finding = (String, Failure);
+pub(crate) type AlgorithmFailure = (String, Failure);
 
 /// Writes `NAME.obj` to `folder`. For a single source, also writes the right distances beside it,
 /// where `verify` finds them.
@@ -26,16 +26,16 @@ pub(crate) fn write(
     origin: &str,
     case: &Case,
     expected: &Expected,
-    findings: &[Finding],
+    failures: &[AlgorithmFailure],
 ) -> io::Result<PathBuf> {
     fs::create_dir_all(folder)?;
     let path = folder.join(format!("{name}.obj"));
     let mut out = BufWriter::new(File::create(&path)?);
     writeln!(out, "# {origin}")?;
-    for (algorithm, failure) in findings {
+    for (algorithm, failure) in failures {
         writeln!(out, "# {algorithm}: {failure}")?;
     }
-    writeln!(out, "{}", command(name, case, findings))?;
+    writeln!(out, "{}", command(name, case, failures))?;
     let sources: Vec<String> = case.sources.iter().map(u32::to_string).collect();
     writeln!(out, "{SOURCES} {}", sources.join(" "))?;
     if case.bounded {
@@ -54,13 +54,13 @@ pub(crate) fn write(
 }
 
 /// The command line that reproduces the failure.
-fn command(name: &str, case: &Case, findings: &[Finding]) -> String {
-    let algorithms: Vec<&str> = findings.iter().map(|(name, _)| name.as_str()).collect();
+fn command(name: &str, case: &Case, failures: &[AlgorithmFailure]) -> String {
+    let algorithms: Vec<&str> = failures.iter().map(|(name, _)| name.as_str()).collect();
     let algorithms = algorithms.join(",");
     // `verify` takes one source at a time and does not count.
-    let counted = |(_, failure): &Finding| failure.kind == FailureKind::Work;
+    let counted = |(_, failure): &AlgorithmFailure| failure.kind == FailureKind::Work;
     match case.sources[..] {
-        [source] if !findings.iter().any(counted) => {
+        [source] if !failures.iter().any(counted) => {
             format!("# geobench verify {name}.obj --source {source} --algo '{algorithms}'")
         }
         _ => format!(

@@ -20,7 +20,7 @@ use std::{env, io, thread};
 use case::{Expected, Verdict};
 use child::Judge;
 use clap::{ArgGroup, Parser};
-use files::Finding;
+use files::AlgorithmFailure;
 use geobench_oracle::nasty::Kind;
 use items::{Item, Items};
 use minimise::Smallest;
@@ -227,7 +227,7 @@ impl Fuzzer<'_> {
         }
     }
 
-    fn failures(&self, verdicts: &[Verdict]) -> Vec<Finding> {
+    fn failures(&self, verdicts: &[Verdict]) -> Vec<AlgorithmFailure> {
         let answers = self.algorithms.iter().zip(verdicts);
         let failed = answers.filter_map(|(algorithm, verdict)| match verdict {
             Verdict::Failed(failure) => Some((algorithm.clone(), failure.clone())),
@@ -243,7 +243,7 @@ impl Fuzzer<'_> {
         judge: &mut Judge,
         item: &Item,
         expected: &Expected,
-        mut failures: Vec<Finding>,
+        mut failures: Vec<AlgorithmFailure>,
     ) -> io::Result<()> {
         let Some(folder) = &self.options.out else {
             return Ok(());
@@ -264,19 +264,19 @@ impl Fuzzer<'_> {
             }
             let (case, right) = (&smallest.case, &smallest.expected);
             let all: Vec<String> = failures.iter().map(|(name, _)| name.clone()).collect();
-            let mut findings = vec![(algorithm.clone(), smallest.failure.clone())];
+            let mut failing = vec![(algorithm.clone(), smallest.failure.clone())];
             if let Ok(judged) = judge.judge(case, Some(right.clone()), &all[1..])? {
                 for (name, verdict) in all[1..].iter().zip(judged.verdicts) {
                     if let Verdict::Failed(failure) = verdict {
-                        findings.push((name.clone(), failure));
+                        failing.push((name.clone(), failure));
                     }
                 }
             }
             let name = file_name(item, &algorithm);
-            files::write(folder, &name, &item.name, case, right, &findings)?;
-            failures.retain(|(name, _)| findings.iter().all(|(known, _)| known != name));
+            files::write(folder, &name, &item.name, case, right, &failing)?;
+            failures.retain(|(name, _)| failing.iter().all(|(known, _)| known != name));
             let mut saved = self.saved.lock().map_err(|_| died())?;
-            let ways: HashSet<String> = findings.iter().map(way_to_fail).collect();
+            let ways: HashSet<String> = failing.iter().map(way_to_fail).collect();
             for way in ways {
                 *saved.entry(way).or_default() += 1;
             }
@@ -285,7 +285,7 @@ impl Fuzzer<'_> {
     }
 
     /// Whether few meshes are saved on which the algorithm fails in this way.
-    fn is_wanted(&self, failure: &Finding) -> bool {
+    fn is_wanted(&self, failure: &AlgorithmFailure) -> bool {
         let saved = self.saved.lock();
         let count = saved.map_or(0, |saved| {
             saved.get(&way_to_fail(failure)).copied().unwrap_or(0)
@@ -294,7 +294,7 @@ impl Fuzzer<'_> {
     }
 }
 
-fn way_to_fail((algorithm, failure): &Finding) -> String {
+fn way_to_fail((algorithm, failure): &AlgorithmFailure) -> String {
     format!("{} {}", variants::name_of(algorithm), failure.kind)
 }
 

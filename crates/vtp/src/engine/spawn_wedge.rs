@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use super::layout::{MeshLayout, half_edge, parts, prev};
 
 /// By how much, in radians, the wedge is widened: far more than the errors of the angles.
-const PENUMBRA: f32 = 1e-3;
+const WIDENING: f32 = 1e-3;
 
 /// The last crossing of a path before it reached a vertex.
 #[derive(Clone, Copy, Debug, Default)]
@@ -53,8 +53,8 @@ impl SpawnWedge {
         let size = across.abs() + along.abs();
         let turned = libm::atan2f((across / size) as f32, (along / size) as f32);
         let (from, to) = (
-            PI - PENUMBRA,
-            layout.vertices[v as usize].total_angle - PI + PENUMBRA,
+            PI - WIDENING,
+            layout.vertices[v as usize].total_angle - PI + WIDENING,
         );
         // The first corner that ends within the wedge, and the last that starts within it.
         let mut wedge = Self { first: 0, count: 0 };

@@ -88,7 +88,7 @@ impl Handoff {
         for &turn in &self.turns {
             schedule_fuzz();
             view.take_over(turn.vertex, turn.distance);
-            wavefront.hear_of(view, turn, probe);
+            wavefront.take_over(view, turn, probe);
         }
         wavefront.settle(view, probe);
         let mut windows = self.windows.as_slice();

@@ -35,7 +35,8 @@ pub(super) struct LagLimit {
     places: Vec<Padded<AtomicU32>>,
     /// Threads at work plus handoffs in transit. The run is over when it reaches 0.
     pending: Padded<AtomicUsize>,
-    /// Threads that have reached the end of the run; `expected` is the number of all threads.
+    /// Threads that have reached the end of the run; `expected` is the number of threads of
+    /// the run.
     arrived: Padded<AtomicUsize>,
     expected: usize,
     broken: AtomicBool,

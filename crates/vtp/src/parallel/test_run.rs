@@ -31,7 +31,7 @@ impl Thread {
     pub(super) fn find(&mut self, shared: &Shared, path: Improvement) {
         let (wavefront, mut view) = self.view(shared);
         if view.offer(path.vertex, path.distance) {
-            wavefront.hear_of(&mut view, path, &mut ());
+            wavefront.take_over(&mut view, path, &mut ());
             wavefront.settle(&mut view, &mut ());
         }
     }

@@ -30,7 +30,7 @@ pub(super) struct Worker {
     handoff: Handoff,
     estimate: LoadEstimate,
     /// The bucket of the next check of the load.
-    looks: u32,
+    next_check: u32,
     /// The last bucket that may be processed, as read last. Threads that have moved back since only
     /// let this one run further ahead.
     limit: u32,
@@ -48,7 +48,7 @@ impl Worker {
             near: Vec::new(),
             handoff: Handoff::default(),
             estimate: LoadEstimate::default(),
-            looks: 0,
+            next_check: 0,
             limit: 0,
             clock: Clock::start(),
             given: 0,
@@ -104,7 +104,7 @@ impl Worker {
         self.wavefront.reset();
         self.state.reset();
         self.estimate = LoadEstimate::default();
-        self.looks = 0;
+        self.next_check = 0;
         self.limit = 0;
         self.given = 0;
         self.clock = Clock::start();
@@ -149,10 +149,10 @@ impl Worker {
     /// Hands off vertices to the thread with the least load, if this one has too much and the last
     /// check was some buckets ago. `bucket` is the next to be processed.
     fn give(&mut self, shared: &Shared, bucket: u32) {
-        if shared.threads == 1 || bucket < self.looks {
+        if shared.threads == 1 || bucket < self.next_check {
             return;
         }
-        self.looks = bucket.saturating_add(BUCKETS);
+        self.next_check = bucket.saturating_add(BUCKETS);
         shared
             .placement
             .come_to(self.thread, self.wavefront.last_turn());

@@ -258,7 +258,7 @@ impl Wavefront {
     }
 
     /// Takes over another wavefront's path to a vertex that was handed off to this one.
-    pub(crate) fn hear_of<P: Probe>(
+    pub(crate) fn take_over<P: Probe>(
         &mut self,
         state: &mut impl SurfaceState,
         improvement: Improvement,

@@ -169,27 +169,27 @@ struct NeighbourSearch {
     /// An upper bound of the distance of the `k`-th nearest vertex.
     limit: f64,
     /// Improvements since `limit` was computed.
-    fresh: usize,
+    improvements: usize,
     /// No path that was still open when the run ended is shorter than this.
     bound: f64,
     distances: Vec<f64>,
 }
 
 /// Improvements after which `limit` is computed anew.
-const FRESH: usize = 16;
+const IMPROVEMENTS: usize = 16;
 
 impl NeighbourSearch {
     fn begin(&mut self, k: Option<usize>) {
         self.k = k;
         self.reached.clear();
         self.limit = f64::INFINITY;
-        self.fresh = FRESH;
+        self.improvements = IMPROVEMENTS;
         self.bound = f64::INFINITY;
     }
 
     /// Sets `limit` to the `k`-th smallest distance reached.
-    fn look(&mut self, k: usize) {
-        self.fresh = 0;
+    fn update_limit(&mut self, k: usize) {
+        self.improvements = 0;
         self.distances.clear();
         let distances = self.reached.iter().map(|r| r.distance);
         self.distances.extend(distances);
@@ -209,7 +209,7 @@ impl Probe for NeighbourSearch {
             distance: d,
             is_direct: sigma == 0.0,
         };
-        self.fresh += 1;
+        self.improvements += 1;
         if let Some(known) = self.reached.get_mut(self.places[v.index()] as usize) {
             *known = reached;
         } else {
@@ -226,8 +226,8 @@ impl Probe for NeighbourSearch {
         if k == 0 {
             return true;
         }
-        if self.fresh >= FRESH && self.reached.len() >= k {
-            self.look(k);
+        if self.improvements >= IMPROVEMENTS && self.reached.len() >= k {
+            self.update_limit(k);
         }
         self.limit < bound
     }

@@ -50,7 +50,7 @@ impl Lookahead {
         surface: &Surface,
     ) -> Option<usize> {
         if self.next == self.crossings.len() {
-            self.look(h, id, queue, policy, surface);
+            self.refill(h, id, queue, policy, surface);
         }
         let next = self.next;
         if self.ids[next % LANES] == id {
@@ -73,7 +73,7 @@ impl Lookahead {
     /// Crosses this window and the next ones of the queue, and prefetches the memory that these and
     /// the windows after them will need.
     #[inline(never)]
-    fn look<W: Policy, Q: Discipline>(
+    fn refill<W: Policy, Q: Discipline>(
         &mut self,
         h: HalfEdgeId,
         id: u32,

@@ -164,13 +164,13 @@ impl Calendar {
 
     /// Sets [`walk`](Self::walk) to the first event of the bucket that follows `bucket`.
     #[inline]
-    pub(super) fn look_behind(&mut self, bucket: u64) {
+    pub(super) fn prepare_walk(&mut self, bucket: u64) {
         if let Some(next) = self.ring.next_occupied(bucket + 1) {
             self.walker = self.ring.chain(next).head;
         }
     }
 
-    /// Prefetches one more event of the bucket set by [`look_behind`](Self::look_behind). The
+    /// Prefetches one more event of the bucket set by [`prepare_walk`](Self::look_behind). The
     /// events of a bucket form a linked list, so [draining](Self::drain) it without prefetching
     /// would wait for each link.
     #[inline]

@@ -89,7 +89,7 @@ impl Priority {
             let place = |label| self.later.place_in(bucket, label);
             append_in_order(&mut self.fresh, &mut self.drained, place);
         }
-        self.later.look_behind(self.current);
+        self.later.prepare_walk(self.current);
         self.fresh.reverse();
         self.fresh.append(&mut self.sorted);
         std::mem::swap(&mut self.fresh, &mut self.sorted);
